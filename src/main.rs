@@ -1,0 +1,3 @@
+//! The `vesica` program: arguments in, exit status out.
+
+fn main() {}

@@ -1,0 +1,5 @@
+//! What to simulate.
+
+mod model;
+
+pub use model::*;
