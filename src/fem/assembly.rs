@@ -1,0 +1,90 @@
+//! Where each triangle's 3 × 3 element matrix goes in the sparse pattern of the mesh.
+
+use std::sync::Arc;
+
+use super::Mesh;
+use crate::linalg::Pattern;
+
+/// A symmetric 2 × 2 tensor [xx, xy, yy].
+pub type SymmetricTensor = [f64; 3];
+
+/// The pattern of the P1 matrices of a mesh and the way into it.
+#[derive(Debug, Clone)]
+pub struct Assembly {
+    /// An entry for every pair of nodes that share a triangle, and for every node with itself.
+    pub pattern: Arc<Pattern>,
+    /// Where the entries (a, b) of each triangle's element matrix are stored, row by row.
+    positions: Vec<[[u32; 3]; 3]>,
+    /// Where the diagonal entry of each node is stored.
+    pub diagonal: Vec<u32>,
+}
+
+impl Assembly {
+    /// The pattern of a mesh.
+    pub fn new(mesh: &Mesh) -> Self {
+        let mut rows: Vec<Vec<u32>> = (0..mesh.nodes().len() as u32)
+            .map(|node| vec![node])
+            .collect();
+        for triangle in mesh.triangles() {
+            for &a in triangle {
+                rows[a as usize].extend(triangle);
+            }
+        }
+        let pattern = Pattern::from_rows(rows);
+        let position = |row: u32, column: u32| {
+            pattern
+                .position(row as usize, column as usize)
+                .map(|position| position as u32)
+                .expect("the pattern was made from these triangles")
+        };
+        let positions = mesh
+            .triangles()
+            .iter()
+            .map(|triangle| triangle.map(|a| triangle.map(|b| position(a, b))))
+            .collect();
+        let diagonal = (0..mesh.nodes().len() as u32)
+            .map(|node| position(node, node))
+            .collect();
+        Self {
+            pattern: Arc::new(pattern),
+            positions,
+            diagonal,
+        }
+    }
+
+    /// values ← values + the element matrices that `element` gives, triangle by triangle.
+    #[inline(always)]
+    pub fn add(&self, values: &mut [f64], mut element: impl FnMut(usize) -> [[f64; 3]; 3]) {
+        for (triangle, positions) in self.positions.iter().enumerate() {
+            let entries = element(triangle);
+            for (positions, entries) in positions.iter().zip(&entries) {
+                for (&position, entry) in positions.iter().zip(entries) {
+                    values[position as usize] += entry;
+                }
+            }
+        }
+    }
+
+    /// values ← values + ∫ (T ∇ψ_j)·∇ψ_i for a tensor T on each triangle.
+    pub fn add_stiffness(&self, mesh: &Mesh, tensors: &[SymmetricTensor], values: &mut [f64]) {
+        let (areas, gradients) = (mesh.areas(), mesh.gradients());
+        self.add(values, |triangle| {
+            let [xx, xy, yy] = tensors[triangle].map(|entry| entry * areas[triangle]);
+            let gradients = &gradients[triangle];
+            let fluxes = gradients.map(|[x, y]| [xx * x + xy * y, xy * x + yy * y]);
+            gradients.map(|[x, y]| fluxes.map(|[flux_x, flux_y]| x * flux_x + y * flux_y))
+        });
+    }
+
+    /// values ← values + ∫ w ∇ψ_j·∇ψ_i for a weight w on each triangle.
+    pub fn add_weighted_stiffness(&self, mesh: &Mesh, weights: &[f64], values: &mut [f64]) {
+        let (areas, gradients) = (mesh.areas(), mesh.gradients());
+        self.add(values, |triangle| {
+            let weight = weights[triangle] * areas[triangle];
+            let gradients = &gradients[triangle];
+            gradients.map(|[x, y]| {
+                gradients.map(|[other_x, other_y]| weight * (x * other_x + y * other_y))
+            })
+        });
+    }
+}

@@ -1,0 +1,158 @@
+//! The zero set of a P1 function: exact, segment by segment, and what is measured on it.
+
+use super::Mesh;
+
+/// The set φ = 0 of a P1 function and the region φ > 0.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Contour {
+    /// One segment for each triangle that the zero set crosses; φ > 0 lies on its left.
+    pub segments: Vec<[[f64; 2]; 2]>,
+    /// The area of the region φ > 0.
+    pub area: f64,
+}
+
+/// The size of a vesicle along and across an axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OutlineMeasure {
+    /// Its extent along the axis.
+    pub length: f64,
+    /// Its extent across the axis, half way along it.
+    pub waist: f64,
+    /// Its greatest extent across the axis.
+    pub width: f64,
+}
+
+impl Contour {
+    /// The zero set of nodal values.
+    pub fn new(mesh: &Mesh, values: &[f64]) -> Self {
+        let mut segments = Vec::new();
+        let mut area = 0.0;
+        for (triangle, triangle_area) in mesh.triangles().iter().zip(mesh.areas()) {
+            let corner_values = triangle.map(|node| values[node as usize]);
+            let inside = corner_values.map(|value| value > 0.0);
+            let count = inside.iter().filter(|inside| **inside).count();
+            if count == 0 || count == 3 {
+                area += if count == 3 { *triangle_area } else { 0.0 };
+                continue;
+            }
+            // The corner that is alone on its side, first.
+            let alone = (0..3)
+                .find(|&corner| inside[corner] == (count == 1))
+                .unwrap_or(0);
+            let order = [alone, (alone + 1) % 3, (alone + 2) % 3];
+            let places = order.map(|corner| mesh.nodes()[triangle[corner] as usize]);
+            let [first, second, third] = order.map(|corner| corner_values[corner]);
+            let (to_second, to_third) = (first / (first - second), first / (first - third));
+            let along = |other: usize, share: f64| {
+                [0, 1].map(|axis| places[0][axis] + share * (places[other][axis] - places[0][axis]))
+            };
+            let (near_second, near_third) = (along(1, to_second), along(2, to_third));
+            let corner = to_second * to_third * triangle_area;
+            if count == 1 {
+                segments.push([near_second, near_third]);
+                area += corner;
+            } else {
+                segments.push([near_third, near_second]);
+                area += triangle_area - corner;
+            }
+        }
+        Self { segments, area }
+    }
+
+    /// The length of the zero set.
+    pub fn length(&self) -> f64 {
+        self.segments
+            .iter()
+            .map(|[a, b]| (b[0] - a[0]).hypot(b[1] - a[1]))
+            .sum()
+    }
+
+    /// Length, waist and width along an axis at `angle` degrees to the x axis; `None` where the
+    /// zero set is empty.
+    pub fn measure(&self, angle: f64) -> Option<OutlineMeasure> {
+        let (sine, cosine) = angle.to_radians().sin_cos();
+        let turned = |[x, y]: [f64; 2]| [cosine * x + sine * y, cosine * y - sine * x];
+        let mut extent = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+        for place in self.segments.iter().flatten() {
+            for (range, coordinate) in extent.iter_mut().zip(turned(*place)) {
+                *range = [range[0].min(coordinate), range[1].max(coordinate)];
+            }
+        }
+        let [[start, end], [left, right]] = extent;
+        if start > end {
+            return None;
+        }
+        let middle = 0.5 * (start + end);
+        let mut waist = [f64::INFINITY, f64::NEG_INFINITY];
+        for [a, b] in &self.segments {
+            let ([a_along, a_across], [b_along, b_across]) = (turned(*a), turned(*b));
+            if (a_along <= middle) != (b_along <= middle) {
+                let share = (middle - a_along) / (b_along - a_along);
+                let across = a_across + share * (b_across - a_across);
+                waist = [waist[0].min(across), waist[1].max(across)];
+            }
+        }
+        Some(OutlineMeasure {
+            length: end - start,
+            waist: (waist[1] - waist[0]).max(0.0),
+            width: right - left,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    /// Positive inside the ellipse of half axes a (along x) and b about the centre of the square.
+    fn ellipse(mesh: &Mesh, a: f64, b: f64) -> Vec<f64> {
+        let value = |[x, y]: &[f64; 2]| 1.0 - ((x - 0.5) / a).hypot((y - 0.5) / b);
+        mesh.nodes().iter().map(value).collect()
+    }
+
+    #[test]
+    fn a_circle_has_its_length_and_its_area() {
+        let mesh = Mesh::structured(200, 0.0, 0).expect("a regular mesh");
+        let contour = Contour::new(&mesh, &ellipse(&mesh, 0.25, 0.25));
+        assert!((contour.length() / (0.5 * PI) - 1.0).abs() < 1e-4);
+        assert!((contour.area / (PI / 16.0) - 1.0).abs() < 2e-4);
+    }
+
+    #[test]
+    fn the_inside_lies_on_the_left() {
+        let mesh = Mesh::structured(30, 0.2, 2).expect("a fair mesh");
+        let contour = Contour::new(&mesh, &ellipse(&mesh, 0.3, 0.2));
+        // Green's theorem: ½ ∮ (x dy − y dx) is the area when the inside lies on the left.
+        let enclosed: f64 = contour
+            .segments
+            .iter()
+            .map(|[a, b]| 0.5 * (a[0] * b[1] - a[1] * b[0]))
+            .sum();
+        assert!(
+            (enclosed - contour.area).abs() < 1e-13,
+            "{enclosed} {}",
+            contour.area
+        );
+    }
+
+    #[test]
+    fn an_ellipse_is_measured_along_its_axis() {
+        let mesh = Mesh::structured(100, 0.0, 0).expect("a regular mesh");
+        let contour = Contour::new(&mesh, &ellipse(&mesh, 0.2, 0.4));
+        let measure = contour.measure(90.0).expect("an outline");
+        for (value, exact) in [
+            (measure.length, 0.8),
+            (measure.waist, 0.4),
+            (measure.width, 0.4),
+        ] {
+            assert!((value - exact).abs() < 1e-3, "{measure:?}");
+        }
+        let across = contour.measure(0.0).expect("an outline");
+        assert!((across.length - 0.4).abs() < 1e-3 && (across.waist - 0.8).abs() < 1e-3);
+        assert_eq!(
+            Contour::new(&mesh, &vec![-1.0; mesh.nodes().len()]).measure(0.0),
+            None
+        );
+    }
+}

@@ -1,0 +1,25 @@
+//! What can go wrong in building a finite-element space.
+
+use thiserror::Error;
+
+use crate::linalg::LinalgError;
+
+/// A mesh or a projection that could not be made.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum FemError {
+    /// A triangle that is turned round or has no area.
+    #[error(
+        "triangle {triangle} (nodes {nodes:?}) has the signed area {area:.3e}; every triangle must have a positive one: lower mesh.jitter"
+    )]
+    DegenerateTriangle {
+        /// Its number.
+        triangle: usize,
+        /// Its nodes.
+        nodes: [u32; 3],
+        /// Its area, negative where it is turned round.
+        area: f64,
+    },
+    /// The linear system of a projection could not be solved.
+    #[error("the projection of the initial phase field failed")]
+    Projection(#[from] LinalgError),
+}

@@ -1,0 +1,189 @@
+//! Triangulations of Ω: connectivity, areas, gradients of the basis functions, boundary nodes.
+
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+
+use super::FemError;
+
+/// A triangulation. Nothing in it says how it was made, [`Mesh::grid`] apart.
+#[derive(Debug, Clone)]
+pub struct Mesh {
+    nodes: Vec<[f64; 2]>,
+    triangles: Vec<[u32; 3]>,
+    areas: Vec<f64>,
+    gradients: Vec<[[f64; 2]; 3]>,
+    on_boundary: Vec<bool>,
+    grid: Option<Grid>,
+}
+
+/// That a mesh is the regular one of right triangles on the unit square, row after row from below:
+/// node j of row i is number i·(cells + 1) + j.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Grid {
+    /// Squares along a side, 1/h.
+    pub cells: usize,
+}
+
+impl Mesh {
+    /// A mesh of given nodes and triangles (counter-clockwise).
+    ///
+    /// # Errors
+    /// `DegenerateTriangle` where a triangle has no positive area.
+    pub fn new(nodes: Vec<[f64; 2]>, triangles: Vec<[u32; 3]>) -> Result<Self, FemError> {
+        let mut areas = Vec::with_capacity(triangles.len());
+        let mut gradients = Vec::with_capacity(triangles.len());
+        for (triangle, &corners) in triangles.iter().enumerate() {
+            let [a, b, c] = corners.map(|node| nodes[node as usize]);
+            let doubled = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+            if doubled.is_nan() || doubled <= 0.0 {
+                return Err(FemError::DegenerateTriangle {
+                    triangle,
+                    nodes: corners,
+                    area: 0.5 * doubled,
+                });
+            }
+            // ∇ψ_a is normal to the opposite edge b → c and has the length 1/height.
+            let normal = |from: [f64; 2], to: [f64; 2]| {
+                [(from[1] - to[1]) / doubled, (to[0] - from[0]) / doubled]
+            };
+            areas.push(0.5 * doubled);
+            gradients.push([normal(b, c), normal(c, a), normal(a, b)]);
+        }
+        let on_boundary = boundary_nodes(nodes.len(), &triangles);
+        Ok(Self {
+            nodes,
+            triangles,
+            areas,
+            gradients,
+            on_boundary,
+            grid: None,
+        })
+    }
+
+    /// The structured mesh of the unit square: `cells` squares a side, each cut by the diagonal from
+    /// lower left to upper right; interior nodes moved by up to `jitter`·h in x and in y.
+    ///
+    /// # Errors
+    /// `DegenerateTriangle` where the jitter turns a triangle round.
+    pub fn structured(cells: usize, jitter: f64, seed: u64) -> Result<Self, FemError> {
+        let side = cells + 1;
+        let h = 1.0 / cells as f64;
+        let mut generator = ChaCha8Rng::seed_from_u64(seed);
+        let mut nodes = Vec::with_capacity(side * side);
+        for i in 0..side {
+            for j in 0..side {
+                let mut node = [j as f64 / cells as f64, i as f64 / cells as f64];
+                let inside = i > 0 && i < cells && j > 0 && j < cells;
+                if inside && jitter > 0.0 {
+                    for coordinate in &mut node {
+                        *coordinate += jitter * h * generator.random_range(-1.0..=1.0);
+                    }
+                }
+                nodes.push(node);
+            }
+        }
+        let mut triangles = Vec::with_capacity(2 * cells * cells);
+        for i in 0..cells {
+            for j in 0..cells {
+                let lower_left = (i * side + j) as u32;
+                let lower_right = lower_left + 1;
+                let upper_left = lower_left + side as u32;
+                let upper_right = upper_left + 1;
+                triangles.push([lower_left, lower_right, upper_right]);
+                triangles.push([lower_left, upper_right, upper_left]);
+            }
+        }
+        let mut mesh = Self::new(nodes, triangles)?;
+        mesh.grid = (jitter == 0.0).then_some(Grid { cells });
+        Ok(mesh)
+    }
+
+    /// Where the nodes are.
+    pub fn nodes(&self) -> &[[f64; 2]] {
+        &self.nodes
+    }
+
+    /// The three nodes of each triangle, counter-clockwise.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// The area of each triangle.
+    pub fn areas(&self) -> &[f64] {
+        &self.areas
+    }
+
+    /// The gradients of the three basis functions on each triangle.
+    pub fn gradients(&self) -> &[[[f64; 2]; 3]] {
+        &self.gradients
+    }
+
+    /// Whether each node lies on ∂Ω.
+    pub fn on_boundary(&self) -> &[bool] {
+        &self.on_boundary
+    }
+
+    /// The grid that the mesh is, if it is one.
+    pub fn grid(&self) -> Option<Grid> {
+        self.grid
+    }
+}
+
+/// Marks the ends of the edges that belong to one triangle only.
+fn boundary_nodes(count: usize, triangles: &[[u32; 3]]) -> Vec<bool> {
+    let mut edges: Vec<(u32, u32)> = triangles
+        .iter()
+        .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)])
+        .map(|(from, to)| (from.min(to), from.max(to)))
+        .collect();
+    edges.sort_unstable();
+    let mut on_boundary = vec![false; count];
+    for edge in edges.chunk_by(|a, b| a == b).filter(|same| same.len() == 1) {
+        on_boundary[edge[0].0 as usize] = true;
+        on_boundary[edge[0].1 as usize] = true;
+    }
+    on_boundary
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_structured_mesh_covers_the_square_once() {
+        for jitter in [0.0, 0.2] {
+            let mesh = Mesh::structured(6, jitter, 3).expect("a fair mesh");
+            assert_eq!((mesh.nodes().len(), mesh.triangles().len()), (49, 72));
+            assert!((mesh.areas().iter().sum::<f64>() - 1.0).abs() < 1e-14);
+            assert_eq!(mesh.on_boundary().iter().filter(|on| **on).count(), 24);
+            assert_eq!(mesh.grid().is_some(), jitter == 0.0);
+        }
+        let mesh = Mesh::structured(4, 0.0, 0).expect("a regular mesh");
+        assert_eq!(mesh.triangles()[..2], [[0, 1, 6], [0, 6, 5]]);
+    }
+
+    #[test]
+    fn gradients_reproduce_a_linear_function() {
+        let mesh = Mesh::structured(5, 0.3, 1).expect("a fair mesh");
+        for (triangle, gradients) in mesh.triangles().iter().zip(mesh.gradients()) {
+            let mut gradient = [0.0; 2];
+            for (&node, g) in triangle.iter().zip(gradients) {
+                let [x, y] = mesh.nodes()[node as usize];
+                let value = 2.0 * x - 3.0 * y + 1.0;
+                gradient[0] += value * g[0];
+                gradient[1] += value * g[1];
+            }
+            assert!((gradient[0] - 2.0).abs() < 1e-12 && (gradient[1] + 3.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_triangle_turned_round_is_refused() {
+        let nodes = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+        let error = Mesh::new(nodes, vec![[0, 2, 1]]).expect_err("clockwise");
+        assert!(
+            matches!(error, FemError::DegenerateTriangle { triangle: 0, area, .. } if area < 0.0)
+        );
+    }
+}

@@ -1,0 +1,22 @@
+//! Finite elements: triangulations, the P1 space with one quadrature rule, assembly, the projection
+//! of φ⁰, and what can be read off a P1 function (its zero set).
+
+mod assembly;
+mod contour;
+mod error;
+mod mass;
+mod mass_inverse;
+mod mesh;
+mod projection;
+mod rule;
+mod space;
+
+pub use assembly::{Assembly, SymmetricTensor};
+pub use contour::{Contour, OutlineMeasure};
+pub use error::FemError;
+pub use mass::MassForm;
+pub use mass_inverse::MassInverse;
+pub use mesh::{Grid, Mesh};
+pub use projection::{GivenFunction, l2_projection, ritz_projection};
+pub use rule::Rule;
+pub use space::Space;

@@ -1,0 +1,274 @@
+//! A sparse LDLᵀ factor (faer) of a symmetric matrix on a fixed pattern: analysed once, refactored
+//! without allocation.
+//!
+//! No pivoting: indefinite matrices are factored as they come, after a symmetric scaling that
+//! brings every row to a largest entry of about 1. The caller must check the residual of what it
+//! solves, as every user in this program does by preconditioning with the factor, not by trusting it.
+//! Everything runs in sequence (`Par::Seq`): faer 0.24 has open reports of wrong results from its
+//! parallel sparse factorisations.
+
+use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
+use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymmetricOrdering,
+    factorize_symbolic_cholesky,
+};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Conj, MatMut, Par, Side};
+
+use super::{LinalgError, LinearOperator, Pattern};
+
+/// A factored symmetric matrix.
+pub struct Ldlt {
+    size: usize,
+    /// The lower triangle by columns.
+    column_start: Vec<u32>,
+    rows: Vec<u32>,
+    /// Where the stored lower entries stand among the values of the whole pattern.
+    sources: Vec<u32>,
+    values: Vec<f64>,
+    /// S of the scaled matrix S A S.
+    scaling: Vec<f64>,
+    symbolic: SymbolicCholesky<u32>,
+    factor: Vec<f64>,
+    factor_memory: MemBuffer,
+    solve_memory: MemBuffer,
+}
+
+impl std::fmt::Debug for Ldlt {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter
+            .debug_struct("Ldlt")
+            .field("size", &self.size)
+            .field("factor_entries", &self.factor.len())
+            .finish_non_exhaustive()
+    }
+}
+
+impl Ldlt {
+    /// Analyses a symmetric pattern (ordering and structure of the factor).
+    ///
+    /// # Errors
+    /// `Factorisation` when the library cannot (out of memory, index overflow).
+    pub fn analyse(pattern: &Pattern) -> Result<Self, LinalgError> {
+        let size = pattern.size();
+        let mut column_start = vec![0];
+        let (mut rows, mut sources) = (Vec::new(), Vec::new());
+        // The pattern is symmetric, so the upper part of row i is the lower part of column i.
+        for column in 0..size {
+            for position in pattern.row(column) {
+                let row = pattern.columns()[position];
+                if row as usize >= column {
+                    rows.push(row);
+                    sources.push(position as u32);
+                }
+            }
+            column_start.push(rows.len() as u32);
+        }
+        let failed = |reason: String| LinalgError::Factorisation { size, reason };
+        let structure =
+            SymbolicSparseColMatRef::new_checked(size, size, &column_start, None, &rows);
+        let symbolic = factorize_symbolic_cholesky(
+            structure,
+            Side::Lower,
+            SymmetricOrdering::Amd,
+            CholeskySymbolicParams::default(),
+        )
+        .map_err(|error| failed(error.to_string()))?;
+        let memory = |request: StackReq| {
+            MemBuffer::try_new(request).map_err(|_| failed("not enough memory".to_owned()))
+        };
+        let factor_memory =
+            memory(symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Default::default()))?;
+        let solve_memory = memory(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq))?;
+        let factor = vec![0.0; symbolic.len_val()];
+        let values = vec![0.0; rows.len()];
+        Ok(Self {
+            size,
+            column_start,
+            rows,
+            sources,
+            values,
+            scaling: vec![1.0; size],
+            symbolic,
+            factor,
+            factor_memory,
+            solve_memory,
+        })
+    }
+
+    /// Factors the matrix with these values on the pattern that was analysed; of each pair of
+    /// mirrored entries the one in the upper triangle is read.
+    ///
+    /// # Errors
+    /// `Factorisation` on a zero pivot, `NotFinite` where the matrix is not finite.
+    pub fn refactor(&mut self, values: &[f64]) -> Result<(), LinalgError> {
+        for (value, &source) in self.values.iter_mut().zip(&self.sources) {
+            *value = values[source as usize];
+        }
+        self.equilibrate();
+        if !self.values.iter().all(|value| value.is_finite()) {
+            return Err(LinalgError::NotFinite {
+                place: "the matrix to factor",
+                iteration: 0,
+            });
+        }
+        let structure = SymbolicSparseColMatRef::new_checked(
+            self.size,
+            self.size,
+            &self.column_start,
+            None,
+            &self.rows,
+        );
+        self.symbolic
+            .factorize_numeric_ldlt(
+                &mut self.factor,
+                SparseColMatRef::new(structure, &self.values),
+                Side::Lower,
+                LdltRegularization::default(),
+                Par::Seq,
+                MemStack::new(&mut self.factor_memory),
+                Default::default(),
+            )
+            .map_err(|error| LinalgError::Factorisation {
+                size: self.size,
+                reason: error.to_string(),
+            })?;
+        Ok(())
+    }
+
+    /// Scales the matrix symmetrically, twice, by the square root of each row's largest entry.
+    fn equilibrate(&mut self) {
+        self.scaling.fill(1.0);
+        let mut largest = vec![0.0_f64; self.size];
+        for _ in 0..2 {
+            largest.fill(0.0);
+            for column in 0..self.size {
+                let range =
+                    self.column_start[column] as usize..self.column_start[column + 1] as usize;
+                for position in range {
+                    let row = self.rows[position] as usize;
+                    let value = self.values[position].abs();
+                    largest[row] = largest[row].max(value);
+                    largest[column] = largest[column].max(value);
+                }
+            }
+            for value in &mut largest {
+                *value = if *value > 0.0 {
+                    value.sqrt().recip()
+                } else {
+                    1.0
+                };
+            }
+            for column in 0..self.size {
+                let range =
+                    self.column_start[column] as usize..self.column_start[column + 1] as usize;
+                for position in range {
+                    self.values[position] *=
+                        largest[column] * largest[self.rows[position] as usize];
+                }
+                self.scaling[column] *= largest[column];
+            }
+        }
+    }
+
+    /// Entries of the factor.
+    pub fn entries(&self) -> usize {
+        self.factor.len()
+    }
+
+    /// x ← A⁻¹ x.
+    pub fn solve_in_place(&mut self, x: &mut [f64]) {
+        for (x, s) in x.iter_mut().zip(&self.scaling) {
+            *x *= s;
+        }
+        LdltRef::<'_, u32, f64>::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
+            Conj::No,
+            MatMut::from_column_major_slice_mut(&mut *x, self.size, 1),
+            Par::Seq,
+            MemStack::new(&mut self.solve_memory),
+        );
+        for (x, s) in x.iter_mut().zip(&self.scaling) {
+            *x *= s;
+        }
+    }
+}
+
+impl LinearOperator for Ldlt {
+    /// y ← A⁻¹ x.
+    fn apply(&mut self, x: &[f64], y: &mut [f64]) {
+        y.copy_from_slice(x);
+        self.solve_in_place(y);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An indefinite saddle-point matrix [A B; Bᵀ −I] of 2n unknowns, badly scaled.
+    fn saddle(n: usize) -> (Pattern, Vec<f64>) {
+        let rows: Vec<Vec<u32>> = (0..2 * n)
+            .map(|row| {
+                let node = row % n;
+                let near = node.saturating_sub(1)..=(node + 1).min(n - 1);
+                near.flat_map(|other| [other as u32, (other + n) as u32])
+                    .collect()
+            })
+            .collect();
+        let pattern = Pattern::from_rows(rows);
+        let mut values = vec![0.0; pattern.entries()];
+        for row in 0..2 * n {
+            for position in pattern.row(row) {
+                let column = pattern.columns()[position] as usize;
+                let same = row % n == column % n;
+                values[position] = match (row < n, column < n) {
+                    (true, true) => {
+                        if same {
+                            3.0
+                        } else {
+                            -1.0
+                        }
+                    }
+                    (false, false) => {
+                        if same {
+                            -1e-8
+                        } else {
+                            0.0
+                        }
+                    }
+                    _ => 1e-4 * if same { 2.0 } else { 0.5 },
+                };
+            }
+        }
+        (pattern, values)
+    }
+
+    #[test]
+    fn solves_an_indefinite_system_and_can_be_refactored() {
+        let (pattern, mut values) = saddle(30);
+        let mut factor = Ldlt::analyse(&pattern).expect("a small pattern");
+        for _ in 0..2 {
+            factor.refactor(&values).expect("no zero pivot");
+            let exact: Vec<f64> = (0..60).map(|i| f64::from(i).sin()).collect();
+            let mut b = vec![0.0; 60];
+            pattern.multiply(&values, &exact, &mut b);
+            factor.solve_in_place(&mut b);
+            let error = b
+                .iter()
+                .zip(&exact)
+                .map(|(x, e)| (x - e).abs())
+                .fold(0.0, f64::max);
+            assert!(error < 1e-10, "{error}");
+            values.iter_mut().for_each(|value| *value *= 2.0);
+        }
+    }
+
+    #[test]
+    fn what_is_not_finite_is_an_error() {
+        let (pattern, mut values) = saddle(5);
+        values[0] = f64::INFINITY;
+        let mut factor = Ldlt::analyse(&pattern).expect("a small pattern");
+        assert!(factor.refactor(&values).is_err());
+    }
+}

@@ -1,0 +1,24 @@
+//! Linear algebra that knows nothing of what it solves: sparse matrices on a fixed pattern, Krylov
+//! methods, a sparse LDLᵀ factor (faer) and the cosine transform of a grid.
+
+mod conjugate_gradients;
+mod cosine;
+mod error;
+mod factor;
+mod gmres;
+mod sparse;
+pub mod vector;
+
+pub use conjugate_gradients::{ConjugateGradients, Solution};
+pub use cosine::{CosineTransform, Multiplier};
+pub use error::LinalgError;
+pub use factor::Ldlt;
+pub use gmres::{Gmres, Outcome};
+pub use sparse::{Pattern, SparseMatrix};
+
+/// A linear map between vectors of the same length: a matrix, a matrix-free product, or a
+/// preconditioner.
+pub trait LinearOperator {
+    /// y ← A x. Takes `&mut self` so that an operator can own its scratch vectors.
+    fn apply(&mut self, x: &[f64], y: &mut [f64]);
+}

@@ -1,0 +1,103 @@
+//! Operations on vectors. Sums run in a fixed number of lanes, in a fixed order, so that they are
+//! fast, lose little to rounding, and give the same bits on every machine and every run.
+
+use multiversion::multiversion;
+
+/// Lanes of a sum: one 512-bit register of f64, twice, to hide the latency of an addition.
+const LANES: usize = 16;
+
+/// Σ x_i y_i.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2"))]
+pub fn dot(x: &[f64], y: &[f64]) -> f64 {
+    assert_eq!(x.len(), y.len());
+    let mut lanes = [0.0; LANES];
+    let (x_chunks, x_rest) = x.as_chunks::<LANES>();
+    let (y_chunks, y_rest) = y.as_chunks::<LANES>();
+    for (a, b) in x_chunks.iter().zip(y_chunks) {
+        for lane in 0..LANES {
+            lanes[lane] += a[lane] * b[lane];
+        }
+    }
+    let rest: f64 = x_rest.iter().zip(y_rest).map(|(a, b)| a * b).sum();
+    fold(lanes) + rest
+}
+
+/// Σ x_i.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2"))]
+pub fn sum(x: &[f64]) -> f64 {
+    let mut lanes = [0.0; LANES];
+    let (chunks, rest) = x.as_chunks::<LANES>();
+    for a in chunks {
+        for lane in 0..LANES {
+            lanes[lane] += a[lane];
+        }
+    }
+    fold(lanes) + rest.iter().sum::<f64>()
+}
+
+/// Σ w_i x_i².
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2"))]
+pub fn weighted_square(x: &[f64], weights: &[f64]) -> f64 {
+    assert_eq!(x.len(), weights.len());
+    let mut lanes = [0.0; LANES];
+    let (x_chunks, x_rest) = x.as_chunks::<LANES>();
+    let (w_chunks, w_rest) = weights.as_chunks::<LANES>();
+    for (a, w) in x_chunks.iter().zip(w_chunks) {
+        for lane in 0..LANES {
+            lanes[lane] += w[lane] * a[lane] * a[lane];
+        }
+    }
+    let rest: f64 = x_rest.iter().zip(w_rest).map(|(a, w)| w * a * a).sum();
+    fold(lanes) + rest
+}
+
+/// y ← y + a x.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2"))]
+pub fn add_scaled(y: &mut [f64], a: f64, x: &[f64]) {
+    assert_eq!(x.len(), y.len());
+    for (y, x) in y.iter_mut().zip(x) {
+        *y += a * x;
+    }
+}
+
+/// y ← a y.
+pub fn scale(y: &mut [f64], a: f64) {
+    for y in y {
+        *y *= a;
+    }
+}
+
+/// sqrt(Σ x_i²).
+pub fn norm(x: &[f64]) -> f64 {
+    dot(x, x).sqrt()
+}
+
+/// The sum of the lanes by halves.
+fn fold(mut lanes: [f64; LANES]) -> f64 {
+    let mut width = LANES / 2;
+    while width > 0 {
+        for lane in 0..width {
+            lanes[lane] += lanes[lane + width];
+        }
+        width /= 2;
+    }
+    lanes[0]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_cover_every_entry_whatever_the_length() {
+        for length in 0..70 {
+            let x: Vec<f64> = (0..length).map(|i| f64::from(i) + 1.0).collect();
+            let n = f64::from(length);
+            assert_eq!(sum(&x), n * (n + 1.0) / 2.0);
+            assert_eq!(dot(&x, &x), n * (n + 1.0) * (2.0 * n + 1.0) / 6.0);
+            let mut y = x.clone();
+            add_scaled(&mut y, 2.0, &x);
+            assert!(y.iter().zip(&x).all(|(y, x)| *y == 3.0 * x));
+        }
+    }
+}

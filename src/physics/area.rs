@@ -1,0 +1,153 @@
+//! The penalty of the surface area, E_pen = (B − β)²/(2η), where
+//! B = ∫ (ε/2 |∇φ|² + F(φ)/ε).
+
+use super::potentials::{
+    double_well, double_well_secant, double_well_secant_slope, double_well_slope,
+};
+use super::{Effect, MembraneForce, MembraneLinearisation, RankOne, Sample};
+use crate::fem::Space;
+use crate::scene::{self, Iteration};
+
+/// B(φ) = ∫ (ε/2 |∇φ|² + F(φ)/ε): 2√2/3 times the length of the membrane for a tanh profile.
+/// `scratch` holds a value for each point.
+pub fn surface_area(space: &Space, at: &Sample, width: f64, scratch: &mut [f64]) -> f64 {
+    for (density, phi) in scratch.iter_mut().zip(&at.phi) {
+        *density = double_well(*phi);
+    }
+    let gradients = at.phi_gradient.iter().zip(space.mesh().areas());
+    let squares: f64 = gradients.map(|([x, y], area)| area * (x * x + y * y)).sum();
+    0.5 * width * squares + space.integrate(scratch) / width
+}
+
+/// The penalty of the surface area.
+#[derive(Debug)]
+pub struct Area {
+    interface_width: f64,
+    penalty: f64,
+    target: f64,
+    /// B(φⁿ), kept over a step.
+    old_area: f64,
+    scratch: Vec<f64>,
+    flux: Vec<[f64; 2]>,
+    rank_one: RankOne,
+    /// Whether the last linearisation has the rank-one term.
+    has_rank_one: bool,
+}
+
+impl Area {
+    /// η of a scene, and β as its fraction of B(φ⁰).
+    pub fn new(area: &scene::Area, interface_width: f64, space: &Space, initial: &Sample) -> Self {
+        let mut scratch = vec![0.0; space.points()];
+        let initial_area = surface_area(space, initial, interface_width, &mut scratch);
+        Self {
+            interface_width,
+            penalty: area.penalty,
+            target: area.target * initial_area,
+            old_area: initial_area,
+            scratch,
+            flux: vec![[0.0; 2]; space.elements()],
+            rank_one: RankOne {
+                scale: 0.0,
+                column: vec![0.0; space.nodes()],
+                row: vec![0.0; space.nodes()],
+            },
+            has_rank_one: false,
+        }
+    }
+
+    /// (1/η)((B(φ) + B(φⁿ))/2 − β): the tension that the penalty puts on the membrane.
+    fn tension(&mut self, space: &Space, new: &Sample) -> f64 {
+        let area = surface_area(space, new, self.interface_width, &mut self.scratch);
+        (0.5 * (area + self.old_area) - self.target) / self.penalty
+    }
+}
+
+impl Effect for Area {
+    fn name(&self) -> &'static str {
+        "area"
+    }
+
+    fn energy(&mut self, space: &Space, at: &Sample) -> f64 {
+        let excess = surface_area(space, at, self.interface_width, &mut self.scratch) - self.target;
+        excess * excess / (2.0 * self.penalty)
+    }
+
+    fn begin_membrane(&mut self, space: &Space, old: &Sample, _new: &Sample) {
+        self.old_area = surface_area(space, old, self.interface_width, &mut self.scratch);
+    }
+
+    /// tension · [ε/2 (∇(φ + φⁿ), ∇ψ) + (1/ε)(F_sec, ψ)]: the bracket is an exact secant of B, so
+    /// this effect has no numerical dissipation.
+    fn add_membrane_force(
+        &mut self,
+        space: &Space,
+        old: &Sample,
+        new: &Sample,
+        force: &mut MembraneForce,
+    ) {
+        let tension = self.tension(space, new);
+        let (along, across) = (
+            0.5 * self.interface_width * tension,
+            tension / self.interface_width,
+        );
+        let gradients = new.phi_gradient.iter().zip(&old.phi_gradient);
+        for (flux, (new, old)) in force.flux.iter_mut().zip(gradients) {
+            flux[0] += along * (new[0] + old[0]);
+            flux[1] += along * (new[1] + old[1]);
+        }
+        for (load, (new, old)) in force.load.iter_mut().zip(new.phi.iter().zip(&old.phi)) {
+            *load += across * double_well_secant(*new, *old);
+        }
+    }
+
+    /// The derivative of the bracket, and with Newton's method that of the tension:
+    /// 1/(2η) · bracket ⊗ B'(φ).
+    fn add_membrane_linearisation(
+        &mut self,
+        space: &Space,
+        old: &Sample,
+        new: &Sample,
+        iteration: Iteration,
+        linearisation: &mut MembraneLinearisation,
+    ) {
+        let width = self.interface_width;
+        let tension = self.tension(space, new);
+        let (along, across) = (0.5 * width * tension, tension / width);
+        for tensor in &mut linearisation.tensor {
+            tensor[0] += along;
+            tensor[2] += along;
+        }
+        let values = new.phi.iter().zip(&old.phi);
+        for (reaction, (new, old)) in linearisation.reaction.iter_mut().zip(values) {
+            *reaction += across * double_well_secant_slope(*new, *old);
+        }
+        self.has_rank_one = iteration == Iteration::Newton;
+        if !self.has_rank_one {
+            return;
+        }
+        self.rank_one.scale = 0.5 / self.penalty;
+        let gradients = new.phi_gradient.iter().zip(&old.phi_gradient);
+        for (flux, (new, old)) in self.flux.iter_mut().zip(gradients) {
+            *flux = [0, 1].map(|axis| 0.5 * width * (new[axis] + old[axis]));
+        }
+        for (load, (new, old)) in self.scratch.iter_mut().zip(new.phi.iter().zip(&old.phi)) {
+            *load = double_well_secant(*new, *old) / width;
+        }
+        self.rank_one.column.fill(0.0);
+        space.add_flux(&self.flux, &mut self.rank_one.column);
+        space.add_load(&self.scratch, &mut self.rank_one.column);
+        for (flux, gradient) in self.flux.iter_mut().zip(&new.phi_gradient) {
+            *flux = gradient.map(|entry| width * entry);
+        }
+        for (load, phi) in self.scratch.iter_mut().zip(&new.phi) {
+            *load = double_well_slope(*phi) / width;
+        }
+        self.rank_one.row.fill(0.0);
+        space.add_flux(&self.flux, &mut self.rank_one.row);
+        space.add_load(&self.scratch, &mut self.rank_one.row);
+    }
+
+    fn rank_one(&self) -> Option<&RankOne> {
+        self.has_rank_one.then_some(&self.rank_one)
+    }
+}

@@ -1,0 +1,186 @@
+//! The bending energy E_ben = ε/2 ∫ ω² with ω = −Δφ + G(φ)/ε² (2.2), and the spontaneous curvature
+//! k(x) in G.
+//!
+//! ω is an unknown of the scheme, tied to φ by the third equation of (3.21),
+//!   ε(ω, χ) = ε(∇φ, ∇χ) + (1/ε)(G(φ), χ),
+//! so the force of this effect is (∇ω, G_sec ω) and its share of the energy law needs that equation
+//! at both times: with χ = ω,
+//!   E_ben(ω) − E_ben(ωⁿ) = ε(∇(φ − φⁿ), ∇ω) + (1/ε)(G_sec (φ − φⁿ), ω) − ε/2 ‖ω − ωⁿ‖².
+
+use super::potentials::{bending_secant, bending_secant_slope, bending_slope, bending_tangent};
+use super::{Effect, MembraneForce, MembraneLinearisation, NamedValue, Sample};
+use crate::fem::Space;
+use crate::scene::{Iteration, Membrane, ScalarField};
+
+/// The bending energy of a membrane.
+#[derive(Debug)]
+pub struct Bending {
+    interface_width: f64,
+    /// ε k at the points; `None` where k = 0 everywhere.
+    curved: Option<Vec<f64>>,
+    /// G_sec as a function of (φ, φⁿ, ε k).
+    secant: fn(f64, f64, f64) -> f64,
+    scratch: Vec<f64>,
+}
+
+impl Bending {
+    /// ε and k(x) of a scene; a formula for k is taken at the quadrature points, nodal values are
+    /// interpolated there.
+    pub fn new(membrane: &Membrane, space: &Space) -> Self {
+        let width = membrane.interface_width;
+        let mut curved = vec![0.0; space.points()];
+        match &membrane.spontaneous_curvature {
+            ScalarField::Constant(k) => curved.fill(*k),
+            ScalarField::Expression(expression) => {
+                for (k, [x, y]) in curved.iter_mut().zip(space.point_positions()) {
+                    *k = expression.evaluate(x, y);
+                }
+            }
+            ScalarField::File(file) => space.interpolate(&file.values, &mut curved),
+        }
+        curved.iter_mut().for_each(|k| *k *= width);
+        Self {
+            interface_width: width,
+            curved: curved.iter().any(|k| *k != 0.0).then_some(curved),
+            secant: bending_secant,
+            scratch: vec![0.0; space.points()],
+        }
+    }
+
+    /// Replaces G_sec: for tests of what a wrong one does.
+    #[cfg(test)]
+    pub(crate) fn set_secant(&mut self, secant: fn(f64, f64, f64) -> f64) {
+        self.secant = secant;
+    }
+
+    /// ε.
+    pub fn interface_width(&self) -> f64 {
+        self.interface_width
+    }
+
+    /// out ← f(point, ε k).
+    #[inline(always)]
+    fn at_points(curved: &Option<Vec<f64>>, out: &mut [f64], f: impl Fn(usize, f64) -> f64) {
+        match curved {
+            None => out
+                .iter_mut()
+                .enumerate()
+                .for_each(|(point, out)| *out = f(point, 0.0)),
+            Some(curved) => {
+                for (point, (out, curved)) in out.iter_mut().zip(curved).enumerate() {
+                    *out = f(point, *curved);
+                }
+            }
+        }
+    }
+
+    /// load ← (∇φ, ∇χ) + (1/ε²)(G(φ), χ): what (ω, χ) must equal.
+    pub fn omega_load(&mut self, space: &Space, at: &Sample, load: &mut [f64]) {
+        let scale = (self.interface_width * self.interface_width).recip();
+        let phi = &at.phi[..self.scratch.len()];
+        Self::at_points(&self.curved, &mut self.scratch, |point, curved| {
+            scale * bending_slope(phi[point], curved)
+        });
+        load.fill(0.0);
+        space.add_flux(&at.phi_gradient, load);
+        space.add_load(&self.scratch, load);
+    }
+
+    /// (1/ε) G_sec at the points: how ω acts in the second equation.
+    pub fn secant(&self, old: &Sample, new: &Sample, out: &mut [f64]) {
+        let scale = self.interface_width.recip();
+        let (phi, phi_old) = (&new.phi[..out.len()], &old.phi[..out.len()]);
+        Self::at_points(&self.curved, out, |point, curved| {
+            scale * (self.secant)(phi[point], phi_old[point], curved)
+        });
+    }
+
+    /// (1/ε) G'(φ) at the points: how φ acts in the linearised third equation.
+    pub fn tangent(&self, new: &Sample, out: &mut [f64]) {
+        let scale = self.interface_width.recip();
+        let phi = &new.phi[..out.len()];
+        Self::at_points(&self.curved, out, |point, curved| {
+            scale * bending_tangent(phi[point], curved)
+        });
+    }
+}
+
+impl Effect for Bending {
+    fn name(&self) -> &'static str {
+        "bending"
+    }
+
+    fn energy(&mut self, space: &Space, at: &Sample) -> f64 {
+        for (density, omega) in self.scratch.iter_mut().zip(&at.omega) {
+            *density = omega * omega;
+        }
+        0.5 * self.interface_width * space.integrate(&self.scratch)
+    }
+
+    fn add_membrane_force(
+        &mut self,
+        _space: &Space,
+        old: &Sample,
+        new: &Sample,
+        force: &mut MembraneForce,
+    ) {
+        let mut scratch = std::mem::take(&mut self.scratch);
+        self.secant(old, new, &mut scratch);
+        for ((load, secant), omega) in force.load.iter_mut().zip(&scratch).zip(&new.omega) {
+            *load += secant * omega;
+        }
+        self.scratch = scratch;
+        for (flux, gradient) in force.flux.iter_mut().zip(&new.omega_gradient) {
+            flux[0] += self.interface_width * gradient[0];
+            flux[1] += self.interface_width * gradient[1];
+        }
+    }
+
+    /// (1/ε) ∂G_sec/∂φ ω, which (4.35) leaves out.
+    fn add_membrane_linearisation(
+        &mut self,
+        _space: &Space,
+        old: &Sample,
+        new: &Sample,
+        iteration: Iteration,
+        linearisation: &mut MembraneLinearisation,
+    ) {
+        if iteration == Iteration::Lagged {
+            return;
+        }
+        let scale = self.interface_width.recip();
+        let (phi, phi_old) = (
+            &new.phi[..self.scratch.len()],
+            &old.phi[..self.scratch.len()],
+        );
+        Self::at_points(&self.curved, &mut self.scratch, |point, curved| {
+            scale * bending_secant_slope(phi[point], phi_old[point], curved)
+        });
+        let terms = linearisation
+            .reaction
+            .iter_mut()
+            .zip(&self.scratch)
+            .zip(&new.omega);
+        for ((reaction, slope), omega) in terms {
+            *reaction += slope * omega;
+        }
+    }
+
+    /// Δt ND_ω = ε/2 ‖ω − ωⁿ‖².
+    fn dissipation(
+        &mut self,
+        space: &Space,
+        old: &Sample,
+        new: &Sample,
+        terms: &mut Vec<NamedValue>,
+    ) {
+        for ((density, old), new) in self.scratch.iter_mut().zip(&old.omega).zip(&new.omega) {
+            *density = (new - old) * (new - old);
+        }
+        let value = 0.5 * self.interface_width * space.integrate(&self.scratch);
+        terms.push(NamedValue {
+            name: "ND_omega",
+            value,
+        });
+    }
+}

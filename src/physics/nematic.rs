@@ -1,0 +1,194 @@
+//! The nematic energy λ_nem E_nem = λ_nem ∫ I(φ) (½|∇d|² + P(d)) with the truncated potential P
+//! that keeps |d| near 1.
+
+use super::potentials::{
+    INSIDE_CONVEXITY, inside, inside_majorant, unit_length_penalty, unit_length_penalty_slope,
+};
+use super::{
+    DirectorForm, DirectorSample, Effect, MembraneForce, MembraneLinearisation, NamedValue, Sample,
+};
+use crate::fem::Space;
+use crate::scene::{self, Iteration};
+
+/// The nematic energy.
+#[derive(Debug)]
+pub struct Nematic {
+    weight: f64,
+    /// 1/η_d². As the constant of p_Δt (3.33) it is sharp: half the largest eigenvalue of the
+    /// Hessian of P over all d, which is 2/η_d². (The paper prints the value at dⁿ.)
+    stiffness: f64,
+    /// λ_nem (½|∇d|² + P(d)) of the new director at the points, kept over substep 2.
+    density: Vec<f64>,
+    points: Vec<f64>,
+    elements: Vec<f64>,
+}
+
+impl Nematic {
+    /// λ_nem and η_d of a scene.
+    pub fn new(nematic: &scene::Nematic, space: &Space) -> Self {
+        Self {
+            weight: nematic.weight,
+            stiffness: (nematic.penalty * nematic.penalty).recip(),
+            density: vec![0.0; space.points()],
+            points: vec![0.0; space.points()],
+            elements: vec![0.0; space.elements()],
+        }
+    }
+
+    /// out ← λ_nem (½|∇d|² + P(d)) at the points.
+    fn density_of(&mut self, space: &Space, director: &DirectorSample, out: &mut [f64]) {
+        let [along_x, along_y] = &director.gradients;
+        for (square, (x, y)) in self.elements.iter_mut().zip(along_x.iter().zip(along_y)) {
+            *square = 0.5 * self.weight * (x[0] * x[0] + x[1] * x[1] + y[0] * y[0] + y[1] * y[1]);
+        }
+        space.from_elements(&self.elements, out);
+        let scale = self.weight * self.stiffness;
+        let [x, y] = &director.values;
+        for (density, (x, y)) in out.iter_mut().zip(x.iter().zip(y)) {
+            *density += scale * unit_length_penalty([*x, *y]);
+        }
+    }
+}
+
+impl Effect for Nematic {
+    fn name(&self) -> &'static str {
+        "nematic"
+    }
+
+    fn energy(&mut self, space: &Space, at: &Sample) -> f64 {
+        let Some(director) = &at.director else {
+            return 0.0;
+        };
+        let mut density = std::mem::take(&mut self.points);
+        self.density_of(space, director, &mut density);
+        for (density, phi) in density.iter_mut().zip(&at.phi) {
+            *density *= inside(*phi);
+        }
+        let energy = space.integrate(&density);
+        self.points = density;
+        energy
+    }
+
+    /// λ_nem [(I(φⁿ) ∇d, ∇e) + (I(φⁿ) p_Δt, e)] with p_Δt = p̃(dⁿ) + (1/η_d²)(d − dⁿ) (3.33).
+    fn add_director_force(&mut self, space: &Space, old: &Sample, form: &mut DirectorForm) {
+        let Some(director) = &old.director else {
+            return;
+        };
+        for (weight, phi) in self.points.iter_mut().zip(&old.phi) {
+            *weight = self.weight * inside(*phi);
+        }
+        space.element_means(&self.points, &mut self.elements);
+        for axis in 0..2 {
+            let gradients = self.elements.iter().zip(&director.gradients[axis]);
+            for (flux, (weight, gradient)) in form.flux[axis].iter_mut().zip(gradients) {
+                flux[0] += weight * gradient[0];
+                flux[1] += weight * gradient[1];
+            }
+        }
+        for (stiffness, weight) in form.stiffness.iter_mut().zip(&self.elements) {
+            *stiffness += weight;
+        }
+        let [load_x, load_y] = &mut form.load;
+        let [xx, _, yy] = &mut form.reaction;
+        for (point, weight) in self.points.iter().enumerate() {
+            let d = [director.values[0][point], director.values[1][point]];
+            let scale = weight * self.stiffness;
+            let slope = unit_length_penalty_slope(d);
+            load_x[point] += scale * slope[0];
+            load_y[point] += scale * slope[1];
+            xx[point] += scale;
+            yy[point] += scale;
+        }
+    }
+
+    fn begin_membrane(&mut self, space: &Space, _old: &Sample, new: &Sample) {
+        if let Some(director) = &new.director {
+            let mut density = std::mem::take(&mut self.density);
+            self.density_of(space, director, &mut density);
+            self.density = density;
+        }
+    }
+
+    /// λ_nem (i_Δt (½|∇d|² + P(d)), ψ).
+    fn add_membrane_force(
+        &mut self,
+        _space: &Space,
+        old: &Sample,
+        new: &Sample,
+        force: &mut MembraneForce,
+    ) {
+        let values = self.density.iter().zip(new.phi.iter().zip(&old.phi));
+        for (load, (density, (new, old))) in force.load.iter_mut().zip(values) {
+            *load += density * inside_majorant(*new, *old);
+        }
+    }
+
+    fn add_membrane_linearisation(
+        &mut self,
+        _space: &Space,
+        _old: &Sample,
+        _new: &Sample,
+        _iteration: Iteration,
+        linearisation: &mut MembraneLinearisation,
+    ) {
+        for (reaction, density) in linearisation.reaction.iter_mut().zip(&self.density) {
+            *reaction += INSIDE_CONVEXITY * density;
+        }
+    }
+
+    /// Δt ND_elast = λ_nem/2 ∫ I(φⁿ)|∇δ|², Δt ND_penal = λ_nem ∫ I(φⁿ)(p_Δt·δ − P(d) + P(dⁿ)) and
+    /// Δt ND_interp = λ_nem ∫ (½|∇d|² + P(d))(i_Δt (φ − φⁿ) − I(φ) + I(φⁿ)), with δ = d − dⁿ.
+    fn dissipation(
+        &mut self,
+        space: &Space,
+        old: &Sample,
+        new: &Sample,
+        terms: &mut Vec<NamedValue>,
+    ) {
+        let (Some(old_director), Some(new_director)) = (&old.director, &new.director) else {
+            return;
+        };
+        for (weight, phi) in self.points.iter_mut().zip(&old.phi) {
+            *weight = self.weight * inside(*phi);
+        }
+        space.element_means(&self.points, &mut self.elements);
+        for (triangle, weight) in self.elements.iter_mut().enumerate() {
+            let square: f64 = (0..2)
+                .map(|axis| {
+                    let old = old_director.gradients[axis][triangle];
+                    let new = new_director.gradients[axis][triangle];
+                    (new[0] - old[0]).powi(2) + (new[1] - old[1]).powi(2)
+                })
+                .sum();
+            *weight *= 0.5 * square;
+        }
+        terms.push(NamedValue {
+            name: "ND_elast",
+            value: space.integrate_elements(&self.elements),
+        });
+
+        for (point, weight) in self.points.iter_mut().enumerate() {
+            let before = [old_director.values[0][point], old_director.values[1][point]];
+            let after = [new_director.values[0][point], new_director.values[1][point]];
+            let step = [after[0] - before[0], after[1] - before[1]];
+            let slope = unit_length_penalty_slope(before);
+            let work = (slope[0] + step[0]) * step[0] + (slope[1] + step[1]) * step[1];
+            let change = unit_length_penalty(after) - unit_length_penalty(before);
+            *weight *= self.stiffness * (work - change);
+        }
+        terms.push(NamedValue {
+            name: "ND_penal",
+            value: space.integrate(&self.points),
+        });
+
+        let values = self.density.iter().zip(new.phi.iter().zip(&old.phi));
+        for (term, (density, (new, old))) in self.points.iter_mut().zip(values) {
+            let change = inside(*new) - inside(*old);
+            *term = density * (inside_majorant(*new, *old) * (new - old) - change);
+        }
+        terms.push(NamedValue {
+            name: "ND_interp",
+            value: space.integrate(&self.points),
+        });
+    }
+}
