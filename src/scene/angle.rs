@@ -1,0 +1,37 @@
+//! Directions from angles in degrees.
+
+/// The unit vector at an angle to the x axis, in degrees; exact at the multiples of 90°.
+pub(super) fn direction(degrees: f64) -> [f64; 2] {
+    let quarter_turns = (degrees / 90.0).round();
+    let (sine, cosine) = (degrees - 90.0 * quarter_turns).to_radians().sin_cos();
+    match quarter_turns.rem_euclid(4.0) {
+        1.0 => [-sine, cosine],
+        2.0 => [-cosine, -sine],
+        3.0 => [sine, -cosine],
+        _ => [cosine, sine],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::direction;
+
+    #[test]
+    fn quarter_turns_are_exact_and_the_rest_is_right() {
+        assert_eq!(direction(0.0), [1.0, 0.0]);
+        assert_eq!(direction(90.0), [0.0, 1.0]);
+        assert_eq!(direction(180.0), [-1.0, 0.0]);
+        assert_eq!(direction(-90.0), [0.0, -1.0]);
+        assert_eq!(direction(270.0), [0.0, -1.0]);
+        assert_eq!(direction(450.0), [0.0, 1.0]);
+        for degrees in -800..800 {
+            let degrees = f64::from(degrees) + 0.25;
+            let (sine, cosine) = degrees.to_radians().sin_cos();
+            let [x, y] = direction(degrees);
+            assert!(
+                (x - cosine).abs() < 4e-15 && (y - sine).abs() < 4e-15,
+                "{degrees}"
+            );
+        }
+    }
+}

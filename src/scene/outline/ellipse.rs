@@ -1,0 +1,58 @@
+//! The ellipse.
+
+use super::arc::{ArcPoint, QuarterArc};
+
+/// A quarter of an ellipse, γ(u) = (a sin u, b cos u).
+///
+/// Its evolute, ((a² − b²)/a sin³u, −(a² − b²)/b cos³u), lies in the fourth quadrant where a > b
+/// and in the second where a < b, so the nearest point of a quarter is its only critical one.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Ellipse {
+    half_axes: [f64; 2],
+}
+
+impl Ellipse {
+    pub(super) fn new(half_axes: [f64; 2]) -> Self {
+        Self { half_axes }
+    }
+}
+
+impl QuarterArc for Ellipse {
+    fn at(&self, parameter: f64) -> ArcPoint {
+        let (sine, cosine) = parameter.sin_cos();
+        let [a, b] = self.half_axes;
+        let position = [a * sine, b * cosine];
+        ArcPoint {
+            position,
+            first: [a * cosine, -b * sine],
+            second: [-position[0], -position[1]],
+        }
+    }
+
+    fn encloses(&self, [x, y]: [f64; 2]) -> bool {
+        let [a, b] = self.half_axes;
+        (x / a).powi(2) + (y / b).powi(2) < 1.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::arc::{assert_derivatives, center_of_curvature, evenly_spaced};
+    use super::*;
+
+    #[test]
+    fn derivatives_match_differences() {
+        assert_derivatives(&Ellipse::new([0.4, 0.1]), 1e-9);
+    }
+
+    #[test]
+    fn the_evolute_stays_out_of_the_open_first_quadrant() {
+        for half_axes in [[0.4, 0.1], [0.1, 0.4], [0.4, 0.39], [0.45, 0.009]] {
+            let arc = Ellipse::new(half_axes);
+            for parameter in evenly_spaced(0.0, arc.end(), 500).skip(1) {
+                let [x, y] = center_of_curvature(&arc, parameter);
+                assert!(x.min(y) < 1e-15, "{half_axes:?} at {parameter}: ({x}, {y})");
+            }
+        }
+    }
+}

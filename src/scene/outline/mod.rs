@@ -1,0 +1,241 @@
+//! Vesicles as closed curves: signed distance, tanh profile, bounding box, length and area.
+//!
+//! The distance is the true Euclidean one, to rounding, everywhere. A level-set value divided by
+//! its gradient has the same zero and the same slope there, but not the same curvature: it puts
+//! the bending energy off by a factor.
+
+mod arc;
+mod cassini;
+mod discocyte;
+mod ellipse;
+mod quadrature;
+#[cfg(test)]
+mod tests;
+
+use std::f64::consts::{PI, SQRT_2, TAU};
+
+use self::arc::{PreparedArc, QuarterArc};
+use self::cassini::Cassini;
+use self::discocyte::Discocyte;
+use self::ellipse::Ellipse;
+use super::angle::direction;
+use super::model::{Curve, Outline};
+
+/// A signed distance to a curve, and its slope.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SignedDistance {
+    /// s: the distance to the nearest point of the curve, positive inside.
+    pub value: f64,
+    /// ∇s, a unit vector: the inward normal at the nearest point, and at one of them where there
+    /// are several.
+    pub gradient: [f64; 2],
+}
+
+/// An outline prepared for many evaluations of its signed distance.
+#[derive(Debug, Clone)]
+pub struct OutlineDistance {
+    center: [f64; 2],
+    /// The direction of the long axis.
+    axis: [f64; 2],
+    shape: PreparedCurve,
+}
+
+/// A curve with what its evaluation needs, its long axis along x and its centre at the origin.
+#[derive(Debug, Clone)]
+enum PreparedCurve {
+    Circle { radius: f64 },
+    Ellipse(PreparedArc<Ellipse>),
+    Cassini(PreparedArc<Cassini>),
+    Discocyte(PreparedArc<Discocyte>),
+}
+
+/// A rectangle with its sides along the axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BoundingBox {
+    /// The least x and y.
+    pub lower: [f64; 2],
+    /// The greatest x and y.
+    pub upper: [f64; 2],
+}
+
+impl OutlineDistance {
+    /// Prepares an outline whose sizes are positive and whose ratio, if any, is in [0, 1).
+    pub fn new(outline: &Outline) -> Self {
+        let shape = match outline.curve {
+            Curve::Circle { radius } => PreparedCurve::Circle { radius },
+            Curve::Ellipse { half_axes } => {
+                PreparedCurve::Ellipse(PreparedArc::new(Ellipse::new(half_axes)))
+            }
+            Curve::Cassini { ratio, half_length } => {
+                PreparedCurve::Cassini(PreparedArc::new(Cassini::new(ratio, half_length)))
+            }
+            Curve::Discocyte { radius } => {
+                PreparedCurve::Discocyte(PreparedArc::new(Discocyte::new(radius)))
+            }
+        };
+        Self {
+            center: outline.center,
+            axis: direction(outline.angle),
+            shape,
+        }
+    }
+
+    /// The Euclidean signed distance of a point to the outline, to rounding.
+    ///
+    /// Inside and outside are told apart by the implicit form of the curve, evaluated at the point.
+    pub fn signed_distance(&self, point: [f64; 2]) -> SignedDistance {
+        let [cosine, sine] = self.axis;
+        let [x, y] = [point[0] - self.center[0], point[1] - self.center[1]];
+        let local = [cosine * x + sine * y, cosine * y - sine * x];
+        let SignedDistance {
+            value,
+            gradient: [x, y],
+        } = self.shape.signed_distance(local);
+        SignedDistance {
+            value,
+            gradient: [cosine * x - sine * y, sine * x + cosine * y],
+        }
+    }
+
+    /// The smallest box around the outline, to rounding.
+    pub fn bounding_box(&self) -> BoundingBox {
+        let [cosine, sine] = self.axis.map(f64::abs);
+        // By symmetry a direction reaches as far as its image in the first quadrant.
+        let half_width = self.shape.support([cosine, sine]);
+        let half_height = self.shape.support([sine, cosine]);
+        let [x, y] = self.center;
+        BoundingBox {
+            lower: [x - half_width, y - half_height],
+            upper: [x + half_width, y + half_height],
+        }
+    }
+
+    /// The length of the outline, to rounding.
+    pub fn length(&self) -> f64 {
+        match &self.shape {
+            PreparedCurve::Circle { radius } => TAU * radius,
+            PreparedCurve::Ellipse(arc) => arc.length(),
+            PreparedCurve::Cassini(arc) => arc.length(),
+            PreparedCurve::Discocyte(arc) => arc.length(),
+        }
+    }
+
+    /// The area that the outline encloses, to rounding.
+    pub fn area(&self) -> f64 {
+        match &self.shape {
+            PreparedCurve::Circle { radius } => PI * radius * radius,
+            PreparedCurve::Ellipse(arc) => arc.area(),
+            PreparedCurve::Cassini(arc) => arc.area(),
+            PreparedCurve::Discocyte(arc) => arc.area(),
+        }
+    }
+
+    /// 4π·area/length², at most 1: the square of the factor by which the membrane can shrink at
+    /// constant area until the vesicle is a circle (isoperimetric inequality).
+    pub fn isoperimetric_quotient(&self) -> f64 {
+        4.0 * PI * self.area() / self.length().powi(2)
+    }
+}
+
+impl PreparedCurve {
+    fn signed_distance(&self, point: [f64; 2]) -> SignedDistance {
+        match self {
+            Self::Circle { radius } => {
+                let distance = point[0].hypot(point[1]);
+                let gradient = if distance > 0.0 {
+                    point.map(|coordinate| -coordinate / distance)
+                } else {
+                    [1.0, 0.0]
+                };
+                SignedDistance {
+                    value: radius - distance,
+                    gradient,
+                }
+            }
+            Self::Ellipse(arc) => quartered_distance(arc, point),
+            Self::Cassini(arc) => quartered_distance(arc, point),
+            Self::Discocyte(arc) => quartered_distance(arc, point),
+        }
+    }
+
+    /// max γ·n over the curve, for a unit vector n in the closed first quadrant.
+    fn support(&self, direction: [f64; 2]) -> f64 {
+        match self {
+            Self::Circle { radius } => *radius,
+            Self::Ellipse(arc) => arc.support(direction),
+            Self::Cassini(arc) => arc.support(direction),
+            Self::Discocyte(arc) => arc.support(direction),
+        }
+    }
+}
+
+/// The signed distance to a curve that is symmetric about both axes.
+fn quartered_distance<Arc: QuarterArc>(arc: &PreparedArc<Arc>, point: [f64; 2]) -> SignedDistance {
+    let folded = point.map(f64::abs);
+    let (distance, nearest) = arc.nearest(folded);
+    let normal = nearest.inward_normal();
+    let unfolded = |k: usize| {
+        if point[k] < 0.0 {
+            -normal[k]
+        } else {
+            normal[k]
+        }
+    };
+    SignedDistance {
+        value: if arc.encloses(folded) {
+            distance
+        } else {
+            -distance
+        },
+        gradient: [unfolded(0), unfolded(1)],
+    }
+}
+
+/// The signed distance to the union of what the outlines enclose: the largest of theirs.
+///
+/// Outside it is the distance; inside, where outlines overlap, it is a lower bound of it. Of no
+/// outline at all it is −∞, with a slope of zero.
+pub fn union_distance(outlines: &[OutlineDistance], point: [f64; 2]) -> SignedDistance {
+    let nothing = SignedDistance {
+        value: f64::NEG_INFINITY,
+        gradient: [0.0; 2],
+    };
+    outlines.iter().fold(nothing, |largest, outline| {
+        let distance = outline.signed_distance(point);
+        if distance.value > largest.value {
+            distance
+        } else {
+            largest
+        }
+    })
+}
+
+/// The least distance of the outlines to the wall of the unit square Ω: negative if one lies
+/// across it.
+pub fn wall_distance(outlines: &[OutlineDistance]) -> f64 {
+    outlines
+        .iter()
+        .map(|outline| {
+            let BoundingBox { lower, upper } = outline.bounding_box();
+            lower[0]
+                .min(lower[1])
+                .min(1.0 - upper[0])
+                .min(1.0 - upper[1])
+        })
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// φ⁰ = tanh(s/(√2 ε)) and ∇φ⁰ = sech²(s/(√2 ε)) ∇s/(√2 ε), ε being `interface_width`.
+///
+/// This is the profile of a flat membrane at rest: it solves −Δφ + F′(φ)/ε² = 0.
+pub fn phase_profile(distance: SignedDistance, interface_width: f64) -> (f64, [f64; 2]) {
+    let scale = 1.0 / (SQRT_2 * interface_width);
+    let argument = scale * distance.value;
+    // sech² without the overflow of cosh and the cancellation of 1 − tanh².
+    let decay = (-2.0 * argument.abs()).exp();
+    let slope = scale * 4.0 * decay / ((1.0 + decay) * (1.0 + decay));
+    (
+        argument.tanh(),
+        distance.gradient.map(|component| slope * component),
+    )
+}
