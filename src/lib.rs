@@ -8,3 +8,4 @@ pub mod fem;
 pub mod linalg;
 pub mod physics;
 pub mod scene;
+pub mod scheme;

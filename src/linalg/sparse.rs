@@ -160,6 +160,17 @@ impl SparseMatrix {
         total
     }
 
+    /// The largest ratio of a diagonal entry to a weight, doubled: a bound of the eigenvalues of a
+    /// diagonally dominant matrix over the diagonal matrix of the weights.
+    pub fn eigenvalue_bound(&self, weights: &[f64]) -> f64 {
+        let ratios = self
+            .diagonal()
+            .into_iter()
+            .zip(weights)
+            .map(|(d, weight)| d / weight);
+        2.0 * ratios.fold(0.0, f64::max)
+    }
+
     /// The diagonal.
     pub fn diagonal(&self) -> Vec<f64> {
         (0..self.pattern.size())

@@ -305,7 +305,7 @@ fn bending_closes_its_share_and_the_misprint_does_not() {
                 sample.set_omega(&pair.space, &omega);
             }
             let [old, new] = &pair.samples;
-            let mut defect = |bending: &mut Bending| {
+            let defect = |bending: &mut Bending| {
                 let load = membrane_load(bending, &pair.space, old, new);
                 let mut terms = Vec::new();
                 bending.dissipation(&pair.space, old, new, &mut terms);

@@ -1,0 +1,277 @@
+//! The path for any mesh and both boundaries: all three fields, a sparse LDLᵀ factor.
+//!
+//! GMRES on the exact linearised system, preconditioned by the factor of its symmetrised part
+//! (signs changed, A and ε T replaced by their mean, the rank-one terms left out),
+//!
+//!   [ C    S    −M      ] [δφ]
+//!   [ S   −εM    0      ] [δω]     S = (A + εT)/2.
+//!   [−M    0   −ΔtγK    ] [δμ]
+//!
+//! The factor is kept until the iterations that it needs say that a new one would pay.
+
+use crate::fem::{MassForm, Space};
+use crate::linalg::{Ldlt, LinalgError, LinearOperator, Pattern, vector};
+
+use super::linearised::Linearised;
+
+/// Above this many GMRES iterations in one solve the factor is made anew: a factorisation costs
+/// about as much as five to ten solves.
+const STALE_AFTER: usize = 8;
+
+/// The entries (row field, column field) of the 3 × 3 blocks that are stored; fields in the order
+/// φ, ω, μ. The first three follow the stiffness pattern, the others the mass pattern.
+const BLOCKS: [(usize, usize); 7] = [(0, 0), (0, 1), (1, 0), (2, 2), (0, 2), (2, 0), (1, 1)];
+
+/// Of them, how many follow the stiffness pattern.
+const STIFF_BLOCKS: usize = 4;
+
+/// The factor and what decides about its age.
+#[derive(Debug)]
+pub(super) struct FactoredPreconditioner {
+    factor: Ldlt,
+    values: Vec<f64>,
+    /// Where each stored entry of a node pair goes; `u32::MAX` where the lumped mass has none.
+    positions: Vec<[u32; BLOCKS.len()]>,
+    /// Nodes whose φ is given.
+    fixed: Vec<bool>,
+    age: Age,
+    interleaved: Vec<f64>,
+    row_scales: [f64; 3],
+    root_weights: Vec<f64>,
+}
+
+/// Whether the factor can be used again: a small state machine of its own.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Age {
+    /// Δtγ_ben of the factored matrix; `None`: there is no factor.
+    made_for: Option<f64>,
+    /// Iterations that the last solve took.
+    last_iterations: usize,
+}
+
+impl Age {
+    fn must_refresh(&self, mobility: f64) -> bool {
+        self.made_for != Some(mobility) || self.last_iterations > STALE_AFTER
+    }
+}
+
+impl FactoredPreconditioner {
+    /// Analyses the system on a space, with φ given at the nodes `fixed`.
+    pub(super) fn new(space: &Space, fixed: Vec<bool>) -> Result<Self, LinalgError> {
+        let nodes = space.assembly().pattern.clone();
+        let lumped = matches!(space.mass(), MassForm::Nodal(_));
+        let stored = |block: usize, row: usize, column: usize| {
+            block < STIFF_BLOCKS || !lumped || row == column
+        };
+        let mut rows = vec![Vec::new(); 3 * nodes.size()];
+        for row in 0..nodes.size() {
+            for &column in &nodes.columns()[nodes.row(row)] {
+                for (block, (i, j)) in BLOCKS.into_iter().enumerate() {
+                    if stored(block, row, column as usize) {
+                        rows[3 * row + i].push(3 * column + j as u32);
+                    }
+                }
+            }
+        }
+        let pattern = Pattern::from_rows(rows);
+        let mut positions = Vec::with_capacity(nodes.entries());
+        for row in 0..nodes.size() {
+            for &column in &nodes.columns()[nodes.row(row)] {
+                positions.push(BLOCKS.map(|(i, j)| {
+                    let position = pattern.position(3 * row + i, 3 * column as usize + j);
+                    position.map_or(u32::MAX, |position| position as u32)
+                }));
+            }
+        }
+        Ok(Self {
+            factor: Ldlt::analyse(&pattern)?,
+            values: vec![0.0; pattern.entries()],
+            positions,
+            fixed,
+            age: Age {
+                made_for: None,
+                last_iterations: 0,
+            },
+            interleaved: vec![0.0; 3 * nodes.size()],
+            row_scales: [1.0; 3],
+            root_weights: space
+                .nodal_weights()
+                .iter()
+                .map(|weight| weight.sqrt())
+                .collect(),
+        })
+    }
+
+    /// Makes the factor anew if it is too old for this system.
+    pub(super) fn prepare(
+        &mut self,
+        space: &Space,
+        linearised: &Linearised,
+        mobility: f64,
+        width: f64,
+        row_scales: [f64; 3],
+    ) -> Result<(), LinalgError> {
+        self.row_scales = row_scales;
+        if !self.age.must_refresh(mobility) {
+            return Ok(());
+        }
+        self.fill(space, linearised, mobility, width);
+        self.age.made_for = None;
+        self.factor.refactor(&self.values)?;
+        self.age = Age {
+            made_for: Some(mobility),
+            last_iterations: 0,
+        };
+        Ok(())
+    }
+
+    /// Tells how many iterations a solve with this factor took.
+    pub(super) fn used(&mut self, iterations: usize) {
+        self.age.last_iterations = iterations;
+    }
+
+    /// Has the next solve make a new factor.
+    pub(super) fn expire(&mut self) {
+        self.age.made_for = None;
+    }
+
+    fn fill(&mut self, space: &Space, linearised: &Linearised, mobility: f64, width: f64) {
+        let nodes = &space.assembly().pattern;
+        let stiffness = &space.stiffness().values;
+        let mass = |entry: usize, row: usize, column: usize| match space.mass() {
+            MassForm::Sparse(matrix) => matrix.values[entry],
+            MassForm::Nodal(diagonal) if row == column => diagonal[row],
+            MassForm::Nodal(_) => 0.0,
+        };
+        for row in 0..nodes.size() {
+            for entry in nodes.row(row) {
+                let column = nodes.columns()[entry] as usize;
+                let mass = mass(entry, row, column);
+                let mean = 0.5
+                    * (linearised.secant.values[entry] + width * linearised.tangent.values[entry]);
+                // A given φ: its row and its column are those of the identity.
+                let (row_free, column_free) = (!self.fixed[row], !self.fixed[column]);
+                let both = row_free && column_free;
+                let local = match (both, row == column) {
+                    (true, _) => linearised.local.values[entry],
+                    (false, same) => f64::from(u8::from(same)),
+                };
+                let masked = |free: bool, value: f64| if free { value } else { 0.0 };
+                let values = [
+                    local,
+                    masked(row_free, mean),
+                    masked(column_free, mean),
+                    -mobility * stiffness[entry],
+                    masked(row_free, -mass),
+                    masked(column_free, -mass),
+                    -width * mass,
+                ];
+                for (&position, value) in self.positions[entry].iter().zip(values) {
+                    if position != u32::MAX {
+                        self.values[position as usize] = value;
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl LinearOperator for FactoredPreconditioner {
+    /// From the scaled residuals (r₁, r₂, r₃) to (δφ, δω, δμ).
+    fn apply(&mut self, x: &[f64], y: &mut [f64]) {
+        let size = self.root_weights.len();
+        let (r1, rest) = x.split_at(size);
+        let (r2, r3) = rest.split_at(size);
+        let [s1, s2, s3] = self.row_scales;
+        for node in 0..size {
+            let root = self.root_weights[node];
+            let target = &mut self.interleaved[3 * node..][..3];
+            target[0] = if self.fixed[node] {
+                0.0
+            } else {
+                root * r2[node] / s2
+            };
+            target[1] = -root * r3[node] / s3;
+            target[2] = -root * r1[node] / s1;
+        }
+        self.factor.solve_in_place(&mut self.interleaved);
+        for node in 0..size {
+            for field in 0..3 {
+                y[field * size + node] = self.interleaved[3 * node + field];
+            }
+        }
+    }
+}
+
+/// The linearised system of all three fields, its rows scaled.
+pub(super) struct ThreeFieldOperator<'a> {
+    pub(super) space: &'a Space,
+    pub(super) linearised: &'a Linearised,
+    pub(super) mobility: f64,
+    pub(super) width: f64,
+    pub(super) fixed: &'a [bool],
+    pub(super) row_scales: [f64; 3],
+    pub(super) root_weights: &'a [f64],
+}
+
+impl LinearOperator for ThreeFieldOperator<'_> {
+    fn apply(&mut self, x: &[f64], y: &mut [f64]) {
+        let size = self.space.nodes();
+        let (phi, rest) = x.split_at(size);
+        let (omega, mu) = rest.split_at(size);
+        let (y1, rest) = y.split_at_mut(size);
+        let (y2, y3) = rest.split_at_mut(size);
+        let (space, linearised) = (self.space, self.linearised);
+        space.mass().multiply(phi, y1);
+        space.stiffness().multiply_add(self.mobility, mu, y1);
+        linearised.local.multiply(phi, y2);
+        linearised.secant.multiply_add(1.0, omega, y2);
+        space.mass().multiply_add(-1.0, mu, y2);
+        for term in &linearised.rank_one {
+            let along = term.scale * vector::dot(&term.row, phi);
+            vector::add_scaled(y2, along, &term.column);
+        }
+        linearised.tangent.multiply(phi, y3);
+        y3.iter_mut().for_each(|entry| *entry *= -self.width);
+        space.mass().multiply_add(self.width, omega, y3);
+        for (y, fixed) in y2.iter_mut().zip(self.fixed) {
+            if *fixed {
+                *y = 0.0;
+            }
+        }
+        for (rows, scale) in [y1, y2, y3].into_iter().zip(self.row_scales) {
+            rows.iter_mut()
+                .zip(self.root_weights)
+                .for_each(|(y, root)| *y *= scale / root);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_factor_is_kept_while_it_serves() {
+        let age = Age {
+            made_for: Some(1e-9),
+            last_iterations: STALE_AFTER,
+        };
+        assert!(!age.must_refresh(1e-9));
+        assert!(age.must_refresh(2e-9));
+        assert!(
+            Age {
+                last_iterations: STALE_AFTER + 1,
+                ..age
+            }
+            .must_refresh(1e-9)
+        );
+        assert!(
+            Age {
+                made_for: None,
+                last_iterations: 0
+            }
+            .must_refresh(1e-9)
+        );
+    }
+}

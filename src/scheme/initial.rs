@@ -1,0 +1,95 @@
+//! φ⁰ and d⁰ of a scene, on a mesh.
+
+use std::sync::Arc;
+
+use thiserror::Error;
+
+use crate::fem::{FemError, Mesh, l2_projection, ritz_projection};
+use crate::scene::{
+    Boundary, OutlineDistance, Projection, Scene, Shape, initial_director, phase_profile,
+    random_phase, union_distance,
+};
+
+/// Initial fields that could not be made.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum InitialError {
+    /// A projection failed.
+    #[error(transparent)]
+    Projection(#[from] FemError),
+    /// A file has another number of values than the mesh has nodes.
+    #[error(
+        "{path} has {found} rows, but the mesh has {nodes} nodes; give one row a node, in the mesh's order"
+    )]
+    WrongCount {
+        /// The file.
+        path: String,
+        /// Rows found.
+        found: usize,
+        /// Nodes of the mesh.
+        nodes: usize,
+    },
+}
+
+/// Nodal φ⁰ and, with a [nematic] table, d⁰.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InitialFields {
+    /// φ⁰.
+    pub phi: Vec<f64>,
+    /// d⁰, component by component.
+    pub director: Option<[Vec<f64>; 2]>,
+}
+
+/// The initial fields of a scene.
+///
+/// # Errors
+/// [`InitialError`]: the projection failed, or a file does not fit the mesh.
+pub fn initial_fields(scene: &Scene, mesh: &Arc<Mesh>) -> Result<InitialFields, InitialError> {
+    let wall = (scene.boundary == Boundary::Clamped).then_some(-1.0);
+    let nodes = mesh.nodes();
+    let mut phi = match &scene.vesicle.shape {
+        Shape::Outlines(outlines) => {
+            let distances: Vec<OutlineDistance> =
+                outlines.iter().map(OutlineDistance::new).collect();
+            let width = scene.membrane.interface_width;
+            let given = |place: [f64; 2]| phase_profile(union_distance(&distances, place), width);
+            match scene.vesicle.projection {
+                Projection::Ritz => ritz_projection(mesh, &given, wall)?,
+                Projection::L2 => l2_projection(mesh, &given, wall)?,
+                Projection::Nodal => nodes.iter().map(|&node| given(node).0).collect(),
+            }
+        }
+        Shape::Random { amplitude, seed } => random_phase(*amplitude, *seed, nodes.len()),
+        Shape::File(file) => {
+            check_count(&file.path, file.values.len(), nodes.len())?;
+            file.values.to_vec()
+        }
+    };
+    phi.iter_mut()
+        .for_each(|value| *value *= scene.vesicle.scale);
+    if let Some(wall) = wall {
+        for (value, on) in phi.iter_mut().zip(mesh.on_boundary()) {
+            *value = if *on { wall } else { *value };
+        }
+    }
+    let director = match &scene.nematic {
+        None => None,
+        Some(nematic) => {
+            if let crate::scene::InitialDirector::File(file) = &nematic.initial {
+                check_count(&file.path, file.values.len() / 2, nodes.len())?;
+            }
+            Some(initial_director(&nematic.initial, nodes))
+        }
+    };
+    Ok(InitialFields { phi, director })
+}
+
+fn check_count(path: &str, found: usize, nodes: usize) -> Result<(), InitialError> {
+    if found == nodes {
+        return Ok(());
+    }
+    Err(InitialError::WrongCount {
+        path: path.to_owned(),
+        found,
+        nodes,
+    })
+}

@@ -1,0 +1,531 @@
+//! Substep 2: the nonlinear system (3.21) for (φ, μ, ω), by Newton's method, damped, or by the
+//! iteration (4.35), which leaves out of the derivative what it takes from the last iterate.
+//!
+//! ω always solves its equation exactly. With the natural boundary μ solves the second equation
+//! exactly too, and what is left is the residual of the first,
+//!   r₁ = M(φ − φⁿ) + Δtγ_ben K μ(φ).
+//! With the clamped boundary there is no second equation at the wall, μ is an unknown of its own and
+//! the residual is (r₁, r₂).
+
+use crate::fem::{MassInverse, Space};
+use crate::linalg::{Gmres, LinalgError, vector};
+use crate::physics::{Effects, MembraneForce, Sample};
+use crate::scene::Iteration;
+
+use super::factored::{FactoredPreconditioner, ThreeFieldOperator};
+use super::linearised::Linearised;
+use super::transform::{BulkPreconditioner, ReducedOperator};
+use super::{State, StepError};
+
+/// What the iteration may do.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Limits {
+    pub(super) iteration: Iteration,
+    /// solver.tolerance.
+    pub(super) tolerance: f64,
+    /// solver.law_tolerance.
+    pub(super) law_tolerance: f64,
+}
+
+impl Limits {
+    /// Iterations before giving up: Newton's method needs fewer than ten where it converges at all,
+    /// (4.35) up to twenty at moderate Δt.
+    fn iterations(&self) -> u32 {
+        match self.iteration {
+            Iteration::Newton => 40,
+            Iteration::Lagged => 200,
+        }
+    }
+}
+
+/// Limit of GMRES's iterations in one solve.
+const KRYLOV_LIMIT: usize = 300;
+
+/// Vectors that GMRES keeps.
+const RESTART: usize = 60;
+
+/// The smallest damping factor that is tried.
+const LEAST_DAMPING: f64 = 1.0 / 128.0;
+
+/// The solve's accuracy with the mass matrix, relative: so far below every tolerance that the second
+/// and the third equation may be taken as exact.
+const MASS_TOLERANCE: f64 = 1e-15;
+
+/// How a linear system is solved.
+#[derive(Debug)]
+enum Path {
+    Transform {
+        preconditioner: BulkPreconditioner,
+        scratch: [Vec<f64>; 4],
+    },
+    Factor {
+        preconditioner: Box<FactoredPreconditioner>,
+    },
+}
+
+/// What a solved substep 2 took.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Work {
+    pub(super) newton: u32,
+    pub(super) krylov: u32,
+}
+
+/// Substep 2 with its matrices and vectors.
+#[derive(Debug)]
+pub(super) struct MembraneStep {
+    /// γ_ben.
+    mobility: f64,
+    /// Nodes where φ is given (clamped boundary).
+    fixed: Vec<bool>,
+    clamped: bool,
+    path: Path,
+    mass_inverse: MassInverse,
+    linearised: Linearised,
+    force: MembraneForce,
+    gmres: Gmres,
+    /// r₁ and r₂; r₂ stays zero with the natural boundary.
+    residual: [Vec<f64>; 2],
+    load: Vec<f64>,
+    right_side: Vec<f64>,
+    increment: Vec<f64>,
+    /// φ, ω, μ of the last iterate.
+    last: [Vec<f64>; 3],
+    scratch: Vec<f64>,
+    root_weights: Vec<f64>,
+    /// A bound of the eigenvalues of M_L⁻¹ K.
+    largest_eigenvalue: f64,
+}
+
+/// The places of a step: what it starts from, where it goes.
+pub(super) struct Places<'a> {
+    pub(super) space: &'a Space,
+    pub(super) effects: &'a mut Effects,
+    pub(super) old: &'a Sample,
+    pub(super) new: &'a mut Sample,
+    pub(super) from: &'a State,
+    pub(super) to: &'a mut State,
+    pub(super) dt: f64,
+    /// S, the sum of the absolute energies.
+    pub(super) energy_scale: f64,
+}
+
+impl MembraneStep {
+    /// For a space; `transform` says whether the fast path is to be used.
+    pub(super) fn new(
+        space: &Space,
+        mobility: f64,
+        clamped: bool,
+        transform: bool,
+    ) -> Result<Self, LinalgError> {
+        let size = space.nodes();
+        let fixed: Vec<bool> = space
+            .mesh()
+            .on_boundary()
+            .iter()
+            .map(|on| clamped && *on)
+            .collect();
+        let vector = || vec![0.0; size];
+        let (path, unknowns) = match space.mesh().grid() {
+            Some(grid) if transform && !clamped => {
+                let preconditioner = BulkPreconditioner::new(space, grid);
+                let scratch = [vector(), vector(), vector(), vector()];
+                (
+                    Path::Transform {
+                        preconditioner,
+                        scratch,
+                    },
+                    size,
+                )
+            }
+            _ => (Self::factor_path(space, &fixed)?, 3 * size),
+        };
+        Ok(Self {
+            mobility,
+            clamped,
+            path,
+            mass_inverse: MassInverse::new(space),
+            linearised: Linearised::new(space),
+            force: MembraneForce::new(space),
+            gmres: Gmres::new(unknowns, RESTART),
+            residual: [vector(), vector()],
+            load: vector(),
+            right_side: vec![0.0; unknowns],
+            increment: vec![0.0; unknowns],
+            last: [vector(), vector(), vector()],
+            scratch: vector(),
+            root_weights: space
+                .nodal_weights()
+                .iter()
+                .map(|weight| weight.sqrt())
+                .collect(),
+            largest_eigenvalue: space.stiffness().eigenvalue_bound(space.nodal_weights()),
+            fixed,
+        })
+    }
+
+    /// γ_ben.
+    pub(super) fn mobility(&self) -> f64 {
+        self.mobility
+    }
+
+    fn factor_path(space: &Space, fixed: &[bool]) -> Result<Path, LinalgError> {
+        let preconditioner = Box::new(FactoredPreconditioner::new(space, fixed.to_vec())?);
+        Ok(Path::Factor { preconditioner })
+    }
+
+    /// Whether the fast path is in use.
+    pub(super) fn uses_transform(&self) -> bool {
+        matches!(self.path, Path::Transform { .. })
+    }
+
+    /// Leaves the fast path for the factor.
+    pub(super) fn fall_back(&mut self, space: &Space) -> Result<(), LinalgError> {
+        self.path = Self::factor_path(space, &self.fixed)?;
+        let unknowns = 3 * space.nodes();
+        self.gmres = Gmres::new(unknowns, RESTART);
+        self.right_side = vec![0.0; unknowns];
+        self.increment = vec![0.0; unknowns];
+        Ok(())
+    }
+
+    /// ω(φ) from the third equation of (3.21), and the sample of φ and ω.
+    pub(super) fn solve_omega(
+        &mut self,
+        space: &Space,
+        effects: &mut Effects,
+        sample: &mut Sample,
+        phi: &[f64],
+        omega: &mut [f64],
+    ) {
+        sample.set_phi(space, phi);
+        effects.bending.omega_load(space, sample, &mut self.load);
+        self.mass_inverse
+            .solve(space, &self.load, omega, MASS_TOLERANCE);
+        sample.set_omega(space, omega);
+    }
+
+    /// The membrane force of all effects, as a load.
+    fn assemble_force(&mut self, space: &Space, effects: &mut Effects, old: &Sample, new: &Sample) {
+        self.force.clear();
+        for effect in effects.iter_mut() {
+            effect.add_membrane_force(space, old, new, &mut self.force);
+        }
+        self.load.fill(0.0);
+        space.add_flux(&self.force.flux, &mut self.load);
+        space.add_load(&self.force.load, &mut self.load);
+    }
+
+    /// μ of a state at rest: (μ, ψ) = ⟨δE/δφ, ψ⟩.
+    pub(super) fn solve_mu(
+        &mut self,
+        space: &Space,
+        effects: &mut Effects,
+        sample: &Sample,
+        mu: &mut [f64],
+    ) {
+        self.assemble_force(space, effects, sample, sample);
+        self.mass_inverse
+            .solve(space, &self.load, mu, MASS_TOLERANCE);
+    }
+
+    /// Solves substep 2 from the guess in `to`, where φ, ω and μ of the solution are left.
+    pub(super) fn solve(
+        &mut self,
+        places: &mut Places<'_>,
+        limits: Limits,
+    ) -> Result<Work, StepError> {
+        let mut work = Work {
+            newton: 0,
+            krylov: 0,
+        };
+        if self.clamped {
+            // The guess may come from anywhere; the wall does not move.
+            let nodes = places
+                .to
+                .phi
+                .iter_mut()
+                .zip(&places.from.phi)
+                .zip(&self.fixed);
+            nodes
+                .filter(|(_, fixed)| **fixed)
+                .for_each(|((to, from), _)| *to = *from);
+        }
+        let mut norm = self.evaluate(places, 0)?;
+        loop {
+            work.newton += 1;
+            self.linearised.assemble(
+                places.space,
+                places.effects,
+                places.old,
+                places.new,
+                limits.iteration,
+            );
+            let goal = self.linear_goal(places, limits, norm);
+            work.krylov +=
+                self.solve_linearised(places, goal)
+                    .map_err(|source| StepError::Membrane {
+                        iteration: work.newton,
+                        source,
+                    })?;
+            let sources = [&places.to.phi, &places.to.omega, &places.to.mu];
+            for (last, now) in self.last.iter_mut().zip(sources) {
+                last.copy_from_slice(now);
+            }
+            norm = self.advance(places, limits, norm, work.newton)?;
+            let changes = self.changes(places);
+            let law = self.law_defect(places);
+            let converged = changes.iter().all(|change| *change <= limits.tolerance)
+                && law.abs() <= limits.law_tolerance;
+            if std::env::var_os("VESICA_TRACE").is_some() {
+                eprintln!(
+                    "newton {} krylov {} goal {goal:.2e} norm {norm:.3e} changes {:.1e} {:.1e} {:.1e} law {law:.1e}",
+                    work.newton, work.krylov, changes[0], changes[1], changes[2]
+                );
+            }
+            if converged {
+                return Ok(work);
+            }
+            if work.newton >= limits.iterations() {
+                return Err(StepError::NotConverged {
+                    iterations: work.newton,
+                    changes,
+                    tolerance: limits.tolerance,
+                    law,
+                    law_tolerance: limits.law_tolerance,
+                    residual: norm,
+                });
+            }
+        }
+    }
+
+    /// ω, (natural boundary) μ, and the residuals at the iterate in `to`; returns the norm of
+    /// r₁ + Δtγ K M_L⁻¹ r₂ in the norm of M_L⁻¹.
+    fn evaluate(&mut self, places: &mut Places<'_>, iteration: u32) -> Result<f64, StepError> {
+        let space = places.space;
+        let State { phi, omega, mu, .. } = &mut *places.to;
+        self.solve_omega(space, places.effects, places.new, phi, omega);
+        self.assemble_force(space, places.effects, places.old, places.new);
+        if !self.clamped {
+            self.mass_inverse
+                .solve(space, &self.load, mu, MASS_TOLERANCE);
+        }
+        let mobility = places.dt * self.mobility;
+        for ((step, phi), old) in self.scratch.iter_mut().zip(&*phi).zip(&places.from.phi) {
+            *step = phi - old;
+        }
+        let [first, second] = &mut self.residual;
+        space.mass().multiply(&self.scratch, first);
+        space.stiffness().multiply_add(mobility, mu, first);
+        self.scratch.copy_from_slice(first);
+        if self.clamped {
+            second.copy_from_slice(&self.load);
+            space.mass().multiply_add(-1.0, mu, second);
+            second
+                .iter_mut()
+                .zip(&self.fixed)
+                .filter(|(_, fixed)| **fixed)
+                .for_each(|(r, _)| *r = 0.0);
+            let inverse = self.mass_inverse.inverse_weights();
+            let scaled = self.load.iter_mut().zip(&*second).zip(inverse);
+            scaled.for_each(|((load, r), inverse)| *load = r * inverse);
+            space
+                .stiffness()
+                .multiply_add(mobility, &self.load, &mut self.scratch);
+        }
+        let norm =
+            vector::weighted_square(&self.scratch, self.mass_inverse.inverse_weights()).sqrt();
+        if norm.is_finite() {
+            return Ok(norm);
+        }
+        let finite = |field: &[f64]| field.iter().all(|value| value.is_finite());
+        let place = match (finite(phi), finite(omega), finite(mu)) {
+            (false, _, _) => "phi",
+            (true, false, _) => "omega",
+            (true, true, false) => "mu",
+            _ => "the residual of substep 2",
+        };
+        Err(StepError::NotFinite { place, iteration })
+    }
+
+    /// To what norm the linearised system is solved: to a tenth of what the energy law allows (by
+    /// the inequality of Cauchy and Schwarz for r₁ᵀμ), but at least by a factor of ten and not
+    /// further than Newton's method can use.
+    fn linear_goal(&mut self, places: &Places<'_>, limits: Limits, norm: f64) -> f64 {
+        let weights = places.space.nodal_weights();
+        let domain = vector::sum(weights);
+        let mean = vector::dot(weights, &places.to.mu) / domain;
+        let square = vector::weighted_square(&places.to.mu, weights) - mean * mean * domain;
+        let potential = square.max(0.0).sqrt().max(f64::MIN_POSITIVE);
+        let wanted = limits.law_tolerance * places.energy_scale / potential;
+        wanted.clamp(1e-8 * norm, 0.1 * norm)
+    }
+
+    /// Solves for the increment; returns the Krylov iterations.
+    fn solve_linearised(&mut self, places: &Places<'_>, goal: f64) -> Result<u32, LinalgError> {
+        let space = places.space;
+        let mobility = places.dt * self.mobility;
+        let width = places.effects.bending.interface_width();
+        let size = space.nodes();
+        let (r1, rest) = self.right_side.split_at_mut(size);
+        let rows = r1.iter_mut().zip(&self.residual[0]).zip(&self.root_weights);
+        rows.for_each(|((b, r), root)| *b = -r / root);
+        let outcome = match &mut self.path {
+            Path::Transform {
+                preconditioner,
+                scratch,
+            } => {
+                preconditioner.prepare(mobility, width);
+                let mut operator = ReducedOperator {
+                    space,
+                    linearised: &self.linearised,
+                    mass_inverse: &mut self.mass_inverse,
+                    mobility,
+                    root_weights: &self.root_weights,
+                    scratch,
+                };
+                let (b, x) = (&self.right_side, &mut self.increment);
+                self.gmres
+                    .solve(&mut operator, preconditioner, b, x, goal, KRYLOV_LIMIT)?
+            }
+            Path::Factor { preconditioner } => {
+                let (r2, r3) = rest.split_at_mut(size);
+                let weights = space.nodal_weights();
+                let size_of = |field: &[f64]| {
+                    vector::weighted_square(field, weights)
+                        .sqrt()
+                        .max(f64::MIN_POSITIVE)
+                };
+                let row_scales = [
+                    1.0,
+                    size_of(&places.to.mu).recip(),
+                    (width * size_of(&places.to.omega)).recip(),
+                ];
+                let rows = r2.iter_mut().zip(&self.residual[1]).zip(&self.root_weights);
+                rows.for_each(|((b, r), root)| *b = -row_scales[1] * r / root);
+                r3.fill(0.0);
+                preconditioner.prepare(space, &self.linearised, mobility, width, row_scales)?;
+                let mut operator = ThreeFieldOperator {
+                    space,
+                    linearised: &self.linearised,
+                    mobility,
+                    width,
+                    fixed: &self.fixed,
+                    row_scales,
+                    root_weights: &self.root_weights,
+                };
+                let (b, x) = (&self.right_side, &mut self.increment);
+                let goal = goal.min(1e-2 * vector::norm(b));
+                let outcome = self.gmres.solve(
+                    &mut operator,
+                    &mut **preconditioner,
+                    b,
+                    x,
+                    goal,
+                    KRYLOV_LIMIT,
+                )?;
+                preconditioner.used(outcome.iterations);
+                outcome
+            }
+        };
+        if !self.increment.iter().all(|value| value.is_finite()) {
+            return Err(LinalgError::NotFinite {
+                place: "GMRES",
+                iteration: outcome.iterations,
+            });
+        }
+        Ok(outcome.iterations as u32)
+    }
+
+    /// Moves to the new iterate, with Newton's method damped until the residual falls; returns its
+    /// norm.
+    fn advance(
+        &mut self,
+        places: &mut Places<'_>,
+        limits: Limits,
+        norm: f64,
+        iteration: u32,
+    ) -> Result<f64, StepError> {
+        let size = places.space.nodes();
+        let floor = self.rounding_floor(places);
+        let mut damping = 1.0;
+        loop {
+            for ((phi, last), step) in places
+                .to
+                .phi
+                .iter_mut()
+                .zip(&self.last[0])
+                .zip(&self.increment[..size])
+            {
+                *phi = last + damping * step;
+            }
+            if self.clamped {
+                let steps = &self.increment[2 * size..];
+                for ((mu, last), step) in places.to.mu.iter_mut().zip(&self.last[2]).zip(steps) {
+                    *mu = last + damping * step;
+                }
+            }
+            let outcome = self.evaluate(places, iteration);
+            if limits.iteration == Iteration::Lagged {
+                return outcome;
+            }
+            let enough = (1.0 - 1e-4 * damping) * norm;
+            match outcome {
+                Ok(new) if new <= enough.max(floor) => return Ok(new),
+                Ok(new) if damping <= LEAST_DAMPING => {
+                    return Err(StepError::NotConverged {
+                        iterations: iteration,
+                        changes: self.changes(places),
+                        tolerance: limits.tolerance,
+                        law: self.law_defect(places),
+                        law_tolerance: limits.law_tolerance,
+                        residual: new,
+                    });
+                }
+                Err(error) if damping <= LEAST_DAMPING => return Err(error),
+                _ => damping *= 0.5,
+            }
+        }
+    }
+
+    /// About what rounding makes of r₁: three products with the stiffness matrix lie between φ and it.
+    fn rounding_floor(&self, places: &Places<'_>) -> f64 {
+        let space = places.space;
+        let bulk = places.dt * self.mobility * places.effects.bending.interface_width();
+        let weights = space.nodal_weights();
+        let phi = vector::weighted_square(&places.to.phi, weights).sqrt();
+        10.0 * f64::EPSILON * (1.0 + bulk * self.largest_eigenvalue.powi(3)) * phi
+    }
+
+    /// The relative L2 changes of φ, ω, μ between the last two iterates.
+    fn changes(&mut self, places: &Places<'_>) -> [f64; 3] {
+        let weights = places.space.nodal_weights();
+        let fields = [&places.to.phi, &places.to.omega, &places.to.mu];
+        let mut changes = [0.0; 3];
+        for ((change, last), now) in changes.iter_mut().zip(&self.last).zip(fields) {
+            for ((difference, now), last) in self.scratch.iter_mut().zip(now).zip(last) {
+                *difference = now - last;
+            }
+            let size = vector::weighted_square(now, weights).max(f64::MIN_POSITIVE);
+            *change = (vector::weighted_square(&self.scratch, weights) / size).sqrt();
+        }
+        changes
+    }
+
+    /// (r₁ᵀμ + r₂ᵀ(φ − φⁿ))/S: by how much the energy law will miss.
+    fn law_defect(&self, places: &Places<'_>) -> f64 {
+        let [first, second] = &self.residual;
+        let mut defect = vector::dot(first, &places.to.mu);
+        if self.clamped {
+            let steps = places.to.phi.iter().zip(&places.from.phi).zip(second);
+            defect += steps.map(|((new, old), r)| (new - old) * r).sum::<f64>();
+        }
+        defect / places.energy_scale
+    }
+
+    /// Has the next step make a new factor.
+    pub(super) fn forget(&mut self) {
+        if let Path::Factor { preconditioner } = &mut self.path {
+            preconditioner.expire();
+        }
+    }
+}

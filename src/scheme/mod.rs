@@ -1,0 +1,336 @@
+//! One time step of the scheme (3.20)–(3.21): substep 1 (director), substep 2 (membrane), and the
+//! ledger of the energy law (3.26).
+
+mod director;
+mod error;
+mod factored;
+mod history;
+mod initial;
+mod linearised;
+mod membrane;
+mod state;
+#[cfg(test)]
+mod tests;
+mod transform;
+
+use std::sync::Arc;
+
+use crate::fem::{Mesh, Rule, Space};
+use crate::linalg::LinalgError;
+use crate::physics::{Effects, NamedValue, Sample, surface_area};
+use crate::scene::{Boundary, LinearMethod, Quadrature, Scene, Solver};
+
+use director::DirectorStep;
+use history::History;
+use membrane::{Limits, MembraneStep, Places};
+
+pub use error::StepError;
+pub use initial::{InitialError, initial_fields};
+pub use state::{State, StepReport};
+
+/// Degree of the polynomials by which the guess of a step is extrapolated.
+const EXTRAPOLATION: usize = 2;
+
+/// The scheme on a mesh with the effects of a scene, and the state that it has reached.
+#[derive(Debug)]
+pub struct Scheme {
+    space: Space,
+    effects: Effects,
+    solver: Solver,
+    state: State,
+    next: State,
+    old: Sample,
+    new: Sample,
+    director: Option<DirectorStep>,
+    membrane: MembraneStep,
+    history: History,
+    /// The clock of the history: only differences matter.
+    t: f64,
+    report: StepReport,
+    next_report: StepReport,
+    points: Vec<f64>,
+}
+
+impl Scheme {
+    /// The scheme of a scene from given nodal values of φ⁰ and d⁰.
+    ///
+    /// # Errors
+    /// What the analysis of the sparse factor may run into.
+    pub fn new(
+        scene: &Scene,
+        mesh: Arc<Mesh>,
+        phi: Vec<f64>,
+        director: Option<[Vec<f64>; 2]>,
+    ) -> Result<Self, LinalgError> {
+        let rule = match scene.solver.quadrature {
+            Quadrature::Consistent => Rule::Consistent,
+            Quadrature::Lumped => Rule::Lumped,
+        };
+        let space = Space::new(mesh, rule);
+        let mut old = Sample::new(&space, director.is_some());
+        old.set_phi(&space, &phi);
+        if let Some(director) = &director {
+            old.set_director(&space, director);
+        }
+        let effects = Effects::from_scene(scene, &space, &old);
+        let clamped = scene.boundary == Boundary::Clamped;
+        let transform = scene.solver.linear != LinearMethod::Factor;
+        let membrane = MembraneStep::new(&space, scene.membrane.mobility, clamped, transform)?;
+        let director_step = scene
+            .nematic
+            .as_ref()
+            .map(|nematic| DirectorStep::new(&space, nematic.mobility));
+        let zeros = vec![0.0; space.nodes()];
+        let state = State {
+            phi,
+            omega: zeros.clone(),
+            mu: zeros,
+            director,
+        };
+        let points = vec![0.0; space.points()];
+        let mut scheme = Self {
+            next: state.clone(),
+            new: old.clone(),
+            space,
+            effects,
+            solver: scene.solver,
+            state,
+            old,
+            director: director_step,
+            membrane,
+            history: History::new(EXTRAPOLATION),
+            t: 0.0,
+            report: StepReport::default(),
+            next_report: StepReport::default(),
+            points,
+        };
+        scheme.start();
+        Ok(scheme)
+    }
+
+    /// ω⁰ and μ⁰ of φ⁰, and the report of the initial state.
+    fn start(&mut self) {
+        let State { phi, omega, mu, .. } = &mut self.state;
+        self.membrane
+            .solve_omega(&self.space, &mut self.effects, &mut self.old, phi, omega);
+        for effect in self.effects.iter_mut() {
+            effect.begin_membrane(&self.space, &self.old, &self.old);
+        }
+        self.membrane
+            .solve_mu(&self.space, &mut self.effects, &self.old, mu);
+        measure(
+            &self.space,
+            &mut self.effects,
+            &self.old,
+            &mut self.points,
+            &mut self.report,
+        );
+        self.report.phase_integral = self.space.integrate_nodal(&self.state.phi);
+        self.history.push(self.t, &self.state);
+    }
+
+    /// The space.
+    pub fn space(&self) -> &Space {
+        &self.space
+    }
+
+    /// The state that was reached.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// The report of the last step, or of the initial state.
+    pub fn report(&self) -> &StepReport {
+        &self.report
+    }
+
+    /// Whether the fast path is in use.
+    pub fn uses_transform(&self) -> bool {
+        self.membrane.uses_transform()
+    }
+
+    /// The effects.
+    pub fn effects_mut(&mut self) -> &mut Effects {
+        &mut self.effects
+    }
+
+    /// Takes one step of length Δt. On an error the state is what it was.
+    ///
+    /// # Errors
+    /// [`StepError`]: the step was not solved.
+    pub fn step(&mut self, dt: f64) -> Result<&StepReport, StepError> {
+        let energy_scale = energy_scale(&self.report.energies);
+        let mut report = std::mem::take(&mut self.next_report);
+        let outcome = self.try_step(dt, energy_scale, &mut report);
+        self.next_report = report;
+        match outcome {
+            Ok(()) => {
+                std::mem::swap(&mut self.report, &mut self.next_report);
+                std::mem::swap(&mut self.state, &mut self.next);
+                std::mem::swap(&mut self.old, &mut self.new);
+                self.t += dt;
+                self.history.push(self.t, &self.state);
+                Ok(&self.report)
+            }
+            Err(error) => {
+                self.forget();
+                Err(error)
+            }
+        }
+    }
+
+    /// Forgets what the guess of the next step is made from: to be called when the equations or the
+    /// state change from outside.
+    pub fn forget(&mut self) {
+        self.history.forget();
+        self.history.push(self.t, &self.state);
+        self.membrane.forget();
+        if let Some(director) = &mut self.director {
+            director.forget();
+        }
+    }
+
+    fn try_step(
+        &mut self,
+        dt: f64,
+        energy_scale: f64,
+        report: &mut StepReport,
+    ) -> Result<(), StepError> {
+        let space = &self.space;
+        report.director_iterations = 0;
+        if let (Some(step), Some(from), Some(to)) = (
+            &mut self.director,
+            &self.state.director,
+            &mut self.next.director,
+        ) {
+            // Two digits below what the energy law may miss, and not below rounding.
+            let tolerance = (1e-2 * self.solver.law_tolerance).clamp(1e-14, 1e-8);
+            report.director_iterations = step.solve(
+                space,
+                &mut self.effects,
+                &self.old,
+                (dt, tolerance),
+                from,
+                to,
+            )?;
+            self.new.set_director(space, to);
+        }
+        for effect in self.effects.iter_mut() {
+            effect.begin_membrane(space, &self.old, &self.new);
+        }
+        self.history.extrapolate(self.t + dt, &mut self.next);
+        let limits = Limits {
+            iteration: self.solver.iteration,
+            tolerance: self.solver.tolerance,
+            law_tolerance: self.solver.law_tolerance,
+        };
+        let mut places = Places {
+            space,
+            effects: &mut self.effects,
+            old: &self.old,
+            new: &mut self.new,
+            from: &self.state,
+            to: &mut self.next,
+            dt,
+            energy_scale,
+        };
+        let mut outcome = self.membrane.solve(&mut places, limits);
+        report.fell_back = outcome.is_err()
+            && self.membrane.uses_transform()
+            && self.solver.linear == LinearMethod::Automatic;
+        if report.fell_back {
+            self.membrane
+                .fall_back(space)
+                .map_err(|source| StepError::Membrane {
+                    iteration: 0,
+                    source,
+                })?;
+            // From the last state, not from an iterate that went astray.
+            places.to.phi.copy_from_slice(&places.from.phi);
+            places.to.omega.copy_from_slice(&places.from.omega);
+            places.to.mu.copy_from_slice(&places.from.mu);
+            outcome = self.membrane.solve(&mut places, limits);
+        }
+        let work = outcome?;
+        report.newton = work.newton;
+        report.krylov = work.krylov;
+        self.close_books(dt, report)
+    }
+
+    /// The energies of the new state and every term of (3.26); refuses a step whose law is broken.
+    fn close_books(&mut self, dt: f64, report: &mut StepReport) -> Result<(), StepError> {
+        let space = &self.space;
+        measure(
+            space,
+            &mut self.effects,
+            &self.new,
+            &mut self.points,
+            report,
+        );
+        report.phase_integral = space.integrate_nodal(&self.next.phi);
+        let ledger = &mut report.ledger;
+        ledger.clear();
+        let change = report.total_energy - self.report.total_energy;
+        ledger.push(NamedValue {
+            name: "dE",
+            value: change,
+        });
+        let value = dt * self.membrane.mobility() * space.stiffness().quadratic_form(&self.next.mu);
+        ledger.push(NamedValue {
+            name: "membrane_mobility",
+            value,
+        });
+        if let Some(director) = &self.director {
+            let value = director.dissipation(space, dt);
+            ledger.push(NamedValue {
+                name: "director_mobility",
+                value,
+            });
+        }
+        for effect in self.effects.iter_mut() {
+            effect.dissipation(space, &self.old, &self.new, ledger);
+        }
+        let scale = energy_scale(&report.energies).max(energy_scale(&self.report.energies));
+        let sum: f64 = ledger.iter().map(|term| term.value).sum();
+        report.law_residual = if scale > 0.0 { sum / scale } else { sum };
+        if !report.law_residual.is_finite() {
+            return Err(StepError::NotFinite {
+                place: "the energy law",
+                iteration: report.newton,
+            });
+        }
+        if report.law_residual.abs() > self.solver.law_tolerance {
+            return Err(StepError::LawBroken {
+                residual: report.law_residual,
+                tolerance: self.solver.law_tolerance,
+            });
+        }
+        Ok(())
+    }
+}
+
+/// S: the sum of the absolute energies.
+fn energy_scale(energies: &[NamedValue]) -> f64 {
+    energies
+        .iter()
+        .map(|energy| energy.value.abs())
+        .sum::<f64>()
+        .max(f64::MIN_POSITIVE)
+}
+
+/// The energies and B of a sampled state.
+fn measure(
+    space: &Space,
+    effects: &mut Effects,
+    at: &Sample,
+    points: &mut [f64],
+    report: &mut StepReport,
+) {
+    report.energies.clear();
+    for effect in effects.iter_mut() {
+        let (name, value) = (effect.name(), effect.energy(space, at));
+        report.energies.push(NamedValue { name, value });
+    }
+    report.total_energy = report.energies.iter().map(|energy| energy.value).sum();
+    report.surface_area = surface_area(space, at, effects.bending.interface_width(), points);
+}

@@ -1,0 +1,41 @@
+//! The fields of a run at one time, and what is known about a step.
+
+use crate::physics::NamedValue;
+
+/// The fields: nodal values on the mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct State {
+    /// φ: +1 inside the vesicle, −1 outside.
+    pub phi: Vec<f64>,
+    /// ω, the bending variable.
+    pub omega: Vec<f64>,
+    /// μ = δE/δφ.
+    pub mu: Vec<f64>,
+    /// d: its x and its y components; `None` without [nematic].
+    pub director: Option<[Vec<f64>; 2]>,
+}
+
+/// What a step was: energies, the energy law, the work done.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct StepReport {
+    /// The energy of each effect, weighted as in E_tot.
+    pub energies: Vec<NamedValue>,
+    /// E_tot.
+    pub total_energy: f64,
+    /// A = ∫φ.
+    pub phase_integral: f64,
+    /// B, the surface area.
+    pub surface_area: f64,
+    /// Every term of (3.26) times Δt.
+    pub ledger: Vec<NamedValue>,
+    /// Δt·(left side of 3.26)/S, S the sum of the absolute energies.
+    pub law_residual: f64,
+    /// Iterations of substep 2.
+    pub newton: u32,
+    /// Products with the linearised operator, all iterations together.
+    pub krylov: u32,
+    /// Iterations of the conjugate gradients of substep 1.
+    pub director_iterations: u32,
+    /// Whether the transform failed in this step and the factor took over.
+    pub fell_back: bool,
+}
