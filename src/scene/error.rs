@@ -214,7 +214,7 @@ pub struct Place {
     pub column: usize,
     /// The line, numbered, with a caret under the place.
     pub excerpt: String,
-    /// The whole line, for the header of an override.
+    /// The line, shortened, for the header of an override.
     content: String,
 }
 
@@ -252,7 +252,7 @@ impl Place {
             "{margin} |\n{gutter} | {}\n{margin} | {indent}{carets}",
             shown.trim_end()
         );
-        let content = printable(text[line_start..line_end].chars(), QUOTE_WIDTH);
+        let content = Shortened(&text[line_start..line_end]).to_string();
         Self {
             origin: origin.clone(),
             line,
