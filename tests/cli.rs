@@ -475,6 +475,26 @@ mod signals {
         }
     }
 
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_run_under_nohup_outlives_its_terminal() {
+        let folder = folder_with_scene();
+        let path = folder.path();
+        let mut nohup = Command::new("nohup");
+        nohup
+            .current_dir(path)
+            .arg(env!("CARGO_BIN_EXE_vesica"))
+            .args(ARGUMENTS)
+            .stdin(Stdio::null());
+        let mut child = long_run(path, nohup);
+        send(&child, SIGHUP);
+        std::thread::sleep(Duration::from_millis(500));
+        assert!(child.try_wait().is_ok_and(|status| status.is_none()));
+        send(&child, SIGTERM);
+        let output = child.wait_with_output().expect("it ends");
+        assert_eq!(output.status.code(), Some(128 + SIGTERM));
+    }
+
     #[test]
     fn a_killed_run_leaves_whole_lines() {
         let folder = folder_with_scene();

@@ -1,7 +1,8 @@
 //! The bar that shows how far a run is.
 
 use crate::simulation::Report;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use std::fmt;
 use std::time::{Duration, Instant};
 
 /// How often the bar is brought up to date.
@@ -24,10 +25,10 @@ impl Progress {
             ProgressDrawTarget::stderr()
         };
         let bar = ProgressBar::with_draw_target(Some(steps), target);
-        let template = "{bar:24} {pos}/{len}  {per_sec}  {eta} left  {msg}";
+        let template = "{bar:24} {pos}/{len}  {rate}  {eta} left  {msg}";
         // The template is right; if it ever were not, the plain bar serves.
         if let Ok(style) = ProgressStyle::with_template(template) {
-            bar.set_style(style);
+            bar.set_style(style.with_key("rate", rate));
         }
         Progress {
             bar,
@@ -46,8 +47,21 @@ impl Progress {
         self.bar.set_position(report.step);
     }
 
-    /// Takes the bar away.
-    pub fn clear(&self) {
+    /// Prints something on the standard error, above the bar.
+    pub fn above(&self, print: impl FnOnce()) {
+        self.bar.suspend(print);
+    }
+}
+
+/// Takes the bar away, so that what is printed next stands where it was.
+impl Drop for Progress {
+    fn drop(&mut self) {
         self.bar.finish_and_clear();
     }
+}
+
+/// Steps a second.
+fn rate(state: &ProgressState, text: &mut dyn fmt::Write) {
+    // The bar has no use for an error.
+    let _ = write!(text, "{:.1} steps/s", state.per_sec());
 }

@@ -5,12 +5,13 @@ use super::output;
 use super::progress::Progress;
 use super::signals::{EndSignal, Signal};
 use crate::record::{
-    Ending, IfOccupied, Preparation, RecordError, Recorder, RunFolder, RunSummary, Settings,
-    load_scene,
+    Ending, EventRecord, IfOccupied, Number, Preparation, RecordError, Recorder, RunFolder,
+    RunSummary, Settings, load_scene,
 };
 use crate::scene::Scene;
 use crate::simulation::{Simulation, SimulationError};
 use std::ffi::{OsStr, OsString};
+use std::fmt;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -98,9 +99,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         simulation.warnings().iter().for_each(output::warning);
     }
 
-    let mut progress = Progress::new(recorder.schedule().steps, arguments.quiet);
-    let stop = simulate(&mut simulation, &mut recorder, &signal, &mut progress);
-    progress.clear();
+    let stop = simulate(&mut simulation, &mut recorder, &signal, arguments.quiet);
 
     let steps = recorder.schedule().steps;
     let ending = match &stop {
@@ -154,9 +153,11 @@ fn simulate(
     simulation: &mut Simulation,
     recorder: &mut Recorder,
     signal: &EndSignal,
-    progress: &mut Progress,
+    quiet: bool,
 ) -> Stop {
+    let mut progress = Progress::new(recorder.schedule().steps, quiet);
     let mut computing = Duration::ZERO;
+    let mut told = 0;
     for _ in 0..recorder.schedule().steps {
         if let Some(signal) = signal.received() {
             return Stop::Signal(signal);
@@ -170,9 +171,20 @@ fn simulate(
         if let Err(error) = recorder.step(simulation, computing) {
             return Stop::Unrecorded(error);
         }
+        let events = &recorder.events()[told..];
+        if !events.is_empty() && !quiet {
+            progress.above(|| events.iter().for_each(tell));
+        }
+        told += events.len();
         progress.show(simulation.report());
     }
     Stop::Done
+}
+
+/// Tells of something that happened in a run.
+fn tell(event: &EventRecord) {
+    let EventRecord { step, t, text, .. } = event;
+    output::note(format_args!("step {step}, t = {}: {text}", Brief(*t)));
 }
 
 /// The scene with all overrides, and what to call its runs.
@@ -208,8 +220,32 @@ fn result_line(summary: &RunSummary, folder: &Path) -> String {
          {per_step:.2} ms a step, in {}",
         summary.scene,
         summary.steps,
-        crate::record::Number(summary.t),
+        Brief(summary.t),
         summary.largest_law_residual,
         folder.display(),
     )
+}
+
+/// A number for people: six digits.
+struct Brief(f64);
+
+impl fmt::Display for Brief {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let rounded = format!("{:.5e}", self.0).parse().unwrap_or(self.0);
+        Number(rounded).fmt(f)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_for_people_are_brief() {
+        assert_eq!(Brief(9.999999999999999e-5).to_string(), "0.0001");
+        assert_eq!(Brief(1.0 / 3.0).to_string(), "0.333333");
+        assert_eq!(Brief(2.5e-7 - 1e-22).to_string(), "2.5e-7");
+        assert_eq!(Brief(0.0).to_string(), "0");
+        assert_eq!(Brief(f64::NAN).to_string(), "NaN");
+    }
 }

@@ -39,4 +39,4 @@ pub use number::Number;
 pub use recorder::{Preparation, Recorder, Settings};
 pub use schedule::{Schedule, step_count};
 pub use source::{LoadError, LoadedScene, load_scene, unknown_preset};
-pub use summary::{Ending, RunSummary, Status};
+pub use summary::{Ending, EventRecord, OutlineChange, OutlineRecord, RunSummary, Status};

@@ -3,7 +3,7 @@
 use super::folder::SERIES;
 use super::history::Tables;
 use super::scene_file::write_scene;
-use super::summary::seconds;
+use super::summary::{EventRecord, seconds};
 use super::{Ending, RecordError, RunFolder, RunSummary, Schedule, step_count, vtu};
 use crate::scene::Scene;
 use crate::simulation::Simulation;
@@ -138,6 +138,11 @@ impl Recorder {
     /// What is recorded when.
     pub fn schedule(&self) -> &Schedule {
         &self.schedule
+    }
+
+    /// What happened so far.
+    pub fn events(&self) -> &[EventRecord] {
+        &self.summary.events
     }
 
     /// Records the step that the simulation has just made. `computing` is the time of computing

@@ -6,8 +6,10 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-/// A scene is text by hand; a larger file is not one.
+/// Bytes of a scene, which is text by hand, at most.
 const LARGEST_SCENE: u64 = 4 << 20;
+/// Bytes of a file of nodal values at most: enough for twenty million nodes.
+const LARGEST_INPUT: u64 = 1 << 30;
 
 /// Edits between a word and the preset's name that was probably meant.
 const NEAR: usize = 2;
@@ -59,12 +61,6 @@ pub enum LoadError {
         #[source]
         reason: io::Error,
     },
-    /// The file is too large for a scene.
-    #[error("{} is larger than {} MB: that is no scene", path.display(), LARGEST_SCENE >> 20)]
-    TooLarge {
-        /// The file.
-        path: PathBuf,
-    },
     /// The scene is wrong.
     #[error(transparent)]
     Scene(#[from] SceneError),
@@ -83,7 +79,7 @@ pub fn load_scene(source: &OsStr, overrides: &[String]) -> Result<LoadedScene, L
     {
         let origin = format!("preset {name}");
         let scene = Scene::parse(text, &origin, overrides, &mut |path| {
-            std::fs::read_to_string(path)
+            read_text(Path::new(path), LARGEST_INPUT)
         })?;
         let name = source.to_owned();
         return Ok(LoadedScene { scene, name });
@@ -93,7 +89,7 @@ pub fn load_scene(source: &OsStr, overrides: &[String]) -> Result<LoadedScene, L
     let folder = path.parent().unwrap_or(Path::new(""));
     let origin = path.display().to_string();
     let scene = Scene::parse(&text, &origin, overrides, &mut |relative| {
-        std::fs::read_to_string(folder.join(relative))
+        read_text(&folder.join(relative), LARGEST_INPUT)
     })?;
     let name = path.file_stem().unwrap_or(OsStr::new("scene")).to_owned();
     Ok(LoadedScene { scene, name })
@@ -106,17 +102,7 @@ fn read_scene(path: &Path) -> Result<String, LoadError> {
             is_run: path.join("scene.toml").is_file(),
         });
     }
-    let read = || -> io::Result<String> {
-        let mut text = String::new();
-        File::open(path)?
-            .take(LARGEST_SCENE + 1)
-            .read_to_string(&mut text)?;
-        Ok(text)
-    };
-    match read() {
-        Ok(text) if text.len() as u64 > LARGEST_SCENE => Err(LoadError::TooLarge {
-            path: path.to_owned(),
-        }),
+    match read_text(path, LARGEST_SCENE) {
         Ok(text) => Ok(text),
         // A word without a folder or an extension was meant as a preset's name.
         Err(reason)
@@ -131,6 +117,19 @@ fn read_scene(path: &Path) -> Result<String, LoadError> {
             reason,
         }),
     }
+}
+
+/// A whole file, unless it is larger than `limit` bytes: some, such as /dev/zero, have no end.
+fn read_text(path: &Path, limit: u64) -> io::Result<String> {
+    let mut text = String::new();
+    File::open(path)?
+        .take(limit + 1)
+        .read_to_string(&mut text)?;
+    if text.len() as u64 > limit {
+        let message = format!("it is larger than {} MB", limit >> 20);
+        return Err(io::Error::new(io::ErrorKind::FileTooLarge, message));
+    }
+    Ok(text)
 }
 
 /// The error for a name that no preset has, with the near miss.
