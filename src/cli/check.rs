@@ -3,7 +3,7 @@
 use super::error::CliError;
 use super::output;
 use crate::record::{load_scene, step_count};
-use crate::scene::{Mesh, Scene};
+use crate::scene::{self, Mesh, Scene};
 use std::ffi::OsString;
 
 /// Arguments of `vesica check`.
@@ -26,7 +26,7 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
             Ok(loaded) => {
                 let source = source.display();
                 output::line(format_args!("{source}: ok, {}", describe(&loaded.scene)))?;
-                for warning in loaded.scene.warnings() {
+                for warning in scene::warnings(&loaded.scene) {
                     output::warning(format_args!("{source}: {warning}"));
                 }
             }

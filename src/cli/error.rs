@@ -2,6 +2,7 @@
 
 use super::output;
 use crate::record::{LoadError, RecordError};
+use crate::scene::UnknownPreset;
 use crate::simulation::SimulationError;
 use std::ffi::OsString;
 use std::io;
@@ -13,6 +14,9 @@ pub(super) enum CliError {
     /// The scene could not be had.
     #[error(transparent)]
     Load(#[from] LoadError),
+    /// There is no such preset.
+    #[error(transparent)]
+    Preset(#[from] UnknownPreset),
     /// The folder for the run could not be had.
     #[error(transparent)]
     Folder(RecordError),
@@ -88,6 +92,7 @@ impl CliError {
     pub fn exit_status(&self) -> u8 {
         match self {
             CliError::Load(_)
+            | CliError::Preset(_)
             | CliError::Folder(_)
             | CliError::Resume
             | CliError::NoApp { .. }

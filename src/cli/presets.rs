@@ -2,9 +2,7 @@
 
 use super::error::CliError;
 use super::output;
-use crate::record::load_scene;
-use crate::scene;
-use std::ffi::OsString;
+use crate::scene::{find_preset, preset_description, preset_names};
 use std::fmt::Write;
 
 /// Arguments of `vesica preset`.
@@ -14,23 +12,19 @@ pub(super) struct Arguments {
     name: String,
 }
 
-/// Lists the presets: the name and the title of each.
+/// Lists the presets: the name of each and a line about it.
 pub(super) fn list() -> Result<(), CliError> {
-    let names: Vec<_> = scene::preset_names().collect();
-    let width = names.iter().map(|name| name.len()).max().unwrap_or(0);
+    let width = preset_names().map(str::len).max().unwrap_or(0);
     let mut text = String::new();
-    for name in names {
-        let scene = load_scene(&OsString::from(name), &[])?.scene;
+    for name in preset_names() {
+        let description = preset_description(name).unwrap_or_default();
         // Writing to a String cannot fail.
-        let _ = writeln!(text, "{name:width$}  {}", scene.name);
+        let _ = writeln!(text, "{name:width$}  {description}");
     }
     output::print(&text)
 }
 
 /// Prints a preset's TOML, comments and all.
 pub(super) fn print(arguments: &Arguments) -> Result<(), CliError> {
-    match scene::preset(&arguments.name) {
-        Some(text) => output::print(text),
-        None => Err(crate::record::unknown_preset(&arguments.name).into()),
-    }
+    output::print(find_preset(&arguments.name)?)
 }

@@ -38,5 +38,5 @@ pub use history::HISTORY_COLUMNS;
 pub use number::Number;
 pub use recorder::{Preparation, Recorder, Settings};
 pub use schedule::{Schedule, step_count};
-pub use source::{LoadError, LoadedScene, load_scene, unknown_preset};
+pub use source::{LoadError, LoadedScene, load_scene};
 pub use summary::{Ending, EventRecord, OutlineChange, OutlineRecord, RunSummary, Status};

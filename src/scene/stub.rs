@@ -29,6 +29,27 @@ pub fn preset_names() -> impl Iterator<Item = &'static str> {
     NAMES.into_iter()
 }
 
+/// There is no such preset.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("there is no preset '{name}'; did you mean 'case3'? Presets: case1, case2, case3, case4")]
+pub struct UnknownPreset {
+    name: String,
+}
+/// The preset's text.
+pub fn find_preset(name: &str) -> Result<&'static str, UnknownPreset> {
+    preset(name).ok_or_else(|| UnknownPreset {
+        name: name.to_owned(),
+    })
+}
+/// One line about it.
+pub fn preset_description(_name: &str) -> Option<&'static str> {
+    Some("The paper's case")
+}
+/// What is odd.
+pub fn warnings(_scene: &Scene) -> Vec<Warning> {
+    Vec::new()
+}
+
 impl Scene {
     /// Reads a scene.
     pub fn parse(
@@ -146,10 +167,5 @@ impl Scene {
             text.push_str("[nematic]\n");
         }
         text
-    }
-
-    /// What is odd.
-    pub fn warnings(&self) -> Vec<Warning> {
-        Vec::new()
     }
 }

@@ -147,7 +147,7 @@ impl Simulation {
                 ledger: Vec::new(),
                 outline: None,
             },
-            warnings: scene.warnings(),
+            warnings: scene::warnings(scene),
             events: Vec::new(),
         };
         simulation.fill();
