@@ -13,6 +13,8 @@ cells = 8
 [time]
 step = 1e-7
 end = 3e-7
+[membrane]
+interface_width = 0.05
 [nematic]
 ";
 
@@ -319,7 +321,7 @@ fn nodal_values_go_into_the_folder() {
     let path = folder.path();
     fs::create_dir(path.join("scenes")).expect("it can be made");
     let values: String = (0..81)
-        .map(|node| format!("{}\n", 0.9 * (f64::from(node) / 7.0).sin()))
+        .map(|node| format!("{}\n", 0.9 * (f64::from(node) / 27.0).sin()))
         .collect();
     fs::write(path.join("scenes/phi0.txt"), values).expect("it can be written");
     let scene = format!("{SCENE}[vesicle]\nshape = \"file\"\nvalues = \"phi0.txt\"\n");

@@ -7,7 +7,7 @@
 //! | `scene.toml` | the complete scene, with defaults and overrides | at the start, whole |
 //! | `inputs/` | the nodal values that the scene had from files | at the start, whole |
 //! | `history.csv` | the scalars of a step ([`HISTORY_COLUMNS`]) | grows by whole lines |
-//! | `ledger.csv` | every term of the energy law (3.26) | grows by whole lines |
+//! | `ledger.csv` | every term of the energy law (3.26), from step 1 on: the law is about steps | grows by whole lines |
 //! | `shape.csv` | length, waist and greatest width of the vesicle | grows by whole lines |
 //! | `fields/` | VTU files at evenly spaced times, and `fields.pvd`, their list | each whole |
 //! | `final.vtu` | the fields at the end | at the end, whole |

@@ -76,7 +76,8 @@ pub(super) mod tests {
     /// A small scene, with `extra` TOML at its end.
     pub fn scene(extra: &str) -> Scene {
         let text = format!(
-            "name = \"Small\"\n[mesh]\ncells = 8\n[time]\nstep = 1e-7\nend = 3e-7\n{extra}"
+            "name = \"Small\"\n[mesh]\ncells = 8\n[time]\nstep = 1e-7\nend = 3e-7\n\
+             [membrane]\ninterface_width = 0.05\n{extra}"
         );
         Scene::parse(&text, "small.toml", &[], &mut |path| {
             fs::read_to_string(path)

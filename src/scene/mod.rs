@@ -1,7 +1,37 @@
-//! What to simulate.
+//! What to simulate: TOML ⇄ [`Scene`], presets, and every check of a value.
+//!
+//! ```
+//! use vesica::scene::{Scene, find_preset};
+//!
+//! let text = find_preset("case3")?;
+//! let overrides = ["anchoring.kind=parallel".to_owned()];
+//! let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+//! let scene = Scene::parse(text, "preset case3", &overrides, &mut no_files)?;
+//! assert_eq!(scene.time.end, 1e-3);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
+mod defaults;
+mod document;
+mod error;
+mod expression;
+mod keys;
 mod model;
-mod stub;
+mod names;
+mod near;
+mod nodal_file;
+mod overrides;
+mod presets;
+mod reader;
+mod schema;
+#[cfg(test)]
+mod tests;
+mod vesicle;
+mod warning;
+mod write;
 
+pub use error::{Origin, Place, Problem, SceneError};
+pub use expression::{Expression, ExpressionError, ExpressionProblem};
 pub use model::*;
-pub use stub::*;
+pub use presets::{UnknownPreset, find_preset, preset, preset_description, preset_names};
+pub use warning::{Warning, warnings};

@@ -1,9 +1,11 @@
 //! A scene as the rest of the program sees it: every default filled in, every value checked.
 //!
-//! The TOML that a user writes is in `schema`; this is what it becomes. All quantities are
+//! The TOML that a user writes is read in `schema`; this is what it becomes. All quantities are
 //! dimensionless; the domain is Ω = [0,1]². Symbols are those of Table 1 of the paper.
 
 use std::sync::Arc;
+
+use super::expression::Expression;
 
 /// One simulation, complete.
 #[derive(Debug, Clone, PartialEq)]
@@ -160,18 +162,19 @@ pub enum ScalarField {
     File(NodalValues),
 }
 
-/// A formula in x and y.
-#[derive(Debug, Clone)]
-pub struct Expression {
-    /// As the user wrote it.
-    pub text: String,
-    /// Its parsed form.
-    pub(super) parsed: Arc<exmex::FlatEx<f64>>,
-}
-
-impl PartialEq for Expression {
-    fn eq(&self, other: &Self) -> bool {
-        self.text == other.text
+impl ScalarField {
+    /// The value at the node of this index, which is at (x, y).
+    ///
+    /// # Panics
+    ///
+    /// If the values come from a file and there is no such node: a scene's file has exactly as
+    /// many values as its mesh has nodes.
+    pub fn at(&self, node: usize, x: f64, y: f64) -> f64 {
+        match self {
+            Self::Constant(value) => *value,
+            Self::Expression(expression) => expression.evaluate(x, y),
+            Self::File(nodal) => nodal.values[node],
+        }
     }
 }
 

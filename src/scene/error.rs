@@ -1,0 +1,403 @@
+//! Why a scene is refused, and where.
+
+use std::fmt;
+use std::ops::Range;
+
+use thiserror::Error;
+
+use super::expression::ExpressionError;
+
+/// Characters of a line that an error shows at most.
+const EXCERPT_WIDTH: usize = 96;
+/// Characters of a user's word that a message repeats at most.
+const QUOTE_WIDTH: usize = 60;
+
+/// Why a scene is refused, and where.
+///
+/// Printed, it says the place, what is wrong, what is allowed, and shows the line:
+///
+/// ```text
+/// my.toml:3:1: unknown key 'penality' in [area]; did you mean 'penalty'? Allowed: target, penalty
+///   |
+/// 3 | penality = 1e-3
+///   | ^^^^^^^^
+/// ```
+#[derive(Debug, Clone, PartialEq, Error)]
+#[error("{place}: {problem}\n{}", place.excerpt)]
+pub struct SceneError {
+    /// Where.
+    pub place: Box<Place>,
+    /// Why.
+    pub problem: Box<Problem>,
+}
+
+impl SceneError {
+    /// `problem`, in the bytes `range` of `text`.
+    pub(super) fn new(origin: &Origin, text: &str, range: Range<usize>, problem: Problem) -> Self {
+        Self {
+            place: Box::new(Place::new(origin, text, range)),
+            problem: Box::new(problem),
+        }
+    }
+}
+
+/// What is wrong with a scene.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum Problem {
+    /// The text is not TOML.
+    #[error("this is not valid TOML: {message}")]
+    Syntax {
+        /// What the parser of TOML says.
+        message: String,
+    },
+    /// An override is not of the form `KEY=VALUE`.
+    #[error("an override is KEY=VALUE, such as time.step=2e-7: {reason}")]
+    Override {
+        /// What is missing.
+        reason: &'static str,
+    },
+    /// A key that no scene has.
+    #[error("unknown key {} {}{}{} Allowed: {}", Quoted(key), Inside(table), DidYouMean(near),
+        Elsewhere(elsewhere), allowed.join(", "))]
+    UnknownKey {
+        /// The key.
+        key: String,
+        /// The table it stands in; empty at the top level.
+        table: String,
+        /// The key that was probably meant.
+        near: Option<&'static str>,
+        /// A table that does have this key.
+        elsewhere: Option<&'static str>,
+        /// The keys that this table has.
+        allowed: Vec<&'static str>,
+    },
+    /// A key that belongs to another kind of the same table.
+    #[error("{} does not belong to {owner}; allowed: {}", Quoted(key), allowed.join(", "))]
+    MisplacedKey {
+        /// The key.
+        key: String,
+        /// What was chosen, such as `shape = "circle"`.
+        owner: String,
+        /// The keys that it has.
+        allowed: Vec<&'static str>,
+    },
+    /// A key that must be there.
+    #[error("{owner} needs the key '{key}'")]
+    MissingKey {
+        /// The key.
+        key: &'static str,
+        /// What needs it.
+        owner: String,
+    },
+    /// Two keys of which only one can be there.
+    #[error("{first} and {second} exclude each other: give one of them")]
+    Conflict {
+        /// The one.
+        first: &'static str,
+        /// The other.
+        second: &'static str,
+    },
+    /// A value of another type.
+    #[error("{key} must be {expected}, not {found}")]
+    WrongType {
+        /// The key with its table.
+        key: String,
+        /// What is wanted.
+        expected: String,
+        /// What stands there.
+        found: &'static str,
+    },
+    /// A value of the right type that makes no sense.
+    #[error("{key} must be {allowed}, not {}", Shortened(found))]
+    OutOfRange {
+        /// The key with its table.
+        key: String,
+        /// What would make sense.
+        allowed: String,
+        /// The value as it is written.
+        found: String,
+    },
+    /// A word that is none of the choices.
+    #[error("{key} cannot be {}{} Allowed: {}", Quoted(found), DidYouMean(near),
+        allowed.join(", "))]
+    UnknownChoice {
+        /// The key with its table.
+        key: String,
+        /// The word.
+        found: String,
+        /// The choice that was probably meant.
+        near: Option<&'static str>,
+        /// The choices.
+        allowed: Vec<&'static str>,
+    },
+    /// Known, but of a later version.
+    #[error("this version of vesica does not have {what} yet; {instead}")]
+    NotYet {
+        /// The key, the table or the choice.
+        what: String,
+        /// What can be done now.
+        instead: &'static str,
+    },
+    /// There is nothing to anchor.
+    #[error(
+        "anchoring.kind = \"{kind}\" needs a director to anchor, and the scene has no [nematic]; \
+         add that table, or take anchoring.kind = \"none\", or no [anchoring] (--set anchoring=false)"
+    )]
+    AnchoringWithoutNematic {
+        /// The anchoring that the scene asks for.
+        kind: &'static str,
+    },
+    /// A formula that cannot be understood or is not finite.
+    #[error("{key}: {error}")]
+    Expression {
+        /// The key with its table.
+        key: String,
+        /// What is wrong.
+        error: ExpressionError,
+    },
+    /// A file that cannot be read.
+    #[error("{key}: the file {} cannot be read: {reason}", Quoted(path))]
+    UnreadableFile {
+        /// The key with its table.
+        key: String,
+        /// The path as the scene gives it.
+        path: String,
+        /// What the system says.
+        reason: String,
+    },
+    /// A line of a file of nodal values that does not hold as many finite numbers as it must.
+    #[error("a line must hold {} ({key}); {} is not", Count(*columns, "finite number"),
+        Quoted(found))]
+    NodalLine {
+        /// The key with its table.
+        key: String,
+        /// Numbers a line.
+        columns: usize,
+        /// The line or the word.
+        found: String,
+    },
+    /// A file of nodal values for another mesh.
+    #[error(
+        "{key} must have a line for each of the {nodes} nodes of the mesh, (mesh.cells + 1)² with \
+         mesh.cells = {cells}; this file has {}",
+        if *found > *nodes { "more".to_owned() } else { found.to_string() }
+    )]
+    NodalCount {
+        /// The key with its table.
+        key: String,
+        /// Lines with values in the file, or one more than there are nodes if there are more.
+        found: usize,
+        /// What the mesh has.
+        nodes: usize,
+        /// Along each side.
+        cells: usize,
+    },
+}
+
+/// Who wrote a text.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Origin {
+    /// A file or a preset, as the caller names it: `my.toml`, `preset case3`.
+    Text(String),
+    /// An argument `--set KEY=VALUE`.
+    Override,
+}
+
+/// A place in a text.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Place {
+    /// Who wrote the text.
+    pub origin: Origin,
+    /// Counted from 1.
+    pub line: usize,
+    /// In characters, counted from 1.
+    pub column: usize,
+    /// The line, numbered, with a caret under the place.
+    pub excerpt: String,
+    /// The whole line, for the header of an override.
+    content: String,
+}
+
+impl Place {
+    fn new(origin: &Origin, text: &str, range: Range<usize>) -> Self {
+        let start = text.floor_char_boundary(range.start);
+        let end = text.floor_char_boundary(range.end.max(start));
+        let line_start = text[..start].rfind('\n').map_or(0, |at| at + 1);
+        let line_end = text[start..].find('\n').map_or(text.len(), |at| start + at);
+        let line = 1 + text[..line_start].matches('\n').count();
+        let before = text[line_start..start].chars().count();
+        let width = text[start..end.clamp(start, line_end)]
+            .chars()
+            .count()
+            .max(1);
+
+        // A line of thousands of characters is shown around the place only.
+        let skipped = if before + width <= EXCERPT_WIDTH {
+            0
+        } else {
+            before.saturating_sub(EXCERPT_WIDTH / 4)
+        };
+        let shown = printable(
+            text[line_start..line_end].chars().skip(skipped),
+            EXCERPT_WIDTH,
+        );
+        let gutter = match origin {
+            Origin::Text(_) => line.to_string(),
+            Origin::Override => "--set".to_owned(),
+        };
+        let margin = " ".repeat(gutter.chars().count());
+        let indent = " ".repeat(before - skipped);
+        let carets = "^".repeat(width.min(EXCERPT_WIDTH));
+        let excerpt = format!(
+            "{margin} |\n{gutter} | {}\n{margin} | {indent}{carets}",
+            shown.trim_end()
+        );
+        let content = printable(text[line_start..line_end].chars(), QUOTE_WIDTH);
+        Self {
+            origin: origin.clone(),
+            line,
+            column: before + 1,
+            excerpt,
+            content,
+        }
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.origin {
+            Origin::Text(name) => write!(f, "{name}:{}:{}", self.line, self.column),
+            Origin::Override => write!(f, "--set {}", self.content),
+        }
+    }
+}
+
+/// The first `width` characters, one column each: nothing that moves a terminal's cursor.
+fn printable(text: impl Iterator<Item = char>, width: usize) -> String {
+    text.take(width)
+        .map(|character| match character {
+            '\t' | '\r' => ' ',
+            character if character.is_control() => char::REPLACEMENT_CHARACTER,
+            character => character,
+        })
+        .collect()
+}
+
+/// A user's word, safe to print and not too long.
+struct Shortened<'a>(&'a str);
+
+impl fmt::Display for Shortened<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&printable(self.0.chars(), QUOTE_WIDTH))?;
+        if self.0.chars().nth(QUOTE_WIDTH).is_some() {
+            f.write_str("…")
+        } else {
+            Ok(())
+        }
+    }
+}
+
+/// A user's word in quotes.
+pub(super) struct Quoted<'a>(pub(super) &'a str);
+
+impl fmt::Display for Quoted<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "'{}'", Shortened(self.0))
+    }
+}
+
+/// The table that a key stands in.
+struct Inside<'a>(&'a str);
+
+impl fmt::Display for Inside<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            "" => f.write_str("at the top level"),
+            table if table.contains('.') => write!(f, "in {table}"),
+            table => write!(f, "in [{table}]"),
+        }
+    }
+}
+
+/// The end of a first half sentence.
+pub(super) struct DidYouMean<'a>(pub(super) &'a Option<&'static str>);
+
+impl fmt::Display for DidYouMean<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Some(word) => write!(f, "; did you mean '{word}'?"),
+            None => f.write_str("."),
+        }
+    }
+}
+
+/// Where a key would be right.
+struct Elsewhere<'a>(&'a Option<&'static str>);
+
+impl fmt::Display for Elsewhere<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Some(table) => write!(f, " It is a key of [{table}]."),
+            None => Ok(()),
+        }
+    }
+}
+
+/// A number of things.
+struct Count(usize, &'static str);
+
+impl fmt::Display for Count {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let plural = if self.0 == 1 { "" } else { "s" };
+        write!(f, "{} {}{plural}", self.0, self.1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn place(text: &str, range: Range<usize>) -> Place {
+        Place::new(&Origin::Text("a.toml".to_owned()), text, range)
+    }
+
+    #[test]
+    fn lines_and_columns_count_characters_from_one() {
+        let place = place("ä = 1\nöö = 2\n", 14..15);
+        assert_eq!((place.line, place.column), (2, 6));
+        assert_eq!(place.excerpt, "  |\n2 | öö = 2\n  |      ^");
+    }
+
+    #[test]
+    fn any_range_has_a_place() {
+        for text in ["", "\n", "é", "a\r\nb", "\u{feff}x"] {
+            for start in 0..6 {
+                for end in 0..6 {
+                    assert!(place(text, start..end).line >= 1);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_reaches_the_terminal_raw() {
+        let place = place("a = \"\u{1b}[2J\"\t", 4..9);
+        assert!(!place.excerpt.contains('\u{1b}'), "{}", place.excerpt);
+        assert!(!Quoted("\u{1b}]0;x").to_string().contains('\u{1b}'));
+    }
+
+    #[test]
+    fn a_long_line_is_cut_around_the_place() {
+        let text = format!("{}wrong{}", "a".repeat(5000), "b".repeat(5000));
+        let place = place(&text, 5000..5005);
+        let lines: Vec<&str> = place.excerpt.lines().collect();
+        assert!(
+            lines[1].chars().count() <= EXCERPT_WIDTH + 4,
+            "{}",
+            lines[1]
+        );
+        let caret = lines[2].find('^').expect("a caret");
+        assert_eq!(&lines[1][caret..caret + 5], "wrong");
+        assert_eq!(place.column, 5001);
+    }
+}

@@ -1,0 +1,335 @@
+//! Typed access to the tables of a document: each value is checked where it is read, and an error
+//! knows its key and its place.
+
+use std::ops::RangeInclusive;
+
+use super::document::{Entry, Location, Node, Sources, Value};
+use super::error::{Problem, SceneError};
+use super::keys::{self, Keys};
+use super::names::Names;
+use super::near::nearest;
+
+/// What a number must be; it must be finite in any case.
+pub(super) struct Bound {
+    words: &'static str,
+    holds: fn(f64) -> bool,
+}
+
+pub(super) const FINITE: Bound = Bound {
+    words: "a finite number",
+    holds: |_| true,
+};
+pub(super) const POSITIVE: Bound = Bound {
+    words: "a finite number > 0",
+    holds: |v| v > 0.0,
+};
+pub(super) const NOT_NEGATIVE: Bound = Bound {
+    words: "a finite number ≥ 0",
+    holds: |v| v >= 0.0,
+};
+pub(super) const RATIO: Bound = Bound {
+    words: "a number ≥ 0 and < 1",
+    holds: |v| (0.0..1.0).contains(&v),
+};
+pub(super) const JITTER: Bound = Bound {
+    words: "a number ≥ 0 and < 0.9",
+    holds: |v| (0.0..0.9).contains(&v),
+};
+
+/// A table of the document. One that is absent reads like one without keys.
+#[derive(Clone)]
+pub(super) struct Reader<'a> {
+    sources: &'a Sources,
+    path: String,
+    entries: &'a [Entry],
+    location: Location,
+}
+
+/// A value of the document.
+#[derive(Clone)]
+pub(super) struct Field<'a> {
+    sources: &'a Sources,
+    /// The dotted key.
+    pub path: String,
+    key_location: Location,
+    node: &'a Node,
+}
+
+impl<'a> Reader<'a> {
+    /// The top level of a document.
+    pub(super) fn top(sources: &'a Sources, node: &'a Node) -> Self {
+        let entries: &[Entry] = if let Value::Table(entries) = &node.value {
+            entries
+        } else {
+            &[]
+        };
+        Self {
+            sources,
+            path: String::new(),
+            entries,
+            location: node.location,
+        }
+    }
+
+    pub(super) fn get(&self, key: &str) -> Option<Field<'a>> {
+        let entry = self.entries.iter().find(|entry| entry.key == key)?;
+        Some(self.field(entry))
+    }
+
+    fn field(&self, entry: &'a Entry) -> Field<'a> {
+        Field {
+            sources: self.sources,
+            path: join(&self.path, &entry.key),
+            key_location: entry.key_location,
+            node: &entry.node,
+        }
+    }
+
+    /// A key that `owner` cannot do without.
+    pub(super) fn require(&self, key: &'static str, owner: &str) -> Result<Field<'a>, SceneError> {
+        self.get(key).ok_or_else(|| {
+            self.sources.error(
+                self.location,
+                Problem::MissingKey {
+                    key,
+                    owner: owner.to_owned(),
+                },
+            )
+        })
+    }
+
+    /// The table of this name, where it is there.
+    pub(super) fn present(&self, key: &str) -> Result<Option<Reader<'a>>, SceneError> {
+        self.get(key).map(|field| field.table()).transpose()
+    }
+
+    /// The table of this name, as if it were there.
+    pub(super) fn table(&self, key: &str) -> Result<Reader<'a>, SceneError> {
+        Ok(self.present(key)?.unwrap_or_else(|| Reader {
+            sources: self.sources,
+            path: join(&self.path, key),
+            entries: &[],
+            location: self.location,
+        }))
+    }
+
+    /// Its keys and values, in the order of the text.
+    pub(super) fn fields(&self) -> impl Iterator<Item = (&'a str, Field<'a>)> {
+        self.entries
+            .iter()
+            .map(|entry| (entry.key.as_str(), self.field(entry)))
+    }
+
+    /// Refuses every key that is not among `allowed`.
+    pub(super) fn allow(&self, allowed: &Keys) -> Result<(), SceneError> {
+        match self.fields().find(|(key, _)| !allowed.contains(key)) {
+            Some((key, field)) => Err(field.unknown_key(key, &self.path, allowed)),
+            None => Ok(()),
+        }
+    }
+
+    /// Refuses a key that a later version will know.
+    pub(super) fn not_yet(&self, key: &str, instead: &'static str) -> Result<(), SceneError> {
+        match self.get(key) {
+            Some(field) => {
+                let what = if self.path.is_empty() {
+                    format!("[{key}]")
+                } else {
+                    field.path.clone()
+                };
+                Err(field.key_error(Problem::NotYet { what, instead }))
+            }
+            None => Ok(()),
+        }
+    }
+
+    pub(super) fn number(&self, key: &str, default: f64, bound: Bound) -> Result<f64, SceneError> {
+        self.get(key)
+            .map_or(Ok(default), |field| field.number(bound))
+    }
+
+    pub(super) fn vector(&self, key: &str, default: [f64; 2]) -> Result<[f64; 2], SceneError> {
+        self.get(key)
+            .map_or(Ok(default), |field| field.vector(FINITE))
+    }
+
+    pub(super) fn seed(&self, default: u64) -> Result<u64, SceneError> {
+        self.get("seed")
+            .map_or(Ok(default), |field| field.integer(0..=u64::MAX))
+    }
+
+    pub(super) fn choice<T: Copy>(
+        &self,
+        key: &str,
+        default: T,
+        names: &Names<T>,
+    ) -> Result<T, SceneError> {
+        self.get(key)
+            .map_or(Ok(default), |field| field.choice(names))
+    }
+}
+
+impl<'a> Field<'a> {
+    pub(super) fn value(&self) -> &'a Value {
+        &self.node.value
+    }
+
+    /// Whether an override gave it.
+    pub(super) fn is_override(&self) -> bool {
+        self.key_location.is_override()
+    }
+
+    /// An error about the value.
+    pub(super) fn error(&self, problem: Problem) -> SceneError {
+        self.sources.error(self.node.location, problem)
+    }
+
+    /// An error about the key.
+    pub(super) fn key_error(&self, problem: Problem) -> SceneError {
+        self.sources.error(self.key_location, problem)
+    }
+
+    /// An error about a part of a string, in bytes of the string.
+    pub(super) fn error_within(
+        &self,
+        text: &str,
+        range: std::ops::Range<usize>,
+        problem: Problem,
+    ) -> SceneError {
+        // Where the string is written with escapes, its parts are elsewhere: point to all of it.
+        let location = match self.sources.snippet(self.node.location).find(text) {
+            Some(start) => self
+                .node
+                .location
+                .part(start + range.start..start + range.end),
+            None => self.node.location,
+        };
+        self.sources.error(location, problem)
+    }
+
+    fn unknown_key(&self, key: &str, table: &str, allowed: &Keys) -> SceneError {
+        let near = nearest(key, allowed.iter().copied());
+        let elsewhere = if near.is_some() {
+            None
+        } else {
+            keys::table_with(key)
+        };
+        self.key_error(Problem::UnknownKey {
+            key: key.to_owned(),
+            table: table.to_owned(),
+            near,
+            elsewhere: elsewhere.filter(|elsewhere| *elsewhere != table),
+            allowed: allowed.to_vec(),
+        })
+    }
+
+    /// An error about the value's type.
+    pub(super) fn wrong_type(&self, expected: impl Into<String>) -> SceneError {
+        self.error(Problem::WrongType {
+            key: self.path.clone(),
+            expected: expected.into(),
+            found: self.node.value.kind(),
+        })
+    }
+
+    /// An error about a value of the right type.
+    pub(super) fn out_of_range(&self, allowed: impl Into<String>) -> SceneError {
+        self.error(Problem::OutOfRange {
+            key: self.path.clone(),
+            allowed: allowed.into(),
+            found: self.sources.snippet(self.node.location).to_owned(),
+        })
+    }
+
+    pub(super) fn number(&self, bound: Bound) -> Result<f64, SceneError> {
+        match self.node.value {
+            Value::Number { value, .. } if value.is_finite() && (bound.holds)(value) => Ok(value),
+            Value::Number { .. } => Err(self.out_of_range(bound.words)),
+            _ => Err(self.wrong_type(bound.words)),
+        }
+    }
+
+    pub(super) fn integer(&self, range: RangeInclusive<u64>) -> Result<u64, SceneError> {
+        let words = format!("a whole number from {} to {}", range.start(), range.end());
+        let Value::Number { whole, .. } = self.node.value else {
+            return Err(self.wrong_type(words));
+        };
+        whole
+            .and_then(|whole| u64::try_from(whole).ok())
+            .filter(|whole| range.contains(whole))
+            .ok_or_else(|| self.out_of_range(words))
+    }
+
+    pub(super) fn vector(&self, bound: Bound) -> Result<[f64; 2], SceneError> {
+        let words = "an array of two numbers, such as [0.5, 0.5]";
+        let items = self.items(words)?;
+        let [first, second] = &items[..] else {
+            return Err(self.out_of_range(words));
+        };
+        let Bound { words, holds } = bound;
+        Ok([
+            first.number(Bound { words, holds })?,
+            second.number(Bound { words, holds })?,
+        ])
+    }
+
+    pub(super) fn text(&self) -> Result<&'a str, SceneError> {
+        match &self.node.value {
+            Value::Text(text) => Ok(text),
+            _ => Err(self.wrong_type("a string")),
+        }
+    }
+
+    pub(super) fn choice<T: Copy>(&self, names: &Names<T>) -> Result<T, SceneError> {
+        let allowed = || names.iter().map(|(name, _)| *name);
+        let Value::Text(word) = &self.node.value else {
+            let words: Vec<String> = allowed().map(|name| format!("\"{name}\"")).collect();
+            return Err(self.wrong_type(format!("one of {}", words.join(", "))));
+        };
+        names
+            .iter()
+            .find(|(name, _)| name == word)
+            .map(|(_, meant)| *meant)
+            .ok_or_else(|| {
+                self.error(Problem::UnknownChoice {
+                    key: self.path.clone(),
+                    found: word.clone(),
+                    near: nearest(word, allowed()),
+                    allowed: allowed().collect(),
+                })
+            })
+    }
+
+    pub(super) fn table(&self) -> Result<Reader<'a>, SceneError> {
+        match &self.node.value {
+            Value::Table(entries) => Ok(Reader {
+                sources: self.sources,
+                path: self.path.clone(),
+                entries,
+                location: self.key_location,
+            }),
+            _ => Err(self.wrong_type("a table")),
+        }
+    }
+
+    pub(super) fn items(&self, words: &str) -> Result<Vec<Field<'a>>, SceneError> {
+        let Value::List(items) = &self.node.value else {
+            return Err(self.wrong_type(words));
+        };
+        let field = |(index, node): (usize, &'a Node)| Field {
+            sources: self.sources,
+            path: format!("{}[{index}]", self.path),
+            key_location: node.location,
+            node,
+        };
+        Ok(items.iter().enumerate().map(field).collect())
+    }
+}
+
+fn join(path: &str, key: &str) -> String {
+    if path.is_empty() {
+        key.to_owned()
+    } else {
+        format!("{path}.{key}")
+    }
+}

@@ -1,0 +1,345 @@
+//! The tables of a scene, from TOML to a [`Scene`].
+
+use super::document;
+use super::error::{Problem, SceneError};
+use super::expression::Expression;
+use super::keys;
+use super::model::{
+    Anchoring, AnchoringKind, Area, Boundary, Defect, InitialDirector, Membrane, Mesh, Nematic,
+    NodalValues, ScalarField, Scene, Solver, Time,
+};
+use super::names::{ANCHORINGS, BOUNDARIES, ITERATIONS, LINEAR_METHODS, QUADRATURES, name_of};
+use super::nodal_file;
+use super::reader::{FINITE, Field, JITTER, NOT_NEGATIVE, POSITIVE, Reader};
+use super::vesicle::read_vesicle;
+use super::{defaults, document::Value};
+
+/// With fewer there is hardly an interior.
+const FEWEST_CELLS: u64 = 4;
+/// 4·10⁸ nodes: ten gigabytes for φ, μ and ω alone.
+const MOST_CELLS: u64 = 20_000;
+/// Formulas are tried at the nodes of the mesh, or of this one if that is finer.
+const MOST_TRIED_CELLS: usize = 256;
+
+/// The contents of a file, by its path as the scene gives it (relative to the scene's file).
+pub(super) type ReadFile<'a> = dyn FnMut(&str) -> std::io::Result<String> + 'a;
+
+/// What reading a value needs besides the value.
+pub(super) struct Context<'a> {
+    /// Reads files.
+    pub read: &'a mut ReadFile<'a>,
+    /// Along each side of the mesh.
+    pub cells: usize,
+}
+
+impl Scene {
+    /// Reads a scene.
+    ///
+    /// - `text` is TOML with the tables and keys of the README; `origin` names it in messages: the
+    ///   file's name, or `preset case3`.
+    /// - `overrides` are arguments `KEY=VALUE`, applied in their order before anything is checked.
+    ///   KEY is dotted, VALUE is TOML or a bare word. A key of a table that is not there makes the
+    ///   table; `area=false`, `nematic=false`, `anchoring=false` remove one; a `vesicle.shape` or
+    ///   `vesicle.parts` takes the place of the whole shape in `text`.
+    /// - `read` gives the contents of a file of nodal values, by its path as the scene gives it.
+    ///
+    /// # Errors
+    ///
+    /// Whatever is not TOML, not known, of the wrong type or without sense, with its place.
+    pub fn parse<'a>(
+        text: &str,
+        origin: &str,
+        overrides: &[String],
+        read: &'a mut ReadFile<'a>,
+    ) -> Result<Self, SceneError> {
+        let (sources, node) = document::read(text, origin, overrides)?;
+        let top = Reader::top(&sources, &node);
+        for key in ["field", "pull", "noise"] {
+            top.not_yet(key, "remove the table")?;
+        }
+        top.allow(keys::TOP)?;
+
+        let mesh = read_mesh(&top.table("mesh")?)?;
+        let Mesh::Structured { cells, .. } = mesh;
+        let mut context = Context { read, cells };
+        let nematic = top.present("nematic")?;
+        let scene = Self {
+            name: top
+                .get("name")
+                .map_or(Ok(Scene::default().name), |field| read_name(&field))?,
+            boundary: read_boundary(&top.table("domain")?)?,
+            mesh,
+            vesicle: read_vesicle(&top.table("vesicle")?, &mut context)?,
+            time: read_time(&top.table("time")?)?,
+            membrane: read_membrane(&top.table("membrane")?, &mut context)?,
+            area: top.present("area")?.as_ref().map(read_area).transpose()?,
+            nematic: nematic
+                .map(|table| read_nematic(&table, &mut context))
+                .transpose()?,
+            anchoring: top
+                .present("anchoring")?
+                .as_ref()
+                .map(read_anchoring)
+                .transpose()?,
+            solver: read_solver(&top.table("solver")?)?,
+        };
+        check_anchoring(&scene, &top)?;
+        Ok(scene)
+    }
+}
+
+fn read_name(field: &Field<'_>) -> Result<String, SceneError> {
+    let name = field.text()?;
+    if name.trim().is_empty() || name.contains(char::is_control) {
+        return Err(field.out_of_range("one line of text"));
+    }
+    Ok(name.to_owned())
+}
+
+fn read_boundary(table: &Reader<'_>) -> Result<Boundary, SceneError> {
+    table.allow(keys::DOMAIN)?;
+    table.choice("boundary", Boundary::Natural, BOUNDARIES)
+}
+
+fn read_mesh(table: &Reader<'_>) -> Result<Mesh, SceneError> {
+    if let Some(kind) = table.get("kind") {
+        if let Value::Text(word) = kind.value()
+            && ["delaunay", "file"].contains(&word.as_str())
+        {
+            let what = format!("mesh.kind = \"{word}\"");
+            return Err(kind.error(Problem::NotYet {
+                what,
+                instead: "take kind = \"structured\"",
+            }));
+        }
+        kind.choice(&[("structured", ())])?;
+    }
+    table.allow(keys::MESH)?;
+    let cells = table
+        .get("cells")
+        .map_or(Ok(defaults::CELLS as u64), |field| {
+            field.integer(FEWEST_CELLS..=MOST_CELLS)
+        })?;
+    Ok(Mesh::Structured {
+        // At most MOST_CELLS: no digit is lost on any machine.
+        cells: cells as usize,
+        jitter: table.number("jitter", 0.0, JITTER)?,
+        seed: table.seed(defaults::SEED)?,
+    })
+}
+
+fn read_time(table: &Reader<'_>) -> Result<Time, SceneError> {
+    table.not_yet(
+        "tolerance",
+        "give time.step, which is kept throughout the run",
+    )?;
+    table.allow(keys::TIME)?;
+    let default = Time::default();
+    Ok(Time {
+        step: table.number("step", default.step, POSITIVE)?,
+        end: table.number("end", default.end, POSITIVE)?,
+    })
+}
+
+fn read_membrane(table: &Reader<'_>, context: &mut Context<'_>) -> Result<Membrane, SceneError> {
+    table.allow(keys::MEMBRANE)?;
+    let default = Membrane::default();
+    Ok(Membrane {
+        interface_width: table.number("interface_width", default.interface_width, POSITIVE)?,
+        mobility: table.number("mobility", default.mobility, POSITIVE)?,
+        spontaneous_curvature: match table.get("spontaneous_curvature") {
+            Some(field) => read_scalar_field(&field, context)?,
+            None => default.spontaneous_curvature,
+        },
+    })
+}
+
+/// A number, an expression in x and y, or `{ file = PATH }`.
+fn read_scalar_field(
+    field: &Field<'_>,
+    context: &mut Context<'_>,
+) -> Result<ScalarField, SceneError> {
+    match field.value() {
+        Value::Number { .. } => field.number(FINITE).map(ScalarField::Constant),
+        Value::Text(text) => read_expression(field, text, context).map(ScalarField::Expression),
+        Value::Table(_) => {
+            let table = field.table()?;
+            table.allow(&["file"])?;
+            let file = table.require("file", &field.path)?;
+            read_nodal_values(&file, 1, context).map(ScalarField::File)
+        }
+        _ => Err(field.wrong_type(
+            "a number, an expression in x and y such as \"sin(pi*x)\", or { file = \"k.txt\" }",
+        )),
+    }
+}
+
+fn read_expression(
+    field: &Field<'_>,
+    text: &str,
+    context: &Context<'_>,
+) -> Result<Expression, SceneError> {
+    text.parse::<Expression>()
+        .and_then(|expression| {
+            expression
+                .check_finite(context.cells.min(MOST_TRIED_CELLS))
+                .map(|()| expression)
+        })
+        .map_err(|error| {
+            let key = field.path.clone();
+            field.error_within(
+                text,
+                error.range.clone(),
+                Problem::Expression { key, error },
+            )
+        })
+}
+
+/// Reads the file that `field` names.
+pub(super) fn read_nodal_values(
+    field: &Field<'_>,
+    columns: usize,
+    context: &mut Context<'_>,
+) -> Result<NodalValues, SceneError> {
+    let path = field.text()?;
+    let text = (context.read)(path).map_err(|error| {
+        let (key, path) = (field.path.clone(), path.to_owned());
+        field.error(Problem::UnreadableFile {
+            key,
+            path,
+            reason: error.to_string(),
+        })
+    })?;
+    let wanted = nodal_file::Wanted {
+        key: &field.path,
+        columns,
+        cells: context.cells,
+    };
+    nodal_file::parse(path, &text, wanted)
+}
+
+fn read_area(table: &Reader<'_>) -> Result<Area, SceneError> {
+    table.allow(keys::AREA)?;
+    let default = Area::default();
+    Ok(Area {
+        target: table.number("target", default.target, POSITIVE)?,
+        penalty: table.number("penalty", default.penalty, POSITIVE)?,
+    })
+}
+
+fn read_nematic(table: &Reader<'_>, context: &mut Context<'_>) -> Result<Nematic, SceneError> {
+    table.allow(keys::NEMATIC)?;
+    let default = Nematic::default();
+    Ok(Nematic {
+        weight: table.number("weight", default.weight, NOT_NEGATIVE)?,
+        mobility: table.number("mobility", default.mobility, POSITIVE)?,
+        penalty: table.number("penalty", default.penalty, POSITIVE)?,
+        initial: match table.get("initial") {
+            Some(field) => read_initial_director(&field, context)?,
+            None => default.initial,
+        },
+    })
+}
+
+/// `[x, y]`, or a table whose `kind` says the rest.
+fn read_initial_director(
+    field: &Field<'_>,
+    context: &mut Context<'_>,
+) -> Result<InitialDirector, SceneError> {
+    match field.value() {
+        Value::List(_) => return field.vector(FINITE).map(InitialDirector::Uniform),
+        Value::Table(_) => {}
+        _ => {
+            return Err(field.wrong_type(
+                "a vector such as [0.0, 1.0], or a table with kind = \"defects\", \"random\" or \
+                 \"file\"",
+            ));
+        }
+    }
+    #[derive(Clone, Copy)]
+    enum Kind {
+        Defects,
+        Random,
+        File,
+    }
+    let table = field.table()?;
+    let kinds = [
+        ("defects", Kind::Defects),
+        ("random", Kind::Random),
+        ("file", Kind::File),
+    ];
+    match table.require("kind", &field.path)?.choice(&kinds)? {
+        Kind::Defects => {
+            table.allow(&["kind", "at", "angle"])?;
+            let defects = table.require("at", "kind = \"defects\"")?;
+            Ok(InitialDirector::Defects {
+                at: defects
+                    .items("an array such as [{ center = [0.5, 0.5], winding = 1.0 }]")?
+                    .iter()
+                    .map(read_defect)
+                    .collect::<Result<_, _>>()?,
+                angle: table.number("angle", 0.0, FINITE)?,
+            })
+        }
+        Kind::Random => {
+            table.allow(&["kind", "seed", "length"])?;
+            Ok(InitialDirector::Random {
+                seed: table.seed(defaults::SEED)?,
+                length: table.number("length", 1.0, NOT_NEGATIVE)?,
+            })
+        }
+        Kind::File => {
+            table.allow(&["kind", "values"])?;
+            let values = table.require("values", "kind = \"file\"")?;
+            read_nodal_values(&values, 2, context).map(InitialDirector::File)
+        }
+    }
+}
+
+fn read_defect(field: &Field<'_>) -> Result<Defect, SceneError> {
+    let table = field.table()?;
+    table.allow(&["center", "winding"])?;
+    Ok(Defect {
+        center: table.vector("center", defaults::CENTER)?,
+        winding: table.number("winding", 1.0, FINITE)?,
+    })
+}
+
+fn read_anchoring(table: &Reader<'_>) -> Result<Anchoring, SceneError> {
+    table.allow(keys::ANCHORING)?;
+    let default = Anchoring::default();
+    Ok(Anchoring {
+        kind: table.choice("kind", default.kind, ANCHORINGS)?,
+        weight: table.number("weight", default.weight, NOT_NEGATIVE)?,
+    })
+}
+
+/// There must be a director to anchor.
+fn check_anchoring(scene: &Scene, top: &Reader<'_>) -> Result<(), SceneError> {
+    let (Some(anchoring), None) = (scene.anchoring, &scene.nematic) else {
+        return Ok(());
+    };
+    let (AnchoringKind::Homeotropic | AnchoringKind::Parallel) = anchoring.kind else {
+        return Ok(());
+    };
+    let problem = Problem::AnchoringWithoutNematic {
+        kind: name_of(ANCHORINGS, anchoring.kind),
+    };
+    match (top.table("anchoring")?.get("kind"), top.get("anchoring")) {
+        (Some(kind), _) => Err(kind.error(problem)),
+        (None, Some(table)) => Err(table.key_error(problem)),
+        (None, None) => Ok(()),
+    }
+}
+
+fn read_solver(table: &Reader<'_>) -> Result<Solver, SceneError> {
+    table.allow(keys::SOLVER)?;
+    let default = Solver::default();
+    Ok(Solver {
+        quadrature: table.choice("quadrature", default.quadrature, QUADRATURES)?,
+        iteration: table.choice("iteration", default.iteration, ITERATIONS)?,
+        linear: table.choice("linear", default.linear, LINEAR_METHODS)?,
+        tolerance: table.number("tolerance", default.tolerance, POSITIVE)?,
+        law_tolerance: table.number("law_tolerance", default.law_tolerance, POSITIVE)?,
+    })
+}

@@ -1,0 +1,279 @@
+//! Every error says where, what, and what is allowed.
+
+use super::read_with;
+use crate::scene::{Origin, SceneError};
+
+fn error(text: &str) -> SceneError {
+    match read_with(text, &[], &[("phi0.txt", "1\n2\n")]) {
+        Ok(scene) => panic!("{text:?} was read as {scene:?}"),
+        Err(error) => error,
+    }
+}
+
+/// The header of the message, without the excerpt.
+fn message(text: &str) -> String {
+    let message = error(text).to_string();
+    message.split('\n').next().unwrap_or_default().to_owned()
+}
+
+#[test]
+fn the_whole_message() {
+    assert_eq!(
+        error("[area]\ntarget = 1.1\npenality = 1e-3\n").to_string(),
+        "a.toml:3:1: unknown key 'penality' in [area]; did you mean 'penalty'? \
+         Allowed: target, penalty\n  \
+           |\n\
+         3 | penality = 1e-3\n  \
+           | ^^^^^^^^",
+    );
+    let error = error("[area]\ntarget = -1");
+    assert_eq!(error.place.origin, Origin::Text("a.toml".to_owned()));
+    assert_eq!((error.place.line, error.place.column), (2, 10));
+    assert!(
+        error
+            .to_string()
+            .ends_with("2 | target = -1\n  |          ^^"),
+        "{error}"
+    );
+}
+
+#[test]
+fn texts_that_are_not_toml() {
+    assert!(message("[anchoring]\nkind = parallel").starts_with("a.toml:2:8: this is not valid"));
+    assert!(message("[area]\n[area]").starts_with("a.toml:2:"));
+    assert!(message("a = ").starts_with("a.toml:1:"));
+}
+
+#[test]
+fn unknown_keys() {
+    assert_eq!(
+        message("[aera]"),
+        "a.toml:1:2: unknown key 'aera' at the top level; did you mean 'area'? Allowed: name, \
+         domain, mesh, vesicle, time, membrane, area, nematic, anchoring, solver",
+    );
+    assert_eq!(
+        message("[time]\ncells = 12"),
+        "a.toml:2:1: unknown key 'cells' in [time]. It is a key of [mesh]. Allowed: step, end",
+    );
+    assert!(
+        message("[nematic.initial]\nkind = 'random'\nseeds = 1").starts_with(
+            "a.toml:3:1: unknown key 'seeds' in nematic.initial; did you mean 'seed'?"
+        )
+    );
+    assert!(message("[vesicle]\nraito = 0.5").contains("did you mean 'ratio'?"));
+    let part = message("vesicle.parts = [{ shape = 'circle', radius = 1, colour = 1 }]");
+    assert!(
+        part.contains("unknown key 'colour' in vesicle.parts[0]"),
+        "{part}"
+    );
+}
+
+#[test]
+fn unknown_choices() {
+    assert_eq!(
+        message("anchoring.kind = 'homotropic'"),
+        "a.toml:1:18: anchoring.kind cannot be 'homotropic'; did you mean 'homeotropic'? \
+         Allowed: homeotropic, parallel, none",
+    );
+    assert!(message("vesicle.shape = 'egg'").contains(
+        "vesicle.shape cannot be 'egg'. Allowed: circle, ellipse, cassini, discocyte, random, file"
+    ));
+    let random = message("vesicle.parts = [{ shape = 'random' }]");
+    assert!(
+        random.ends_with("Allowed: circle, ellipse, cassini, discocyte"),
+        "{random}"
+    );
+    assert!(message("solver.linear = 'fast'").contains("Allowed: automatic, transform, factor"));
+    assert!(message("mesh.kind = 'unstructured'").contains("did you mean 'structured'?"));
+}
+
+#[test]
+fn wrong_types() {
+    assert_eq!(
+        message("[area]\ntarget = 'big'"),
+        "a.toml:2:10: area.target must be a finite number > 0, not a string",
+    );
+    assert_eq!(
+        message("area = 3"),
+        "a.toml:1:8: area must be a table, not a number"
+    );
+    assert_eq!(
+        message("name = 3"),
+        "a.toml:1:8: name must be a string, not a number"
+    );
+    assert!(message("mesh.cells = [1]").contains("must be a whole number from 4 to 20000, not an"));
+    assert!(message("mesh.kind = true").contains("must be one of \"structured\", not true or"));
+    assert!(message("[nematic]\ninitial = 1").contains("must be a vector such as [0.0, 1.0], or"));
+    assert!(message("membrane.spontaneous_curvature = true").contains("an expression in x and y"));
+    assert!(message("time.step = 1979-05-27").contains("not a date"));
+    assert!(message("vesicle.parts = 1").contains("an array of one or more shapes"));
+    assert!(message("vesicle.parts = [1]").contains("vesicle.parts[0] must be a table"));
+}
+
+#[test]
+fn values_without_sense() {
+    let refused = [
+        ("time.step", "0", "a finite number > 0"),
+        ("time.step", "-1e-7", "a finite number > 0"),
+        ("time.end", "inf", "a finite number > 0"),
+        ("time.end", "nan", "a finite number > 0"),
+        ("time.end", "1e999", "a finite number > 0"),
+        ("membrane.interface_width", "0.0", "a finite number > 0"),
+        ("membrane.mobility", "0", "a finite number > 0"),
+        ("membrane.spontaneous_curvature", "inf", "a finite number"),
+        ("area.target", "0", "a finite number > 0"),
+        ("area.penalty", "-1", "a finite number > 0"),
+        ("nematic.weight", "-0.1", "a finite number ≥ 0"),
+        ("nematic.mobility", "0", "a finite number > 0"),
+        ("nematic.penalty", "0", "a finite number > 0"),
+        ("anchoring.weight", "-1", "a finite number ≥ 0"),
+        ("solver.tolerance", "0", "a finite number > 0"),
+        ("solver.law_tolerance", "0", "a finite number > 0"),
+        ("mesh.cells", "3", "a whole number from 4 to 20000"),
+        ("mesh.cells", "20001", "a whole number from 4 to 20000"),
+        ("mesh.cells", "120.0", "a whole number from 4 to 20000"),
+        ("mesh.cells", "-120", "a whole number from 4 to 20000"),
+        ("mesh.jitter", "0.9", "a number ≥ 0 and < 0.9"),
+        (
+            "mesh.seed",
+            "-1",
+            "a whole number from 0 to 18446744073709551615",
+        ),
+        ("vesicle.ratio", "1.0", "a number ≥ 0 and < 1"),
+        ("vesicle.ratio", "-0.1", "a number ≥ 0 and < 1"),
+        ("vesicle.half_length", "0", "a finite number > 0"),
+        ("vesicle.angle", "nan", "a finite number"),
+        ("vesicle.scale", "inf", "a finite number"),
+        (
+            "vesicle.center",
+            "[0.5]",
+            "an array of two numbers, such as [0.5, 0.5]",
+        ),
+        (
+            "vesicle.parts",
+            "[]",
+            "an array of one or more shapes, such as \
+            [{ shape = \"circle\", radius = 0.1 }]",
+        ),
+        ("name", "\" \"", "one line of text"),
+        ("name", r#""a\nb""#, "one line of text"),
+    ];
+    for (key, value, allowed) in refused {
+        let column = key.len() + 4;
+        assert_eq!(
+            message(&format!("{key} = {value}")),
+            format!("a.toml:1:{column}: {key} must be {allowed}, not {value}"),
+        );
+    }
+    assert_eq!(
+        message("vesicle.center = [0.5, inf]"),
+        "a.toml:1:24: vesicle.center[1] must be a finite number, not inf",
+    );
+    assert!(message("vesicle = { shape = 'circle', radius = 0 }").contains("vesicle.radius must"));
+    assert!(
+        message("vesicle = { shape = 'ellipse', half_axes = [0.1, 0] }")
+            .contains("vesicle.half_axes[1] must be a finite number > 0, not 0")
+    );
+    assert!(message("nematic.initial = { kind = 'random', length = -1 }").contains("≥ 0, not -1"));
+}
+
+#[test]
+fn keys_that_do_not_go_with_the_shape() {
+    assert_eq!(
+        message("[vesicle]\nshape = 'circle'\nradius = 0.2\nratio = 0.9"),
+        "a.toml:4:1: 'ratio' does not belong to shape = \"circle\"; allowed: shape, radius, center, \
+         angle, projection, scale",
+    );
+    assert_eq!(
+        message("[vesicle]\nshape = 'circle'"),
+        "a.toml:1:2: shape = \"circle\" needs the key 'radius'",
+    );
+    assert!(
+        message("[vesicle]\nshape = 'file'").contains("shape = \"file\" needs the key 'values'")
+    );
+    assert!(message("[vesicle]\nradius = 0.2").contains("does not belong to shape = \"cassini\""));
+    assert_eq!(
+        message("[vesicle]\nshape = 'circle'\nparts = [{ shape = 'circle', radius = 1 }]"),
+        "a.toml:2:1: vesicle.shape and vesicle.parts exclude each other: give one of them",
+    );
+    assert!(message("vesicle.parts = [{ radius = 1 }]").contains("vesicle.parts[0] needs the key"));
+    assert!(
+        message("vesicle = { center = [0, 0], parts = [{ shape = 'circle', radius = 1 }] }")
+            .contains("'center' does not belong to parts")
+    );
+    assert!(message("[nematic.initial]").contains("nematic.initial needs the key 'kind'"));
+    assert!(message("nematic.initial = { kind = 'defects' }").contains("needs the key 'at'"));
+}
+
+#[test]
+fn an_anchoring_needs_a_director() {
+    assert!(message("[anchoring]\nkind = 'parallel'").starts_with(
+        "a.toml:2:8: anchoring.kind = \"parallel\" needs a director to anchor, and the scene has \
+         no [nematic]"
+    ));
+    assert!(message("[anchoring]").starts_with("a.toml:1:2: anchoring.kind = \"homeotropic\""));
+}
+
+#[test]
+fn what_a_later_version_will_have() {
+    assert_eq!(
+        message("[time]\ntolerance = 1e-3"),
+        "a.toml:2:1: this version of vesica does not have time.tolerance yet; give time.step, \
+         which is kept throughout the run",
+    );
+    assert!(message("[mesh]\nkind = 'delaunay'").starts_with("a.toml:2:8: this version"));
+    assert!(message("[mesh]\nkind = 'file'").contains("does not have mesh.kind = \"file\" yet"));
+    for table in ["field", "pull", "noise"] {
+        let expected = format!("a.toml:1:2: this version of vesica does not have [{table}] yet");
+        assert!(message(&format!("[{table}]")).starts_with(&expected));
+    }
+}
+
+#[test]
+fn formulas_are_checked_where_they_stand() {
+    let unknown = error("membrane.spontaneous_curvature = \"1 + z\"");
+    assert_eq!((unknown.place.line, unknown.place.column), (1, 39));
+    assert!(
+        unknown
+            .to_string()
+            .contains("unknown name 'z' in the expression"),
+        "{unknown}"
+    );
+    let end = error("membrane.spontaneous_curvature = '1 +'");
+    assert_eq!(end.place.column, 38);
+    assert_eq!(
+        message("membrane.spontaneous_curvature = '1 / x'"),
+        "a.toml:1:35: membrane.spontaneous_curvature: the expression is inf at (x, y) = (0, 0); it \
+         must be finite in all of [0, 1]²",
+    );
+    let third = message("mesh.cells = 90\nmembrane.spontaneous_curvature = '1 / (90*x - 30)'");
+    assert!(
+        third.contains("the expression is inf at"),
+        "tried at the nodes of the mesh: {third}"
+    );
+    let escaped = error("membrane.spontaneous_curvature = \"1 \\u002b z\"");
+    assert_eq!(
+        escaped.place.column, 34,
+        "the whole string, where parts cannot be told"
+    );
+}
+
+#[test]
+fn files_of_nodal_values() {
+    let missing = message("vesicle = { shape = 'file', values = 'nowhere.txt' }");
+    assert!(
+        missing.starts_with("a.toml:1:38: vesicle.values: the file 'nowhere.txt' cannot be read:"),
+        "{missing}",
+    );
+    let short = message("mesh.cells = 4\nvesicle = { shape = 'file', values = 'phi0.txt' }");
+    assert_eq!(
+        short,
+        "phi0.txt:3:1: vesicle.values must have a line for each of the 25 nodes of the mesh, \
+         (mesh.cells + 1)² with mesh.cells = 4; this file has 2",
+    );
+    let columns = message("nematic.initial = { kind = 'file', values = 'phi0.txt' }");
+    assert_eq!(
+        columns,
+        "phi0.txt:1:1: a line must hold 2 finite numbers (nematic.initial.values); '1' is not",
+    );
+}

@@ -1,0 +1,114 @@
+//! A scene that is written reads back as the same scene.
+
+use super::{read, read_with};
+use crate::scene::{preset, preset_names};
+
+/// Files for a mesh of 4 × 4 squares.
+fn check(text: &str) {
+    let scalars = "0.5\n".repeat(25);
+    let vectors = "0.5 1\n".repeat(25);
+    let files = [
+        ("s \"1\".txt", scalars.as_str()),
+        ("v.txt", vectors.as_str()),
+    ];
+    let scene = read_with(text, &[], &files).unwrap_or_else(|error| panic!("{error}"));
+    let written = scene.to_toml();
+    let again = read_with(&written, &[], &files).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(again, scene, "{written}");
+    assert_eq!(again.to_toml(), written);
+}
+
+#[test]
+fn presets_round_trip() {
+    for name in preset_names() {
+        check(preset(name).expect(name));
+    }
+}
+
+#[test]
+fn every_form_of_every_key_round_trips() {
+    let scenes = [
+        "name = 'a \"b\" \\ ü'",
+        "domain.boundary = 'clamped'",
+        "mesh = { cells = 7, jitter = 0.123456789012345678, seed = 18446744073709551615 }",
+        "vesicle = { shape = 'circle', radius = 0.1, center = [0.1, 0.2], angle = 0 }",
+        "vesicle = { shape = 'ellipse', half_axes = [0.3, 1e-3], angle = -12.5, scale = -1.5 }",
+        "vesicle = { shape = 'discocyte', radius = 0.1, projection = 'nodal' }",
+        "vesicle = { shape = 'random', amplitude = 1e-2, seed = 7, projection = 'l2' }",
+        "mesh.cells = 4\nvesicle = { shape = 'file', values = 's \"1\".txt' }",
+        "vesicle.parts = [{ shape = 'circle', radius = 1 }, { shape = 'cassini', ratio = 0 }]",
+        "time = { step = 3.3333333333333335e-9, end = 1e300 }",
+        "membrane = { interface_width = 0.02, mobility = 1e-300 }",
+        "membrane.spontaneous_curvature = \"sin(2*pi*x) * exp(-y^2)\"",
+        "mesh.cells = 4\nmembrane.spontaneous_curvature = { file = 's \"1\".txt' }",
+        "area = { target = 0.1, penalty = 2 }",
+        "nematic = { weight = 0, mobility = 1, penalty = 1, initial = [-0.0, 3] }",
+        "nematic.initial = { kind = 'defects', at = [{ winding = -0.5 }, {}], angle = 45 }",
+        "nematic.initial = { kind = 'defects', at = [] }",
+        "nematic.initial = { kind = 'random', seed = 3, length = 0.1 }",
+        "mesh.cells = 4\nnematic.initial = { kind = 'file', values = 'v.txt' }",
+        "anchoring = { kind = 'none', weight = 0 }",
+        "nematic = {}\nanchoring = { kind = 'parallel', weight = 1 }",
+        "solver = { quadrature = 'lumped', iteration = 'lagged', linear = 'factor' }",
+        "solver = { linear = 'transform', tolerance = 1e-12, law_tolerance = 1e30 }",
+    ];
+    for text in scenes {
+        check(text);
+    }
+}
+
+#[test]
+fn what_is_written_is_the_sample_with_every_default() {
+    let text = read(preset("case3").expect("a preset")).to_toml();
+    let expected = r#"name = "Case 3"
+
+[domain]
+boundary = "natural"
+
+[mesh]
+kind = "structured"
+cells = 120
+jitter = 0.0
+seed = 1
+
+[vesicle]
+shape = "cassini"
+ratio = 0.92
+half_length = 0.32
+center = [0.5, 0.5]
+angle = 90.0
+projection = "ritz"
+scale = 1.0
+
+[time]
+step = 1e-7
+end = 1e-3
+
+[membrane]
+interface_width = 0.01
+mobility = 0.01
+spontaneous_curvature = 0.0
+
+[area]
+target = 1.25
+penalty = 1e-3
+
+[nematic]
+weight = 10.1
+mobility = 0.5
+penalty = 0.075
+initial = [0.0, 1.0]
+
+[anchoring]
+kind = "homeotropic"
+weight = 10.1
+
+[solver]
+quadrature = "consistent"
+iteration = "newton"
+linear = "automatic"
+tolerance = 1e-5
+law_tolerance = 1e-8
+"#;
+    assert_eq!(text, expected);
+}

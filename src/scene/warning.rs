@@ -1,0 +1,158 @@
+//! What is allowed in a scene but probably not meant.
+
+use std::fmt;
+
+use super::model::{Mesh, Scene};
+
+/// Cells that an interface of width ε should span.
+const CELLS_PER_INTERFACE: f64 = 3.0;
+
+/// What is allowed in a scene but probably not meant.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Warning {
+    /// ε spans fewer than three cells of the mesh.
+    ThinInterface {
+        /// ε.
+        interface_width: f64,
+        /// 1/h.
+        cells: usize,
+    },
+    /// The vesicle touches or crosses ∂Ω.
+    VesicleAtWall {
+        /// The smallest distance from the membrane (φ⁰ = 0) to ∂Ω; ≤ 0 where it crosses it.
+        distance: f64,
+        /// ε.
+        interface_width: f64,
+    },
+    /// By the isoperimetric inequality no shape of this volume has the surface area β: volume is
+    /// conserved, so β²/B(φ⁰)² ≥ 4π·area/length² of the initial shape.
+    TargetOutOfReach {
+        /// (β/B(φ⁰))², the square of `area.target`.
+        target_squared: f64,
+        /// 4π·area/length² of the initial shape.
+        bound: f64,
+    },
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::ThinInterface {
+                interface_width,
+                cells,
+            } => write!(
+                f,
+                "the interface spans {:.2} cells of the mesh (membrane.interface_width · mesh.cells \
+                 = {interface_width} · {cells}), fewer than {CELLS_PER_INTERFACE}: the law of energy \
+                 holds, but the bending energy is too high, by 50 to 100 % at 1.2 cells; for accurate \
+                 energies take mesh.cells = {} or more",
+                interface_width * cells as f64,
+                (CELLS_PER_INTERFACE / interface_width).ceil(),
+            ),
+            Self::VesicleAtWall {
+                distance,
+                interface_width,
+            } => {
+                if distance > 0.0 {
+                    write!(f, "the membrane comes within {distance:.3} of the wall")?;
+                } else {
+                    write!(
+                        f,
+                        "the vesicle reaches across the wall (by {:.3})",
+                        -distance
+                    )?;
+                }
+                write!(
+                    f,
+                    ", and its interface is about {:.3} wide (4 · membrane.interface_width): the \
+                     wall takes part in what happens; move the vesicle (vesicle.center) or make it \
+                     smaller",
+                    4.0 * interface_width,
+                )
+            }
+            Self::TargetOutOfReach {
+                target_squared,
+                bound,
+            } => write!(
+                f,
+                "the area can never reach its target: the volume is conserved, so area.target² \
+                 must be at least 4π·area/length² of the initial shape = {bound:.4} (isoperimetric \
+                 inequality), and it is {target_squared:.4}; the smallest target within reach is \
+                 {:.4}",
+                bound.sqrt(),
+            ),
+        }
+    }
+}
+
+/// The warnings that need no more than the scene's numbers. Those about the initial shape
+/// ([`Warning::VesicleAtWall`], [`Warning::TargetOutOfReach`]) come from who computes that shape.
+pub fn warnings(scene: &Scene) -> Vec<Warning> {
+    let Mesh::Structured { cells, .. } = scene.mesh;
+    let interface_width = scene.membrane.interface_width;
+    // Rounding must not warn of 0.03 · 100 cells.
+    let spanned = interface_width * cells as f64 * (1.0 + f64::EPSILON);
+    if spanned < CELLS_PER_INTERFACE {
+        vec![Warning::ThinInterface {
+            interface_width,
+            cells,
+        }]
+    } else {
+        Vec::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scene(interface_width: f64, cells: usize) -> Scene {
+        let mut scene = Scene::default();
+        scene.membrane.interface_width = interface_width;
+        scene.mesh = Mesh::Structured {
+            cells,
+            jitter: 0.0,
+            seed: 1,
+        };
+        scene
+    }
+
+    #[test]
+    fn an_interface_of_fewer_than_three_cells_is_told() {
+        assert_eq!(warnings(&scene(0.03, 100)), []);
+        assert_eq!(warnings(&scene(0.01, 300)), []);
+        let thin = Warning::ThinInterface {
+            interface_width: 0.01,
+            cells: 299,
+        };
+        assert_eq!(warnings(&scene(0.01, 299)), [thin]);
+        let text = warnings(&scene(0.01, 120))[0].to_string();
+        assert!(
+            text.contains("1.20 cells") && text.contains("mesh.cells = 300"),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn the_warnings_of_the_shape_give_their_numbers() {
+        let reach = Warning::TargetOutOfReach {
+            target_squared: 0.5625,
+            bound: 0.69,
+        };
+        let text = reach.to_string();
+        assert!(text.contains("0.5625") && text.contains("0.6900") && text.contains("0.8307"));
+        let near = Warning::VesicleAtWall {
+            distance: 0.02,
+            interface_width: 0.01,
+        }
+        .to_string();
+        assert!(near.contains("within 0.020 of the wall"), "{near}");
+        let across = Warning::VesicleAtWall {
+            distance: -0.1,
+            interface_width: 0.01,
+        }
+        .to_string();
+        assert!(across.contains("across the wall (by 0.100)"), "{across}");
+    }
+}
