@@ -4,8 +4,11 @@
 //! scheme" (Results in Applied Mathematics, 2020, doi 10.1016/j.rinam.2020.100102), called
 //! *the paper* throughout. Equation numbers are the paper's; all quantities are dimensionless.
 
+pub mod cli;
 pub mod fem;
 pub mod linalg;
 pub mod physics;
+pub mod record;
 pub mod scene;
 pub mod scheme;
+pub mod simulation;

@@ -1,3 +1,7 @@
 //! The `vesica` program: arguments in, exit status out.
 
-fn main() {}
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    vesica::cli::main()
+}

@@ -3,7 +3,7 @@
 use super::Mesh;
 
 /// The set φ = 0 of a P1 function and the region φ > 0.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Contour {
     /// One segment for each triangle that the zero set crosses; φ > 0 lies on its left.
     pub segments: Vec<[[f64; 2]; 2]>,
@@ -25,7 +25,15 @@ pub struct OutlineMeasure {
 impl Contour {
     /// The zero set of nodal values.
     pub fn new(mesh: &Mesh, values: &[f64]) -> Self {
-        let mut segments = Vec::new();
+        let mut contour = Self::default();
+        contour.trace(mesh, values);
+        contour
+    }
+
+    /// Replaces the contour by the zero set of nodal values.
+    pub fn trace(&mut self, mesh: &Mesh, values: &[f64]) {
+        let segments = &mut self.segments;
+        segments.clear();
         let mut area = 0.0;
         for (triangle, triangle_area) in mesh.triangles().iter().zip(mesh.areas()) {
             let corner_values = triangle.map(|node| values[node as usize]);
@@ -56,7 +64,7 @@ impl Contour {
                 area += triangle_area - corner;
             }
         }
-        Self { segments, area }
+        self.area = area;
     }
 
     /// The length of the zero set.
@@ -65,6 +73,21 @@ impl Contour {
             .iter()
             .map(|[a, b]| (b[0] - a[0]).hypot(b[1] - a[1]))
             .sum()
+    }
+
+    /// 4π·area/length², at most 1 for a closed curve; `None` where the zero set is empty.
+    pub fn isoperimetric_quotient(&self) -> Option<f64> {
+        let length = self.length();
+        (length > 0.0).then(|| 4.0 * std::f64::consts::PI * self.area / (length * length))
+    }
+
+    /// The least distance from the zero set to the sides of the unit square; `None` where the zero
+    /// set is empty.
+    pub fn wall_distance(&self) -> Option<f64> {
+        let places = self.segments.iter().flatten();
+        places
+            .map(|[x, y]| x.min(1.0 - x).min(*y).min(1.0 - y))
+            .min_by(f64::total_cmp)
     }
 
     /// Length, waist and width along an axis at `angle` degrees to the x axis; `None` where the

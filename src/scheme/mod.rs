@@ -235,10 +235,12 @@ impl Scheme {
             energy_scale,
         };
         let mut outcome = self.membrane.solve(&mut places, limits);
-        report.fell_back = outcome.is_err()
-            && self.membrane.uses_transform()
-            && self.solver.linear == LinearMethod::Automatic;
-        if report.fell_back {
+        report.fallback = None;
+        if self.membrane.uses_transform()
+            && self.solver.linear == LinearMethod::Automatic
+            && let Err(reason) = outcome
+        {
+            report.fallback = Some(reason);
             self.membrane
                 .fall_back(space)
                 .map_err(|source| StepError::Membrane {

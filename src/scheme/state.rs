@@ -1,5 +1,6 @@
 //! The fields of a run at one time, and what is known about a step.
 
+use super::StepError;
 use crate::physics::NamedValue;
 
 /// The fields: nodal values on the mesh.
@@ -36,6 +37,6 @@ pub struct StepReport {
     pub krylov: u32,
     /// Iterations of the conjugate gradients of substep 1.
     pub director_iterations: u32,
-    /// Whether the transform failed in this step and the factor took over.
-    pub fell_back: bool,
+    /// Why the transform failed in this step and the factor took over, if that happened.
+    pub fallback: Option<StepError>,
 }

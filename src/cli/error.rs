@@ -1,0 +1,117 @@
+//! Why a command ends without success, and its exit status.
+
+use super::output;
+use crate::record::{LoadError, RecordError};
+use crate::scene::UnknownPreset;
+use crate::simulation::SimulationError;
+use std::ffi::OsString;
+use std::io;
+use std::path::PathBuf;
+
+/// Why a command ends without success.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum CliError {
+    /// The scene could not be had.
+    #[error(transparent)]
+    Load(#[from] LoadError),
+    /// There is no such preset.
+    #[error(transparent)]
+    Preset(#[from] UnknownPreset),
+    /// The folder for the run could not be had.
+    #[error(transparent)]
+    Folder(RecordError),
+    /// Checkpoints do not exist yet.
+    #[error(
+        "--resume is not possible yet: this version of vesica keeps no checkpoints. Run the scene \
+         anew, into another folder or with --force"
+    )]
+    Resume,
+    /// There is no app yet.
+    #[error(
+        "this version of vesica has no terminal app yet; simulate the scene with `vesica run {}`",
+        scene.display()
+    )]
+    NoApp {
+        /// What it was to open.
+        scene: OsString,
+    },
+    /// Scenes that were checked are wrong; each was told already.
+    #[error("{wrong} of {checked} scenes cannot be run")]
+    Check {
+        /// How many.
+        wrong: usize,
+        /// Of how many.
+        checked: usize,
+    },
+    /// The simulation could not be set up.
+    #[error("the run could not be set up: {0}")]
+    SetUp(#[source] SimulationError),
+    /// The simulation could not go on.
+    #[error("the run failed: {error}\nwhat there is stands in {}", folder.display())]
+    Run {
+        /// Why.
+        #[source]
+        error: SimulationError,
+        /// The run's folder.
+        folder: PathBuf,
+    },
+    /// The run could not be recorded.
+    #[error("the run ended because it could not be recorded: {0}")]
+    Record(#[from] RecordError),
+    /// A signal ended the run.
+    #[error(
+        "ended by {signal} after step {step} of {steps}; saved in {}",
+        folder.display()
+    )]
+    Interrupted {
+        /// The signal's name.
+        signal: &'static str,
+        /// The signal's number.
+        number: i32,
+        /// The last step.
+        step: u64,
+        /// The steps that were planned.
+        steps: u64,
+        /// The run's folder.
+        folder: PathBuf,
+    },
+    /// Signals cannot be received.
+    #[error("cannot set up the handling of Ctrl-C: {0}")]
+    Signals(#[source] io::Error),
+    /// The standard output is broken.
+    #[error("cannot write to the standard output: {0}")]
+    Output(#[source] io::Error),
+}
+
+impl CliError {
+    /// The exit status of wrong arguments and wrong scenes.
+    pub const USAGE: u8 = 2;
+    const FAILED: u8 = 1;
+
+    /// What the process ends with.
+    pub fn exit_status(&self) -> u8 {
+        match self {
+            CliError::Load(_)
+            | CliError::Preset(_)
+            | CliError::Folder(_)
+            | CliError::Resume
+            | CliError::NoApp { .. }
+            | CliError::Check { .. } => CliError::USAGE,
+            CliError::SetUp(_)
+            | CliError::Run { .. }
+            | CliError::Record(_)
+            | CliError::Signals(_)
+            | CliError::Output(_) => CliError::FAILED,
+            // A signal's number is below 65.
+            CliError::Interrupted { number, .. } => 128_u8.saturating_add(*number as u8),
+        }
+    }
+
+    /// Tells it on the standard error.
+    pub fn tell(&self) {
+        match self {
+            CliError::Interrupted { .. } => output::note(self),
+            _ => output::error(self),
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! Lines for people and programs.
+//!
+//! `println!` and `eprintln!` panic when the other side of a pipe is gone; these do not.
+
+use super::CliError;
+use std::fmt::Display;
+use std::io::{self, Write};
+
+/// Prints text on the standard output as it is. A reader who has seen enough (`| head`) is no
+/// error.
+///
+/// # Errors
+/// [`CliError::Output`], such as a full disk.
+pub(super) fn print(text: &str) -> Result<(), CliError> {
+    let mut output = io::stdout().lock();
+    match output
+        .write_all(text.as_bytes())
+        .and_then(|()| output.flush())
+    {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(CliError::Output(error)),
+        _ => Ok(()),
+    }
+}
+
+/// Prints a line on the standard output.
+///
+/// # Errors
+/// Those of [`print`].
+pub(super) fn line(text: impl Display) -> Result<(), CliError> {
+    print(&format!("{text}\n"))
+}
+
+/// Tells an error on the standard error.
+pub(super) fn error(error: impl Display) {
+    note(format_args!("error: {error}"));
+}
+
+/// Tells a warning on the standard error.
+pub(super) fn warning(warning: impl Display) {
+    note(format_args!("warning: {warning}"));
+}
+
+/// Prints a line on the standard error.
+pub(super) fn note(text: impl Display) {
+    // If it is closed, there is nobody to tell.
+    let _ = io::stderr().write_all(format!("{text}\n").as_bytes());
+}

@@ -1,0 +1,67 @@
+//! The bar that shows how far a run is.
+
+use crate::simulation::Report;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use std::fmt;
+use std::time::{Duration, Instant};
+
+/// How often the bar is brought up to date.
+const INTERVAL: Duration = Duration::from_millis(200);
+
+/// A bar on the standard error, where that is a terminal: step, rate, time left and energy.
+#[derive(Debug)]
+pub(super) struct Progress {
+    bar: ProgressBar,
+    updated: Instant,
+}
+
+impl Progress {
+    /// A bar for a run of so many steps; none if `quiet`.
+    pub fn new(steps: u64, quiet: bool) -> Progress {
+        let target = if quiet {
+            ProgressDrawTarget::hidden()
+        } else {
+            // Hidden as well where the standard error is no terminal.
+            ProgressDrawTarget::stderr()
+        };
+        let bar = ProgressBar::with_draw_target(Some(steps), target);
+        let template = "{bar:24} {pos}/{len}  {rate}  {eta} left  {msg}";
+        // The template is right; if it ever were not, the plain bar serves.
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style.with_key("rate", rate));
+        }
+        Progress {
+            bar,
+            updated: Instant::now(),
+        }
+    }
+
+    /// Shows a step, unless the last was shown just now.
+    pub fn show(&mut self, report: &Report) {
+        if self.bar.is_hidden() || self.updated.elapsed() < INTERVAL {
+            return;
+        }
+        self.updated = Instant::now();
+        self.bar
+            .set_message(format!("E = {:.6}", report.total_energy));
+        self.bar.set_position(report.step);
+    }
+
+    /// Prints something on the standard error, above the bar.
+    pub fn above(&self, print: impl FnOnce()) {
+        self.bar.suspend(print);
+    }
+}
+
+/// Takes the bar away, so that what is printed next stands where it was.
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// Steps a second.
+fn rate(state: &ProgressState, text: &mut dyn fmt::Write) {
+    // The bar has no use for an error.
+    let _ = write!(text, "{:.1} steps/s", state.per_sec());
+}

@@ -1,0 +1,107 @@
+//! Files that appear whole or not at all.
+
+use super::RecordError;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+/// Writes a file whole: beside its place, to the disk, and only then under its name.
+///
+/// A file that had the name is replaced. If anything fails, or the process is killed, what stood
+/// under the name stands there still; a kill can leave a hidden file `.vesica-….part` behind.
+///
+/// # Errors
+/// [`RecordError::Write`] with the path and the system's reason.
+pub(super) fn write_whole(
+    path: &Path,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), RecordError> {
+    write_whole_io(path, content).map_err(RecordError::write(path))
+}
+
+fn write_whole_io(
+    path: &Path,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
+    // A name without a folder in front of it has the empty path as its parent.
+    let folder = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".vesica-").suffix(".part");
+    #[cfg(unix)]
+    {
+        // As any other new file: what the user's umask allows. A temporary file is private.
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    let mut writer = BufWriter::with_capacity(1 << 16, builder.tempfile_in(folder)?);
+    content(&mut writer)?;
+    let file = writer.into_inner().map_err(|error| error.into_error())?;
+    file.as_file().sync_all()?;
+    file.persist(path).map_err(|error| error.error)?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<_> = fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_file_is_replaced_and_nothing_else_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        for text in ["first", "2"] {
+            write_whole(&path, |file| file.write_all(text.as_bytes())).unwrap();
+            assert_eq!(fs::read_to_string(&path).unwrap(), text);
+        }
+        assert_eq!(names(folder.path()), ["a.txt"]);
+    }
+
+    #[test]
+    fn a_failure_half_way_leaves_what_was_there() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        write_whole(&path, |file| file.write_all(b"whole")).unwrap();
+        let error = write_whole(&path, |file| {
+            file.write_all(&[b'x'; 1 << 20])?;
+            Err(io::Error::from(io::ErrorKind::StorageFull))
+        })
+        .unwrap_err();
+        assert!(error.to_string().contains("a.txt"), "{error}");
+        assert!(error.to_string().contains("no storage space"), "{error}");
+        assert_eq!(fs::read_to_string(&path).unwrap(), "whole");
+        assert_eq!(names(folder.path()), ["a.txt"]);
+    }
+
+    #[test]
+    fn a_folder_that_is_not_there_is_an_error_with_the_path() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("gone/a.txt");
+        let error = write_whole(&path, |_| Ok(())).unwrap_err().to_string();
+        assert!(error.starts_with("cannot write "), "{error}");
+        assert!(error.contains("gone/a.txt"), "{error}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn others_may_read_it_as_far_as_the_umask_allows() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let (ours, plain) = (folder.path().join("a"), folder.path().join("b"));
+        write_whole(&ours, |_| Ok(())).unwrap();
+        fs::write(&plain, "").unwrap();
+        let mode = |path| fs::metadata(path).unwrap().permissions().mode();
+        assert_eq!(mode(ours), mode(plain));
+    }
+}

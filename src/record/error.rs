@@ -1,0 +1,72 @@
+//! What can go wrong with a run's files.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// A file or a folder of a run could not be had.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordError {
+    /// A file could not be written.
+    #[error("cannot write {}: {reason}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        #[source]
+        reason: io::Error,
+    },
+    /// A file could not be read back.
+    #[error("cannot read {}: {reason}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        #[source]
+        reason: io::Error,
+    },
+    /// A folder could not be made.
+    #[error("cannot make the folder {}: {reason}", path.display())]
+    MakeFolder {
+        /// The folder.
+        path: PathBuf,
+        /// What the system says.
+        #[source]
+        reason: io::Error,
+    },
+    /// A file of an earlier run could not be removed.
+    #[error("cannot remove {}: {reason}", path.display())]
+    Remove {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system says.
+        #[source]
+        reason: io::Error,
+    },
+    /// The folder holds a run and nobody said that it may be replaced.
+    #[error(
+        "{} holds a run already (it has {found}): give another folder with --out, or --force to replace that run",
+        folder.display()
+    )]
+    Occupied {
+        /// The folder.
+        folder: PathBuf,
+        /// The first file of a run that was found in it.
+        found: &'static str,
+    },
+    /// A table was removed, or its folder, while the run went on.
+    #[error("{} has vanished while the run was writing to it", path.display())]
+    Vanished {
+        /// The file.
+        path: PathBuf,
+    },
+}
+
+impl RecordError {
+    /// For `map_err`: the file at `path` could not be written.
+    pub(super) fn write(path: &Path) -> impl FnOnce(io::Error) -> RecordError + '_ {
+        move |reason| RecordError::Write {
+            path: path.to_owned(),
+            reason,
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! The folder of a run.
+
+use super::RecordError;
+use super::scene_file::{INPUT_NAMES, INPUTS};
+use std::ffi::OsStr;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// The folder, within a run's, of snapshots.
+pub(super) const FIELDS: &str = "fields";
+/// The list of snapshots, within that folder.
+pub(super) const SERIES: &str = "fields.pvd";
+
+/// The files of a run beside those in folders; any of them marks a folder as a run's.
+const FILES: [&str; 6] = [
+    "run.json",
+    "scene.toml",
+    "history.csv",
+    "ledger.csv",
+    "shape.csv",
+    "final.vtu",
+];
+
+/// What to do with a folder that holds a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum IfOccupied {
+    /// Leave it alone.
+    Refuse,
+    /// Remove that run's files, and no others.
+    Replace,
+}
+
+/// A folder that a run may write to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RunFolder {
+    path: PathBuf,
+}
+
+impl RunFolder {
+    /// The folder `path`, made if it is not there. It may hold other files.
+    ///
+    /// # Errors
+    /// [`RecordError::Occupied`] if it holds a run and is not to be replaced; otherwise what
+    /// could not be made or removed.
+    pub fn at(path: &Path, if_occupied: IfOccupied) -> Result<RunFolder, RecordError> {
+        make(path)?;
+        let found = FILES.into_iter().find(|file| path.join(file).exists());
+        match (found, if_occupied) {
+            (None, _) => {}
+            (Some(found), IfOccupied::Refuse) => {
+                return Err(RecordError::Occupied {
+                    folder: path.to_owned(),
+                    found,
+                });
+            }
+            (Some(_), IfOccupied::Replace) => clear(path)?,
+        }
+        Ok(RunFolder {
+            path: path.to_owned(),
+        })
+    }
+
+    /// A new folder `parent/name`, or if that is there, `parent/name-2`, `parent/name-3`, ….
+    ///
+    /// The first that can be made is taken, so that runs started at the same moment do not meet.
+    ///
+    /// # Errors
+    /// [`RecordError::MakeFolder`].
+    pub fn numbered(parent: &Path, name: &OsStr) -> Result<RunFolder, RecordError> {
+        make(parent)?;
+        let mut path = parent.join(name);
+        let mut number = 1_u64;
+        loop {
+            match fs::create_dir(&path) {
+                Ok(()) => return Ok(RunFolder { path }),
+                Err(reason) if reason.kind() == io::ErrorKind::AlreadyExists => {
+                    number += 1;
+                    let mut numbered = name.to_owned();
+                    numbered.push(format!("-{number}"));
+                    path = parent.join(numbered);
+                }
+                Err(reason) => return Err(RecordError::MakeFolder { path, reason }),
+            }
+        }
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Makes the folder of snapshots.
+    pub(super) fn make_fields(&self) -> Result<PathBuf, RecordError> {
+        let fields = self.path.join(FIELDS);
+        make(&fields)?;
+        Ok(fields)
+    }
+}
+
+fn make(path: &Path) -> Result<(), RecordError> {
+    fs::create_dir_all(path).map_err(|reason| RecordError::MakeFolder {
+        path: path.to_owned(),
+        reason,
+    })
+}
+
+/// Removes the files of a run, file by file: what a user put beside them stays.
+fn clear(folder: &Path) -> Result<(), RecordError> {
+    for file in FILES {
+        remove(&folder.join(file))?;
+    }
+    let inputs = folder.join(INPUTS);
+    for file in INPUT_NAMES {
+        remove(&inputs.join(file))?;
+    }
+    let fields = folder.join(FIELDS);
+    remove(&fields.join(SERIES))?;
+    for entry in fs::read_dir(&fields).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        if name.starts_with("step-") && name.ends_with(".vtu") {
+            remove(&entry.path())?;
+        }
+    }
+    // They stay if they hold anything else.
+    let _ = fs::remove_dir(inputs);
+    let _ = fs::remove_dir(fields);
+    Ok(())
+}
+
+fn remove(path: &Path) -> Result<(), RecordError> {
+    match fs::remove_file(path) {
+        Err(reason) if reason.kind() != io::ErrorKind::NotFound => Err(RecordError::Remove {
+            path: path.to_owned(),
+            reason,
+        }),
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_default_folders_are_numbered_from_two() {
+        let parent = tempfile::tempdir().unwrap();
+        let runs = parent.path().join("runs");
+        for expected in ["case3", "case3-2", "case3-3"] {
+            let folder = RunFolder::numbered(&runs, OsStr::new("case3")).unwrap();
+            assert_eq!(folder.path(), runs.join(expected));
+        }
+        fs::remove_dir(runs.join("case3-2")).unwrap();
+        let folder = RunFolder::numbered(&runs, OsStr::new("case3")).unwrap();
+        assert_eq!(folder.path(), runs.join("case3-2"));
+    }
+
+    #[test]
+    fn any_file_of_a_run_marks_a_folder() {
+        for file in FILES {
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path();
+            fs::write(path.join("notes.txt"), "mine").unwrap();
+            RunFolder::at(path, IfOccupied::Refuse).unwrap();
+            fs::write(path.join(file), "theirs").unwrap();
+            let error = RunFolder::at(path, IfOccupied::Refuse).unwrap_err();
+            assert!(matches!(error, RecordError::Occupied { found, .. } if found == file));
+            assert!(error.to_string().contains("--force"), "{error}");
+            assert!(path.join(file).exists());
+        }
+    }
+
+    #[test]
+    fn replacing_removes_the_run_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path();
+        let theirs = [
+            "run.json",
+            "fields/step-0000003.vtu",
+            "fields/fields.pvd",
+            "inputs/director.txt",
+        ];
+        let mine = ["notes.txt", "fields/notes.txt", "fields/my.vtu"];
+        fs::create_dir(path.join("fields")).unwrap();
+        fs::create_dir(path.join("inputs")).unwrap();
+        for file in theirs.iter().chain(&mine) {
+            fs::write(path.join(file), "").unwrap();
+        }
+        RunFolder::at(path, IfOccupied::Replace).unwrap();
+        assert!(theirs.iter().all(|file| !path.join(file).exists()));
+        assert!(mine.iter().all(|file| path.join(file).exists()));
+        assert!(!path.join("inputs").exists());
+    }
+
+    #[test]
+    fn a_file_in_the_way_is_an_error_with_the_path() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a");
+        fs::write(&path, "").unwrap();
+        let error = RunFolder::at(&path, IfOccupied::Replace).unwrap_err();
+        assert!(matches!(error, RecordError::MakeFolder { .. }), "{error}");
+        assert!(error.to_string().contains(path.to_str().unwrap()));
+        assert!(path.is_file());
+    }
+}

@@ -1,0 +1,326 @@
+//! The tables of a run: what stands in their columns.
+
+use super::RecordError;
+use super::table::Table;
+use crate::simulation::{NamedValue, Report};
+use std::path::{Path, PathBuf};
+
+/// The columns of `history.csv` that every run has. Effects beyond these append theirs,
+/// `E_<effect>`, at the right.
+pub const HISTORY_COLUMNS: [&str; 14] = [
+    "step",
+    "t",
+    "dt",
+    "E_total",
+    "E_bending",
+    "E_area",
+    "E_nematic",
+    "E_anchoring",
+    "A",
+    "B",
+    "law_residual",
+    "newton",
+    "krylov",
+    "wall",
+];
+
+const LEDGER_COLUMNS: [&str; 2] = ["step", "t"];
+const SHAPE_COLUMNS: [&str; 5] = ["step", "t", "length", "waist", "width"];
+
+/// `history.csv`, `ledger.csv` and `shape.csv`, which get their rows at the same steps.
+#[derive(Debug)]
+pub(super) struct Tables {
+    history: Table,
+    shape: Table,
+    /// Made with the first report that has terms: the law is about steps, and the initial state
+    /// is none.
+    ledger: Option<Table>,
+    ledger_path: PathBuf,
+    /// The step of the last row.
+    last_row: Option<u64>,
+    /// The law's residual of largest magnitude since the last row.
+    law_residual: f64,
+}
+
+impl Tables {
+    /// The tables of a run in `folder`, still without rows.
+    ///
+    /// # Errors
+    /// [`RecordError::Write`].
+    pub fn create(folder: &Path, initial: &Report) -> Result<Tables, RecordError> {
+        let mut columns = owned(&HISTORY_COLUMNS);
+        columns.extend(missing(&columns, &initial.energies, energy_column));
+        Ok(Tables {
+            history: Table::create(folder.join("history.csv"), columns)?,
+            shape: Table::create(folder.join("shape.csv"), owned(&SHAPE_COLUMNS))?,
+            ledger: None,
+            ledger_path: folder.join("ledger.csv"),
+            last_row: None,
+            law_residual: 0.0,
+        })
+    }
+
+    /// Takes note of a step, whether or not it gets a row.
+    pub fn observe(&mut self, report: &Report) {
+        // Written so that a residual which is no number is not passed over.
+        if self.law_residual.abs() < report.law_residual.abs() || report.law_residual.is_nan() {
+            self.law_residual = report.law_residual;
+        }
+    }
+
+    /// Appends the row of a step to each table, if it is not there yet. `wall` is the time of
+    /// computing since the run began, in seconds.
+    ///
+    /// # Errors
+    /// [`RecordError`] where a table must be made or made wider.
+    pub fn append(&mut self, report: &Report, wall: f64) -> Result<(), RecordError> {
+        if self.last_row == Some(report.step) {
+            return Ok(());
+        }
+        self.last_row = Some(report.step);
+
+        let law_residual = std::mem::take(&mut self.law_residual);
+        let late = missing(self.history.columns(), &report.energies, energy_column);
+        self.history.add_columns(late)?;
+        let cells = history_cells(self.history.columns(), report, law_residual, wall);
+        self.history.append(cells);
+
+        let outline = report.outline;
+        self.shape.append([
+            Some(report.step as f64),
+            Some(report.t),
+            outline.map(|outline| outline.length),
+            outline.map(|outline| outline.waist),
+            outline.map(|outline| outline.width),
+        ]);
+
+        self.append_ledger(report)
+    }
+
+    fn append_ledger(&mut self, report: &Report) -> Result<(), RecordError> {
+        let ledger = match &mut self.ledger {
+            Some(ledger) => ledger,
+            None if report.ledger.is_empty() => return Ok(()),
+            none => none.insert(Table::create(
+                self.ledger_path.clone(),
+                owned(&LEDGER_COLUMNS),
+            )?),
+        };
+        let late = missing(ledger.columns(), &report.ledger, str::to_owned);
+        ledger.add_columns(late)?;
+        let terms = &ledger.columns()[LEDGER_COLUMNS.len()..];
+        let cells: Vec<_> = [Some(report.step as f64), Some(report.t)]
+            .into_iter()
+            .chain(terms.iter().map(|term| value(&report.ledger, term)))
+            .collect();
+        ledger.append(cells);
+        Ok(())
+    }
+
+    /// Brings every row to the files.
+    ///
+    /// # Errors
+    /// [`RecordError::Write`], [`RecordError::Vanished`].
+    pub fn flush(&mut self) -> Result<(), RecordError> {
+        self.each(Table::flush)
+    }
+
+    /// Brings every row to the disk.
+    ///
+    /// # Errors
+    /// Those of [`Tables::flush`].
+    pub fn finish(&mut self) -> Result<(), RecordError> {
+        self.each(Table::finish)
+    }
+
+    /// Every table is tried, also after one that fails; the first error is told.
+    fn each(
+        &mut self,
+        action: fn(&mut Table) -> Result<(), RecordError>,
+    ) -> Result<(), RecordError> {
+        [
+            Some(&mut self.history),
+            Some(&mut self.shape),
+            self.ledger.as_mut(),
+        ]
+        .into_iter()
+        .flatten()
+        .map(action)
+        .fold(Ok(()), Result::and)
+    }
+}
+
+fn owned(columns: &[&str]) -> Vec<String> {
+    columns.iter().map(|&column| column.to_owned()).collect()
+}
+
+fn energy_column(effect: &str) -> String {
+    format!("E_{effect}")
+}
+
+/// The columns of `values` that a table does not have.
+fn missing(
+    columns: &[String],
+    values: &[NamedValue],
+    column_of: impl Fn(&str) -> String,
+) -> Vec<String> {
+    values
+        .iter()
+        .map(|named| column_of(named.name))
+        .filter(|column| !columns.contains(column))
+        .collect()
+}
+
+fn value(values: &[NamedValue], name: &str) -> Option<f64> {
+    values
+        .iter()
+        .find(|named| named.name == name)
+        .map(|named| named.value)
+}
+
+/// A row of `history.csv`, in the order of its columns.
+fn history_cells(
+    columns: &[String],
+    report: &Report,
+    law_residual: f64,
+    wall: f64,
+) -> Vec<Option<f64>> {
+    let cell = |column: &String| match column.as_str() {
+        "step" => Some(report.step as f64),
+        "t" => Some(report.t),
+        "dt" => Some(report.dt),
+        "E_total" => Some(report.total_energy),
+        "A" => Some(report.phase_integral),
+        "B" => Some(report.surface_area),
+        "law_residual" => Some(law_residual),
+        "newton" => Some(f64::from(report.newton)),
+        "krylov" => Some(f64::from(report.krylov)),
+        "wall" => Some(wall),
+        energy => energy
+            .strip_prefix("E_")
+            .and_then(|effect| value(&report.energies, effect)),
+    };
+    columns.iter().map(cell).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulation::OutlineMeasure;
+    use std::fs;
+
+    fn named(name: &'static str, value: f64) -> NamedValue {
+        NamedValue { name, value }
+    }
+
+    fn report(step: u64) -> Report {
+        Report {
+            step,
+            t: step as f64 * 1e-7,
+            dt: 1e-7,
+            energies: vec![named("bending", 36.5), named("field", -0.25)],
+            total_energy: 36.25,
+            phase_integral: -0.75,
+            surface_area: 1.5,
+            law_residual: 0.0,
+            newton: 2,
+            krylov: 20,
+            ledger: vec![],
+            outline: None,
+        }
+    }
+
+    fn read(folder: &Path, name: &str) -> String {
+        fs::read_to_string(folder.join(name)).unwrap()
+    }
+
+    #[test]
+    fn the_columns_are_those_of_the_interface() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut tables = Tables::create(folder.path(), &report(0)).unwrap();
+        tables.append(&report(0), 0.0).unwrap();
+        tables.finish().unwrap();
+        assert_eq!(
+            read(folder.path(), "history.csv"),
+            "step,t,dt,E_total,E_bending,E_area,E_nematic,E_anchoring,A,B,law_residual,newton,\
+             krylov,wall,E_field\n\
+             0,0,1e-7,36.25,36.5,,,,-0.75,1.5,0,2,20,0,-0.25\n"
+        );
+        assert_eq!(
+            read(folder.path(), "shape.csv"),
+            "step,t,length,waist,width\n0,0,,,\n"
+        );
+        assert!(!folder.path().join("ledger.csv").exists());
+    }
+
+    #[test]
+    fn the_residual_is_the_one_of_largest_magnitude_since_the_row_before() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut tables = Tables::create(folder.path(), &report(0)).unwrap();
+        for (step, law_residual) in [(1, 1e-9), (2, -3e-9), (3, 2e-9), (4, 5e-10), (5, 1e-10)] {
+            let report = Report {
+                law_residual,
+                ..report(step)
+            };
+            tables.observe(&report);
+            if [3, 5].contains(&step) {
+                tables.append(&report, 0.5).unwrap();
+            }
+        }
+        tables.finish().unwrap();
+        let text = read(folder.path(), "history.csv");
+        let residuals: Vec<_> = text
+            .lines()
+            .map(|line| line.split(',').nth(10).unwrap())
+            .collect();
+        assert_eq!(residuals, ["law_residual", "-3e-9", "5e-10"]);
+    }
+
+    #[test]
+    fn a_step_has_one_row_however_often_it_is_asked_for() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut tables = Tables::create(folder.path(), &report(0)).unwrap();
+        for step in [0, 0, 1, 1] {
+            tables.append(&report(step), 0.0).unwrap();
+        }
+        tables.finish().unwrap();
+        assert_eq!(read(folder.path(), "history.csv").lines().count(), 3);
+        assert_eq!(read(folder.path(), "shape.csv").lines().count(), 3);
+    }
+
+    #[test]
+    fn an_effect_that_comes_late_gets_its_columns() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut tables = Tables::create(folder.path(), &report(0)).unwrap();
+        let step = |n, terms: &[&'static str]| {
+            let mut report = report(n);
+            report.ledger = terms.iter().map(|term| named(term, 0.5)).collect();
+            report.outline = Some(OutlineMeasure {
+                length: 0.64,
+                waist: 0.125,
+                width: 0.25,
+            });
+            report
+        };
+        tables.append(&report(0), 0.0).unwrap();
+        tables.append(&step(1, &["rate"]), 0.0).unwrap();
+        let mut late = step(2, &["rate", "anchoring"]);
+        late.energies.push(named("pull", 7.0));
+        late.energies.push(named("anchoring", 9.0));
+        tables.append(&late, 0.0).unwrap();
+        tables.finish().unwrap();
+        assert_eq!(
+            read(folder.path(), "ledger.csv"),
+            "step,t,rate,anchoring\n1,1e-7,0.5,\n2,2e-7,0.5,0.5\n"
+        );
+        let history = read(folder.path(), "history.csv");
+        let lines: Vec<_> = history.lines().collect();
+        assert!(lines[0].ends_with(",wall,E_field,E_pull"));
+        assert!(lines[2].ends_with(",0,-0.25,"));
+        assert_eq!(
+            lines[3],
+            "2,2e-7,1e-7,36.25,36.5,,,9,-0.75,1.5,0,2,20,0,-0.25,7"
+        );
+        assert!(read(folder.path(), "shape.csv").ends_with("\n2,2e-7,0.64,0.125,0.25\n"));
+    }
+}

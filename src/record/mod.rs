@@ -1,0 +1,42 @@
+//! The files that a run leaves.
+//!
+//! A run owns a folder. In it stand
+//!
+//! | file | what | written |
+//! |---|---|---|
+//! | `scene.toml` | the complete scene, with defaults and overrides | at the start, whole |
+//! | `inputs/` | the nodal values that the scene had from files | at the start, whole |
+//! | `history.csv` | the scalars of a step ([`HISTORY_COLUMNS`]) | grows by whole lines |
+//! | `ledger.csv` | every term of the energy law (3.26), from step 1 on: the law is about steps | grows by whole lines |
+//! | `shape.csv` | length, waist and greatest width of the vesicle | grows by whole lines |
+//! | `fields/` | VTU files at evenly spaced times, and `fields.pvd`, their list | each whole |
+//! | `final.vtu` | the fields at the end | at the end, whole |
+//! | `run.json` | version, times, totals, warnings, events, status ([`RunSummary`]) | replaced whole |
+//!
+//! *Whole* means written beside its place and then renamed: a reader sees all of a file or none.
+//! The tables appear whole with their first line and then grow: their lines are collected in
+//! memory and appended, whole lines only, about once a second, so that the disk does not slow the
+//! solver and a killed run leaves readable tables. Their rest is written when a run ends, however
+//! it ends. A run that was killed is known by the status "running" in `run.json`.
+
+mod atomic;
+mod error;
+mod folder;
+mod history;
+mod number;
+mod recorder;
+mod scene_file;
+mod schedule;
+mod source;
+mod summary;
+mod table;
+mod vtu;
+
+pub use error::RecordError;
+pub use folder::{IfOccupied, RunFolder};
+pub use history::HISTORY_COLUMNS;
+pub use number::Number;
+pub use recorder::{Preparation, Recorder, Settings};
+pub use schedule::{Schedule, step_count};
+pub use source::{LoadError, LoadedScene, load_scene};
+pub use summary::{Ending, EventRecord, OutlineChange, OutlineRecord, RunSummary, Status};

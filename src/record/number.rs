@@ -1,0 +1,69 @@
+//! How a number prints in every table.
+
+use std::fmt;
+
+/// A number, printed with the fewest digits that read back exactly.
+///
+/// From 1e-4 up to 1e15 it is printed plainly, else with a power of ten: `1e-7`, `0.001`, `120`.
+/// Not-a-number and infinity print as `NaN`, `inf` and `-inf`.
+///
+/// ```
+/// use vesica::record::Number;
+/// assert_eq!(Number(1e-7).to_string(), "1e-7");
+/// assert_eq!(Number(0.1 + 0.2).to_string(), "0.30000000000000004");
+/// assert_eq!(Number(3.0).to_string(), "3");
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Number(pub f64);
+
+impl fmt::Display for Number {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let size = self.0.abs();
+        // Both forms of the standard library give the fewest digits that read back exactly.
+        if size == 0.0 || !size.is_finite() || (1e-4..1e15).contains(&size) {
+            write!(f, "{}", self.0)
+        } else {
+            write!(f, "{:e}", self.0)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Number;
+    use proptest::prelude::*;
+
+    #[test]
+    fn prints_the_short_form() {
+        for (value, text) in [
+            (0.0, "0"),
+            (-0.0, "-0"),
+            (1.0, "1"),
+            (10000.0, "10000"),
+            (1e-3, "0.001"),
+            (1e-4, "0.0001"),
+            (9.999e-5, "9.999e-5"),
+            (-1e-7, "-1e-7"),
+            (999999999999999.0, "999999999999999"),
+            (1e15, "1e15"),
+            (1.0 / 3.0, "0.3333333333333333"),
+            (5e-324, "5e-324"),
+            (f64::MAX, "1.7976931348623157e308"),
+            (f64::NAN, "NaN"),
+            (f64::INFINITY, "inf"),
+        ] {
+            assert_eq!(Number(value).to_string(), text);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn reads_back_bit_for_bit(bits: u64) {
+            let value = f64::from_bits(bits);
+            prop_assume!(!value.is_nan());
+            let text = Number(value).to_string();
+            prop_assert_eq!(text.parse::<f64>().unwrap().to_bits(), bits, "{}", text);
+            prop_assert!(text.len() <= 24, "{}", text);
+        }
+    }
+}

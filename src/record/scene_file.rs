@@ -1,0 +1,138 @@
+//! `scene.toml` and `inputs/`: what was simulated, complete and on its own.
+
+use super::atomic::write_whole;
+use super::{Number, RecordError};
+use crate::scene::{InitialDirector, NodalValues, ScalarField, Scene, Shape};
+use std::fs;
+use std::io::{self, Write};
+use std::path::Path;
+
+/// The folder, within a run's, of nodal values that the scene had from files.
+pub(super) const INPUTS: &str = "inputs";
+
+/// The names that nodal values have there.
+pub(super) const INPUT_NAMES: [&str; 3] =
+    ["vesicle.txt", "spontaneous_curvature.txt", "director.txt"];
+
+/// Writes the scene into a run's folder, with its nodal values beside it, so that the run can be
+/// made again from the folder alone.
+///
+/// The values are those that are simulated, written anew: the files that they came from may have
+/// changed since.
+///
+/// # Errors
+/// [`RecordError`] with the file or folder that could not be written.
+pub(super) fn write_scene(folder: &Path, scene: &Scene) -> Result<(), RecordError> {
+    let mut scene = scene.clone();
+    for (name, nodal) in INPUT_NAMES.iter().zip(nodal_values(&mut scene)) {
+        let Some(nodal) = nodal else { continue };
+        let inputs = folder.join(INPUTS);
+        fs::create_dir_all(&inputs).map_err(|reason| RecordError::MakeFolder {
+            path: inputs.clone(),
+            reason,
+        })?;
+        write_whole(&inputs.join(name), |file| write_values(file, nodal))?;
+        nodal.path = format!("{INPUTS}/{name}");
+    }
+    let text = scene.to_toml();
+    write_whole(&folder.join("scene.toml"), |file| {
+        file.write_all(text.as_bytes())
+    })
+}
+
+/// The nodal values of a scene, in the order of [`INPUT_NAMES`].
+fn nodal_values(scene: &mut Scene) -> [Option<&mut NodalValues>; 3] {
+    let vesicle = match &mut scene.vesicle.shape {
+        Shape::File(nodal) => Some(nodal),
+        Shape::Outlines(_) | Shape::Random { .. } => None,
+    };
+    let curvature = match &mut scene.membrane.spontaneous_curvature {
+        ScalarField::File(nodal) => Some(nodal),
+        ScalarField::Constant(_) | ScalarField::Expression(_) => None,
+    };
+    let director = match scene.nematic.as_mut().map(|nematic| &mut nematic.initial) {
+        Some(InitialDirector::File(nodal)) => Some(nodal),
+        _ => None,
+    };
+    [vesicle, curvature, director]
+}
+
+/// One node a line, its values separated by a space.
+fn write_values(file: &mut dyn Write, nodal: &NodalValues) -> io::Result<()> {
+    for node in nodal.values.chunks(nodal.columns.max(1)) {
+        for (column, &value) in node.iter().enumerate() {
+            let space = if column == 0 { "" } else { " " };
+            write!(file, "{space}{}", Number(value))?;
+        }
+        writeln!(file)?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    /// A small scene, with `extra` TOML at its end.
+    pub fn scene(extra: &str) -> Scene {
+        let text = format!(
+            "name = \"Small\"\n[mesh]\ncells = 8\n[time]\nstep = 1e-7\nend = 3e-7\n\
+             [membrane]\ninterface_width = 0.05\n{extra}"
+        );
+        Scene::parse(&text, "small.toml", &[], &mut |path| {
+            fs::read_to_string(path)
+        })
+        .expect("the scene is right")
+    }
+
+    #[test]
+    fn the_folder_reads_back_as_the_scene() {
+        let folder = tempfile::tempdir().unwrap();
+        let scene = scene("");
+        write_scene(folder.path(), &scene).unwrap();
+        let text = fs::read_to_string(folder.path().join("scene.toml")).unwrap();
+        let again = Scene::parse(&text, "scene.toml", &[], &mut |_| unreachable!()).unwrap();
+        assert_eq!(again, scene);
+        assert!(!folder.path().join(INPUTS).exists());
+    }
+
+    #[test]
+    fn nodal_values_go_along_and_read_back_exactly() {
+        let elsewhere = tempfile::tempdir().unwrap();
+        let file = elsewhere.path().join("my values.txt");
+        let text: String = (0..81)
+            .map(|n| format!("{:?}\n", f64::from(n) / 81.0 - 0.5))
+            .collect();
+        fs::write(&file, text).unwrap();
+        let mut scene = scene(&format!(
+            "[vesicle]\nshape = \"file\"\nvalues = '{}'\n",
+            file.display()
+        ));
+        drop(elsewhere);
+        let folder = tempfile::tempdir().unwrap();
+        write_scene(folder.path(), &scene).unwrap();
+
+        let text = fs::read_to_string(folder.path().join("scene.toml")).unwrap();
+        let again = Scene::parse(&text, "scene.toml", &[], &mut |path| {
+            fs::read_to_string(folder.path().join(path))
+        })
+        .unwrap();
+        let [Some(nodal), None, None] = nodal_values(&mut scene) else {
+            panic!("one file");
+        };
+        nodal.path = "inputs/vesicle.txt".into();
+        assert_eq!(again, scene);
+    }
+
+    #[test]
+    fn two_columns_are_two_numbers_a_line() {
+        let nodal = NodalValues {
+            path: String::new(),
+            values: [0.1, 1.0, -1e-7, 3.0].into(),
+            columns: 2,
+        };
+        let mut file = Vec::new();
+        write_values(&mut file, &nodal).unwrap();
+        assert_eq!(file, b"0.1 1\n-1e-7 3\n");
+    }
+}

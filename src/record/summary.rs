@@ -1,0 +1,317 @@
+//! `run.json`: a run in a few numbers.
+
+use super::RecordError;
+use super::atomic::write_whole;
+use crate::scene::Scene;
+use crate::simulation::{Event, OutlineMeasure, Report, Simulation};
+use serde::Serialize;
+use std::path::Path;
+use std::time::{Duration, SystemTime};
+
+/// How a run stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Status {
+    /// It goes on, or was killed.
+    Running,
+    /// It reached its end.
+    Done,
+    /// Someone ended it before.
+    Interrupted,
+    /// It could not go on.
+    Failed,
+}
+
+/// How a run ends.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Ending {
+    /// It reached its end.
+    Done,
+    /// Someone ended it before.
+    Interrupted,
+    /// It could not go on, and why.
+    Failed(String),
+}
+
+/// What stands in `run.json`. All quantities are dimensionless; times of the clock are in seconds
+/// or, where they are dates, in UTC by RFC 3339. A number that is not finite is `null`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RunSummary {
+    /// Of vesica.
+    pub version: &'static str,
+    /// The scene's title.
+    pub scene: String,
+    /// How the run stands.
+    pub status: Status,
+    /// Why it failed.
+    pub error: Option<String>,
+    /// When it began.
+    pub started: String,
+    /// When it ended.
+    pub ended: Option<String>,
+    /// Of computing time steps, without set-up and files: `wall` of the last row.
+    pub seconds: f64,
+    /// Of setting up: mesh, matrices, initial state.
+    pub setup_seconds: f64,
+    /// Steps done.
+    pub steps: u64,
+    /// Steps to do.
+    pub planned_steps: u64,
+    /// The time reached.
+    pub t: f64,
+    /// E_total there.
+    pub total_energy: Option<f64>,
+    /// Of the mesh.
+    pub nodes: Option<usize>,
+    /// Of the mesh.
+    pub triangles: Option<usize>,
+    /// One run is one thread.
+    pub threads: u32,
+    /// How the linear systems are solved at present: "transform" or "factor".
+    pub linear_method: Option<&'static str>,
+    /// Newton iterations, of all steps.
+    pub newton: u64,
+    /// Krylov iterations, of all steps.
+    pub krylov: u64,
+    /// max |law_residual| of all steps.
+    pub largest_law_residual: f64,
+    /// The largest rise of E_total in a step; 0 if it never rose.
+    pub largest_energy_rise: f64,
+    /// max |A − A⁰|, A = ∫φ.
+    pub largest_phase_drift: f64,
+    /// The vesicle's outline at the start and at the end.
+    pub outline: OutlineChange,
+    /// What is allowed in the scene but probably not meant.
+    pub warnings: Vec<String>,
+    /// What happened.
+    pub events: Vec<EventRecord>,
+    #[serde(skip)]
+    initial_phase_integral: f64,
+}
+
+/// The vesicle's outline at the start and at the end.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct OutlineChange {
+    /// At t = 0.
+    pub start: Option<OutlineRecord>,
+    /// At the time reached.
+    pub end: Option<OutlineRecord>,
+}
+
+/// Lengths of the vesicle's outline, φ = 0.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct OutlineRecord {
+    /// Along its long axis.
+    pub length: f64,
+    /// The least width between the two bulges.
+    pub waist: f64,
+    /// The greatest width.
+    pub width: f64,
+}
+
+impl From<OutlineMeasure> for OutlineRecord {
+    fn from(outline: OutlineMeasure) -> Self {
+        OutlineRecord {
+            length: outline.length,
+            waist: outline.waist,
+            width: outline.width,
+        }
+    }
+}
+
+/// Something that happened in a run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EventRecord {
+    /// For programs.
+    pub kind: &'static str,
+    /// In this step.
+    pub step: u64,
+    /// At this time.
+    pub t: f64,
+    /// For people.
+    pub text: String,
+}
+
+impl From<&Event> for EventRecord {
+    fn from(event: &Event) -> Self {
+        EventRecord {
+            kind: event.kind.name(),
+            step: event.step,
+            t: event.t,
+            text: event.to_string(),
+        }
+    }
+}
+
+impl RunSummary {
+    /// Of a run that is about to be set up.
+    pub(super) fn new(scene: &Scene, planned_steps: u64) -> RunSummary {
+        RunSummary {
+            version: env!("CARGO_PKG_VERSION"),
+            scene: scene.name.clone(),
+            status: Status::Running,
+            error: None,
+            started: now(),
+            ended: None,
+            seconds: 0.0,
+            setup_seconds: 0.0,
+            steps: 0,
+            planned_steps,
+            t: 0.0,
+            total_energy: None,
+            nodes: None,
+            triangles: None,
+            threads: 1,
+            linear_method: None,
+            newton: 0,
+            krylov: 0,
+            largest_law_residual: 0.0,
+            largest_energy_rise: 0.0,
+            largest_phase_drift: 0.0,
+            outline: OutlineChange::default(),
+            warnings: Vec::new(),
+            events: Vec::new(),
+            initial_phase_integral: 0.0,
+        }
+    }
+
+    /// Takes in what is known after set-up.
+    pub(super) fn set_up(&mut self, simulation: &Simulation, setup: Duration) {
+        let report = simulation.report();
+        self.setup_seconds = seconds(setup);
+        self.nodes = Some(simulation.mesh().nodes().len());
+        self.triangles = Some(simulation.mesh().triangles().len());
+        self.linear_method = Some(simulation.linear_method());
+        self.warnings = simulation
+            .warnings()
+            .iter()
+            .map(ToString::to_string)
+            .collect();
+        self.outline.start = report.outline.map(Into::into);
+        self.initial_phase_integral = report.phase_integral;
+        self.reach(report);
+    }
+
+    /// Takes in a step.
+    pub(super) fn step(&mut self, report: &Report) {
+        self.newton += u64::from(report.newton);
+        self.krylov += u64::from(report.krylov);
+        self.largest_law_residual = largest(self.largest_law_residual, report.law_residual.abs());
+        let drift = (report.phase_integral - self.initial_phase_integral).abs();
+        self.largest_phase_drift = largest(self.largest_phase_drift, drift);
+        if let Some(before) = self.total_energy {
+            let rise = report.total_energy - before;
+            self.largest_energy_rise = largest(self.largest_energy_rise, rise);
+        }
+        self.reach(report);
+    }
+
+    fn reach(&mut self, report: &Report) {
+        self.steps = report.step;
+        self.t = report.t;
+        self.total_energy = Some(report.total_energy);
+        self.outline.end = report.outline.map(Into::into);
+    }
+
+    /// Takes in how the run ends.
+    pub(super) fn end(&mut self, ending: Ending) {
+        self.ended = Some(now());
+        (self.status, self.error) = match ending {
+            Ending::Done => (Status::Done, None),
+            Ending::Interrupted => (Status::Interrupted, None),
+            Ending::Failed(error) => (Status::Failed, Some(error)),
+        };
+    }
+
+    /// Writes it to the file `path`.
+    ///
+    /// # Errors
+    /// [`RecordError::Write`].
+    pub(super) fn write(&self, path: &Path) -> Result<(), RecordError> {
+        write_whole(path, |file| {
+            serde_json::to_writer_pretty(&mut *file, self)?;
+            writeln!(file)
+        })
+    }
+}
+
+/// Seconds to the microsecond: a clock's further digits are noise.
+pub(super) fn seconds(duration: Duration) -> f64 {
+    duration.as_micros() as f64 / 1e6
+}
+
+/// The larger one; what is no number counts as larger than any, and stays.
+fn largest(so_far: f64, next: f64) -> f64 {
+    if so_far.is_nan() || next <= so_far {
+        so_far
+    } else {
+        next
+    }
+}
+
+fn now() -> String {
+    humantime::format_rfc3339_seconds(SystemTime::now()).to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn totals_are_kept_over_the_steps() {
+        let scene = super::super::scene_file::tests::scene("");
+        let mut summary = RunSummary::new(&scene, 3);
+        let mut simulation = Simulation::new(&scene).expect("a small scene");
+        summary.set_up(&simulation, Duration::from_millis(1500));
+        let start = simulation.report().clone();
+        for (step, energy, law, drift) in [
+            (1, 2.0, 1e-9, 0.0),
+            (2, 2.5, -4e-9, -1e-15),
+            (3, 1.0, 0.0, 1e-16),
+        ] {
+            let report = Report {
+                step,
+                total_energy: start.total_energy + energy - 2.0,
+                phase_integral: start.phase_integral + drift,
+                law_residual: law,
+                newton: 2,
+                krylov: 20,
+                ..start.clone()
+            };
+            summary.step(&report);
+        }
+        assert_eq!((summary.steps, summary.newton, summary.krylov), (3, 6, 60));
+        assert_eq!(summary.largest_law_residual, 4e-9);
+        assert!((summary.largest_energy_rise - 0.5).abs() < 1e-12);
+        assert!((summary.largest_phase_drift - 1e-15).abs() < 2e-16);
+        assert_eq!(summary.setup_seconds, 1.5);
+        assert_eq!(simulation.drain_events(), []);
+    }
+
+    #[test]
+    fn no_number_is_not_passed_over() {
+        assert!(largest(1.0, f64::NAN).is_nan());
+        assert!(largest(f64::NAN, 1.0).is_nan());
+        assert_eq!(largest(1.0, 2.0), 2.0);
+        assert_eq!(largest(1.0, -2.0), 1.0);
+    }
+
+    #[test]
+    fn the_file_is_json_with_the_ending() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("run.json");
+        let scene = super::super::scene_file::tests::scene("");
+        let mut summary = RunSummary::new(&scene, 3);
+        summary.largest_energy_rise = f64::NAN;
+        summary.end(Ending::Failed("step 2 \"broke\"".into()));
+        summary.write(&path).expect("it is written");
+        let text = std::fs::read_to_string(&path).expect("it is there");
+        let value: serde_json::Value = serde_json::from_str(&text).expect("it is JSON");
+        assert_eq!(value["status"], "failed");
+        assert_eq!(value["error"], "step 2 \"broke\"");
+        assert_eq!(value["threads"], 1);
+        assert_eq!(value["largest_energy_rise"], serde_json::Value::Null);
+        let ended = value["ended"].as_str().expect("a date");
+        assert!(humantime::parse_rfc3339(ended).is_ok(), "{ended}");
+    }
+}

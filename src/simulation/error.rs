@@ -1,0 +1,31 @@
+//! Why a run cannot start or go on.
+
+use thiserror::Error;
+
+use crate::fem::FemError;
+use crate::linalg::LinalgError;
+use crate::scheme::{InitialError, StepError};
+
+/// Why a run cannot start or go on.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum SimulationError {
+    /// The mesh cannot be made.
+    #[error("the mesh: {0}")]
+    Mesh(#[from] FemError),
+    /// The initial fields cannot be made.
+    #[error("the initial state: {0}")]
+    Initial(#[from] InitialError),
+    /// The sparse factor cannot be set up.
+    #[error("the linear solver: {0}")]
+    Factor(LinalgError),
+    /// A step was not solved. The run stands at the step before.
+    #[error("step {step} to t = {t:e} failed: {source}")]
+    Step {
+        /// The number of the step.
+        step: u64,
+        /// The time at its end.
+        t: f64,
+        /// What went wrong.
+        source: StepError,
+    },
+}

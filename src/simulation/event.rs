@@ -1,0 +1,54 @@
+//! What happens in a run that its user should know.
+
+use std::fmt;
+
+use crate::scheme::StepError;
+
+/// Something that happened at a step.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Event {
+    /// The step.
+    pub step: u64,
+    /// The time at its end.
+    pub t: f64,
+    /// What happened.
+    pub kind: EventKind,
+}
+
+/// What happened.
+#[derive(Debug, Clone, PartialEq)]
+pub enum EventKind {
+    /// The iteration with the cosine transform failed, and the sparse factor took over for the rest
+    /// of the run.
+    FellBackToFactor {
+        /// How it failed.
+        reason: StepError,
+    },
+    /// φ became positive within ε of the wall.
+    ReachedWall,
+}
+
+impl EventKind {
+    /// A fixed name, for programs.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::FellBackToFactor { .. } => "fell-back-to-factor",
+            Self::ReachedWall => "reached-wall",
+        }
+    }
+}
+
+impl fmt::Display for Event {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "step {}, t = {:e}: ", self.step, self.t)?;
+        match &self.kind {
+            EventKind::FellBackToFactor { reason } => write!(
+                f,
+                "the sparse factor took over from the cosine transform, which had failed: {reason}"
+            ),
+            EventKind::ReachedWall => f.write_str(
+                "the vesicle has reached the wall, which now takes part in what happens",
+            ),
+        }
+    }
+}

@@ -1,0 +1,198 @@
+//! A run in time: the fixed grid t_n = n Δt, what is reported of each step, and what happens on the way.
+
+mod error;
+mod event;
+mod warnings;
+
+use std::sync::Arc;
+
+use crate::fem::{Contour, Mesh};
+
+use crate::scene::{self, Scene, Shape, Warning};
+use crate::scheme::{Scheme, State, StepReport, initial_fields};
+
+pub use crate::fem::OutlineMeasure;
+pub use crate::physics::NamedValue;
+pub use error::SimulationError;
+pub use event::{Event, EventKind};
+pub use warnings::warnings;
+
+use warnings::NearWall;
+
+/// A run: a scene, and how far it has come.
+#[derive(Debug)]
+pub struct Simulation {
+    scene: Scene,
+    mesh: Arc<Mesh>,
+    scheme: Scheme,
+    report: Report,
+    warnings: Vec<Warning>,
+    events: Vec<Event>,
+    contour: Contour,
+    /// The long axis of the vesicle, in degrees to the x axis.
+    axis: f64,
+    near_wall: NearWall,
+}
+
+/// The scalars of one step.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Report {
+    /// n; 0 is the initial state.
+    pub step: u64,
+    /// t_n.
+    pub t: f64,
+    /// The smallest Δt that was used.
+    pub dt: f64,
+    /// The energy of each effect, weighted as in E_tot.
+    pub energies: Vec<NamedValue>,
+    /// E_tot.
+    pub total_energy: f64,
+    /// A = ∫φ.
+    pub phase_integral: f64,
+    /// B.
+    pub surface_area: f64,
+    /// Δt·(left side of (3.26))/S.
+    pub law_residual: f64,
+    /// Iterations of substep 2.
+    pub newton: u32,
+    /// Krylov iterations of substep 2.
+    pub krylov: u32,
+    /// Every term of (3.26), times Δt.
+    pub ledger: Vec<NamedValue>,
+    /// The size of the vesicle.
+    pub outline: Option<OutlineMeasure>,
+}
+
+impl Report {
+    fn take(&mut self, step: &StepReport) {
+        self.energies.clone_from(&step.energies);
+        self.total_energy = step.total_energy;
+        self.phase_integral = step.phase_integral;
+        self.surface_area = step.surface_area;
+        self.law_residual = step.law_residual;
+        self.newton = step.newton;
+        self.krylov = step.krylov;
+        self.ledger.clone_from(&step.ledger);
+    }
+}
+
+impl Simulation {
+    /// Builds the mesh, the initial fields and the scheme of a scene.
+    ///
+    /// # Errors
+    /// [`SimulationError`]: what could not be built.
+    pub fn new(scene: &Scene) -> Result<Self, SimulationError> {
+        let scene::Mesh::Structured {
+            cells,
+            jitter,
+            seed,
+        } = scene.mesh;
+        let mesh = Arc::new(Mesh::structured(cells, jitter, seed)?);
+        let initial = initial_fields(scene, &mesh)?;
+        let warnings = warnings(scene, &mesh, &initial.phi);
+        let scheme = Scheme::new(scene, mesh.clone(), initial.phi, initial.director)
+            .map_err(SimulationError::Factor)?;
+        let axis = match &scene.vesicle.shape {
+            Shape::Outlines(outlines) => outlines.first().map_or(90.0, |outline| outline.angle),
+            _ => 90.0,
+        };
+        let mut simulation = Self {
+            near_wall: NearWall::new(&mesh, scene.membrane.interface_width),
+            contour: Contour::default(),
+            report: Report {
+                dt: scene.time.step,
+                ..Report::default()
+            },
+            scene: scene.clone(),
+            mesh,
+            scheme,
+            warnings,
+            events: Vec::new(),
+            axis,
+        };
+        simulation.report.take(simulation.scheme.report());
+        simulation.look();
+        Ok(simulation)
+    }
+
+    /// Takes one step of the fixed grid. On an error the state and the report are those of the last
+    /// good step.
+    ///
+    /// # Errors
+    /// `Step`: the step was not solved.
+    pub fn advance(&mut self) -> Result<&Report, SimulationError> {
+        let step = self.report.step + 1;
+        let dt = self.scene.time.step;
+        let t = step as f64 * dt;
+        let solved = self
+            .scheme
+            .step(dt)
+            .map_err(|source| SimulationError::Step { step, t, source })?;
+        if let Some(reason) = &solved.fallback {
+            let kind = EventKind::FellBackToFactor {
+                reason: reason.clone(),
+            };
+            self.events.push(Event { step, t, kind });
+        }
+        self.report.take(solved);
+        self.report.step = step;
+        self.report.t = t;
+        self.report.dt = dt;
+        self.look();
+        Ok(&self.report)
+    }
+
+    /// Measures the vesicle and notices when it reaches the wall.
+    fn look(&mut self) {
+        let phi = &self.scheme.state().phi;
+        self.contour.trace(&self.mesh, phi);
+        self.report.outline = self.contour.measure(self.axis);
+        if self.near_wall.is_reached(phi) {
+            let (step, t) = (self.report.step, self.report.t);
+            self.events.push(Event {
+                step,
+                t,
+                kind: EventKind::ReachedWall,
+            });
+        }
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The mesh.
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    /// The fields at present.
+    pub fn state(&self) -> &State {
+        self.scheme.state()
+    }
+
+    /// The report of the last step, or of the initial state.
+    pub fn report(&self) -> &Report {
+        &self.report
+    }
+
+    /// What is allowed in the scene but probably not meant.
+    pub fn warnings(&self) -> &[Warning] {
+        &self.warnings
+    }
+
+    /// What happened since the last call.
+    pub fn drain_events(&mut self) -> Vec<Event> {
+        std::mem::take(&mut self.events)
+    }
+
+    /// How the linear systems of substep 2 are solved at present: "transform" or "factor".
+    pub fn linear_method(&self) -> &'static str {
+        if self.scheme.uses_transform() {
+            "transform"
+        } else {
+            "factor"
+        }
+    }
+}
