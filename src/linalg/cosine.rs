@@ -10,6 +10,9 @@
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 
+/// The sizes of the dense matrices are multiples of this: two registers of eight f64.
+const PADDING: usize = 16;
+
 /// The transform of a grid of (n + 1)² values, row after row.
 #[derive(Debug)]
 pub struct CosineTransform {
@@ -31,15 +34,21 @@ impl CosineTransform {
         let n = intervals;
         // Even vectors live on j = 0 ..= n/2, odd ones vanish in the middle of an even grid.
         let halves = [n / 2 + 1, n.div_ceil(2)];
+        // Padded with zeros: at sizes that do not fill the registers a product takes up to twenty
+        // times as long (measured at 61 against 64).
+        let padded = halves.map(|half| half.next_multiple_of(PADDING));
         let wave = |parity: usize| {
-            Mat::from_fn(halves[parity], halves[parity], |row, j| {
+            Mat::from_fn(padded[parity], padded[parity], |row, j| {
+                if row >= halves[parity] || j >= halves[parity] {
+                    return 0.0;
+                }
                 let k = 2 * row + parity;
                 // The angle is reduced in integers, so that no digit is lost for large k j.
                 (std::f64::consts::PI * ((j * k) % (2 * n)) as f64 / n as f64).cos()
             })
         };
         let part =
-            || [0, 1].map(|rows| [0, 1].map(|columns| Mat::zeros(halves[columns], halves[rows])));
+            || [0, 1].map(|rows| [0, 1].map(|columns| Mat::zeros(padded[columns], padded[rows])));
         Self {
             intervals,
             waves: [wave(0), wave(1)],
@@ -63,7 +72,14 @@ impl CosineTransform {
     pub fn multiplier(&self, factor: impl Fn(usize, usize) -> f64) -> Multiplier {
         let part = |rows: usize, columns: usize| {
             let (along, across) = (self.waves[columns].nrows(), self.waves[rows].nrows());
-            Mat::from_fn(along, across, |l, k| factor(2 * k + rows, 2 * l + columns))
+            Mat::from_fn(along, across, |l, k| {
+                let (k, l) = (2 * k + rows, 2 * l + columns);
+                if k > self.intervals || l > self.intervals {
+                    0.0
+                } else {
+                    factor(k, l)
+                }
+            })
         };
         Multiplier([0, 1].map(|rows| [0, 1].map(|columns| part(rows, columns))))
     }
@@ -110,7 +126,10 @@ impl CosineTransform {
             }
             for rows in 0..parities {
                 let [even, odd] = &mut self.parts[rows];
-                let (even, odd) = (even.col_as_slice_mut(i), odd.col_as_slice_mut(i));
+                let (even, odd) = (
+                    &mut even.col_as_slice_mut(i)[..=n / 2],
+                    odd.col_as_slice_mut(i),
+                );
                 let values = &self.folded[rows];
                 let mirrored = values.iter().rev();
                 for (((e, o), a), b) in even.iter_mut().zip(odd).zip(values).zip(mirrored) {
@@ -132,7 +151,7 @@ impl CosineTransform {
             let parities = if i == n - i { 1 } else { 2 };
             for rows in 0..parities {
                 let [even, odd] = &self.parts[rows];
-                let (even, odd) = (even.col_as_slice(i), odd.col_as_slice(i));
+                let (even, odd) = (&even.col_as_slice(i)[..=n / 2], odd.col_as_slice(i));
                 let values = &mut self.folded[rows];
                 for (j, (e, o)) in even.iter().zip(odd).enumerate() {
                     values[j] = e + o;
@@ -206,7 +225,7 @@ mod tests {
 
     #[test]
     fn agrees_with_the_definition_on_even_and_odd_grids() {
-        for n in [4, 5, 8, 9] {
+        for n in [4, 5, 8, 9, 32] {
             let side = n + 1;
             let x: Vec<f64> = (0..side * side)
                 .map(|i| ((i * i) as f64 * 0.7).sin())

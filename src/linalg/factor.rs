@@ -56,13 +56,14 @@ impl Ldlt {
         let (mut rows, mut sources) = (Vec::new(), Vec::new());
         // The pattern is symmetric, so the upper part of row i is the lower part of column i.
         for column in 0..size {
-            for position in pattern.row(column) {
-                let row = pattern.columns()[position];
+            let start = rows.len();
+            for (position, row) in pattern.row(column) {
                 if row as usize >= column {
                     rows.push(row);
                     sources.push(position as u32);
                 }
             }
+            debug_assert!(rows[start..].is_sorted());
             column_start.push(rows.len() as u32);
         }
         let failed = |reason: String| LinalgError::Factorisation { size, reason };
@@ -217,10 +218,10 @@ mod tests {
             })
             .collect();
         let pattern = Pattern::from_rows(rows);
-        let mut values = vec![0.0; pattern.entries()];
+        let mut values = vec![0.0; pattern.stored()];
         for row in 0..2 * n {
-            for position in pattern.row(row) {
-                let column = pattern.columns()[position] as usize;
+            for (position, column) in pattern.row(row) {
+                let column = column as usize;
                 let same = row % n == column % n;
                 values[position] = match (row < n, column < n) {
                     (true, true) => {
@@ -267,7 +268,8 @@ mod tests {
     #[test]
     fn what_is_not_finite_is_an_error() {
         let (pattern, mut values) = saddle(5);
-        values[0] = f64::INFINITY;
+        let corner = pattern.position(0, 0).expect("a diagonal entry");
+        values[corner] = f64::INFINITY;
         let mut factor = Ldlt::analyse(&pattern).expect("a small pattern");
         assert!(factor.refactor(&values).is_err());
     }

@@ -1,123 +1,255 @@
-//! Square sparse matrices in compressed rows on a shared, fixed pattern: the pattern is made once,
-//! the values are refilled without allocation.
+//! Square sparse matrices on a shared, fixed pattern: the pattern is made once, the values are
+//! refilled without allocation.
+//!
+//! Rows are stored in blocks of [`LANES`] consecutive ones, slot by slot, so that a product works on
+//! all rows of a block at once (a "sliced ELLPACK" format). Where the slots of a block can be chosen
+//! so that each has the same column offset in all its rows, as with a mesh that is numbered line by
+//! line, a slot reads x in one contiguous piece; otherwise it gathers. Nothing else depends on how a
+//! mesh is numbered. Slots that a row does not use hold the value zero.
 
 use std::sync::Arc;
 
-/// Which entries of a square matrix may be different from zero, row by row.
+use multiversion::multiversion;
+
+/// Rows of a block: one 512-bit register of f64.
+const LANES: usize = 8;
+
+/// Marks a slot whose columns are not consecutive.
+const GATHER: u32 = u32::MAX;
+
+/// A block may have this many slots more, relative to its longest row, to have them contiguous.
+const SLOT_ALLOWANCE: f64 = 1.5;
+
+/// Which entries of a square matrix may be different from zero.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pattern {
-    row_start: Vec<u32>,
-    columns: Vec<u32>,
+    size: usize,
+    entries: usize,
+    /// For each block, its first slot; one more at the end.
+    block_start: Vec<u32>,
+    /// For each slot, the column of its first row where the columns are consecutive, else [`GATHER`].
+    runs: Vec<u32>,
+    /// For each slot, the columns of its rows (of an unused entry: any valid one).
+    columns: Vec<[u32; LANES]>,
+    /// For each slot, which of its rows use it.
+    used: Vec<u8>,
 }
 
 impl Pattern {
     /// The pattern with the given columns in each row; they are sorted and made unique.
     pub fn from_rows(mut rows: Vec<Vec<u32>>) -> Self {
         let size = rows.len();
-        let mut row_start = Vec::with_capacity(size + 1);
-        let mut columns = Vec::new();
-        row_start.push(0);
-        for row in &mut rows {
-            row.sort_unstable();
-            row.dedup();
-            assert!(row.last().is_none_or(|&last| (last as usize) < size));
-            columns.extend_from_slice(row);
-            row_start.push(columns.len() as u32);
+        let mut pattern = Self {
+            size,
+            entries: 0,
+            block_start: vec![0],
+            runs: Vec::new(),
+            columns: Vec::new(),
+            used: Vec::new(),
+        };
+        for (block, rows) in rows.chunks_mut(LANES).enumerate() {
+            for row in rows.iter_mut() {
+                row.sort_unstable();
+                row.dedup();
+                assert!(row.last().is_none_or(|&last| (last as usize) < size));
+                pattern.entries += row.len();
+            }
+            pattern.add_block(block * LANES, rows);
+            pattern.block_start.push(pattern.runs.len() as u32);
         }
-        Self { row_start, columns }
+        pattern
+    }
+
+    /// Appends the slots of a block of sorted rows.
+    fn add_block(&mut self, first_row: usize, rows: &[Vec<u32>]) {
+        let longest = rows.iter().map(Vec::len).max().unwrap_or(0);
+        let offset = |lane: usize, column: u32| i64::from(column) - (first_row + lane) as i64;
+        let mut offsets: Vec<i64> = rows
+            .iter()
+            .enumerate()
+            .flat_map(|(lane, row)| row.iter().map(move |&column| offset(lane, column)))
+            .collect();
+        offsets.sort_unstable();
+        offsets.dedup();
+        if offsets.len() as f64 <= SLOT_ALLOWANCE * longest as f64 {
+            for shift in offsets {
+                let columns = rows.iter().enumerate().map(|(lane, row)| {
+                    let column = (first_row + lane) as i64 + shift;
+                    row.iter()
+                        .copied()
+                        .find(|&entry| i64::from(entry) == column)
+                });
+                self.add_slot(first_row as i64 + shift, columns);
+            }
+        } else {
+            for slot in 0..longest {
+                let columns = rows.iter().map(|row| row.get(slot).copied());
+                self.add_slot(-1, columns);
+            }
+        }
+    }
+
+    /// Appends a slot. `run` is the first column if they were consecutive.
+    fn add_slot(&mut self, run: i64, columns: impl Iterator<Item = Option<u32>>) {
+        let mut slot = [0; LANES];
+        let mut used = 0;
+        for (lane, column) in columns.enumerate() {
+            if let Some(column) = column {
+                slot[lane] = column;
+                used |= 1 << lane;
+            }
+        }
+        let fits = run >= 0 && run as usize + LANES <= self.size;
+        self.runs.push(if fits { run as u32 } else { GATHER });
+        self.columns.push(slot);
+        self.used.push(used);
     }
 
     /// Rows (and columns) of the matrix.
     pub fn size(&self) -> usize {
-        self.row_start.len() - 1
+        self.size
     }
 
-    /// Entries that are stored.
+    /// Entries of the matrix that may be different from zero.
     pub fn entries(&self) -> usize {
-        self.columns.len()
+        self.entries
     }
 
-    /// The range of stored entries of a row.
-    pub fn row(&self, row: usize) -> std::ops::Range<usize> {
-        self.row_start[row] as usize..self.row_start[row + 1] as usize
+    /// How many values a matrix on this pattern stores, unused slots included.
+    pub fn stored(&self) -> usize {
+        LANES * self.runs.len()
     }
 
-    /// The columns of the stored entries, row after row.
-    pub fn columns(&self) -> &[u32] {
-        &self.columns
+    /// The entries of a row: where each is stored, and its column.
+    pub fn row(&self, row: usize) -> impl Iterator<Item = (usize, u32)> + '_ {
+        let (block, lane) = (row / LANES, row % LANES);
+        let slots = self.block_start[block] as usize..self.block_start[block + 1] as usize;
+        slots
+            .filter(move |&slot| self.used[slot] & (1 << lane) != 0)
+            .map(move |slot| (LANES * slot + lane, self.columns[slot][lane]))
     }
 
     /// Where the entry (row, column) is stored, if it is.
     pub fn position(&self, row: usize, column: usize) -> Option<usize> {
-        let range = self.row(row);
-        let found = self.columns[range.clone()].binary_search(&(column as u32));
-        found.ok().map(|offset| range.start + offset)
+        self.row(row)
+            .find(|&(_, entry)| entry as usize == column)
+            .map(|(position, _)| position)
     }
 
-    /// Calls `each(row, value, column entries)` for every row of a product: the loop that all
-    /// products share.
+    /// Calls `each(first row, products)` for every block of rows, with the products of N matrices
+    /// and N vectors: the loop that all products share.
     #[inline(always)]
-    fn for_each_row<const N: usize>(
+    fn for_each_block<const N: usize>(
         &self,
         values: [&[f64]; N],
-        mut each: impl FnMut(usize, &[u32], [&[f64]; N]),
+        vectors: [&[f64]; N],
+        mut each: impl FnMut(usize, [[f64; LANES]; N]),
     ) {
+        let values = values.map(|values| values.as_chunks::<LANES>().0);
         let mut start = 0;
-        for (row, &end) in self.row_start[1..].iter().enumerate() {
-            let range = start..end as usize;
-            let entries = values.map(|values| &values[range.clone()]);
-            each(row, &self.columns[range.clone()], entries);
-            start = range.end;
+        for (block, &end) in self.block_start[1..].iter().enumerate() {
+            let end = end as usize;
+            let mut sums = [[0.0; LANES]; N];
+            let slots = self.runs[start..end].iter().zip(&self.columns[start..end]);
+            for (slot, (&run, columns)) in slots.enumerate() {
+                for matrix in 0..N {
+                    let entries = &values[matrix][start + slot];
+                    let (vector, sums) = (vectors[matrix], &mut sums[matrix]);
+                    // Two loops, not one with two sources: each is a handful of instructions.
+                    match vector
+                        .get(run as usize..)
+                        .and_then(<[f64]>::first_chunk::<LANES>)
+                    {
+                        Some(x) => {
+                            for lane in 0..LANES {
+                                sums[lane] += entries[lane] * x[lane];
+                            }
+                        }
+                        None => {
+                            for lane in 0..LANES {
+                                sums[lane] += entries[lane] * vector[columns[lane] as usize];
+                            }
+                        }
+                    }
+                }
+            }
+            each(LANES * block, sums);
+            start = end;
         }
     }
 
     /// y ← A x.
     pub fn multiply(&self, a: &[f64], x: &[f64], y: &mut [f64]) {
-        self.for_each_row([a], |row, columns, [a]| {
-            let mut total = 0.0;
-            for (&column, a) in columns.iter().zip(a) {
-                total += a * x[column as usize];
-            }
-            y[row] = total;
-        });
+        multiply(self, a, x, y);
     }
 
     /// y ← y + s A x.
     pub fn multiply_add(&self, s: f64, a: &[f64], x: &[f64], y: &mut [f64]) {
-        self.for_each_row([a], |row, columns, [a]| {
-            let mut total = 0.0;
-            for (&column, a) in columns.iter().zip(a) {
-                total += a * x[column as usize];
-            }
-            y[row] += s * total;
-        });
+        multiply_add(self, s, a, x, y);
     }
 
     /// (A x, B x) in one sweep.
-    pub fn multiply_both(&self, [a, b]: [&[f64]; 2], x: &[f64], ax: &mut [f64], bx: &mut [f64]) {
-        self.for_each_row([a, b], |row, columns, [a, b]| {
-            let (mut sum_a, mut sum_b) = (0.0, 0.0);
-            for ((&column, a), b) in columns.iter().zip(a).zip(b) {
-                let x = x[column as usize];
-                sum_a += a * x;
-                sum_b += b * x;
-            }
-            ax[row] = sum_a;
-            bx[row] = sum_b;
-        });
+    pub fn multiply_both(&self, matrices: [&[f64]; 2], x: &[f64], ax: &mut [f64], bx: &mut [f64]) {
+        multiply_both(self, matrices, x, ax, bx);
     }
 
-    /// A x + s B z in one sweep.
+    /// y ← A x + s B z in one sweep.
     pub fn multiply_sum(&self, a: &[f64], x: &[f64], s: f64, b: &[f64], z: &[f64], y: &mut [f64]) {
-        self.for_each_row([a, b], |row, columns, [a, b]| {
-            let (mut sum_a, mut sum_b) = (0.0, 0.0);
-            for ((&column, a), b) in columns.iter().zip(a).zip(b) {
-                sum_a += a * x[column as usize];
-                sum_b += b * z[column as usize];
-            }
-            y[row] = sum_a + s * sum_b;
-        });
+        multiply_sum(self, [a, b], [x, z], s, y);
     }
+}
+
+/// Calls `each(y, lane)` for the rows of y that a block writes.
+#[inline(always)]
+fn write(y: &mut [f64], first: usize, mut each: impl FnMut(&mut f64, usize)) {
+    match y[first..].first_chunk_mut::<LANES>() {
+        Some(rows) => (0..LANES).for_each(|lane| each(&mut rows[lane], lane)),
+        None => y[first..]
+            .iter_mut()
+            .enumerate()
+            .for_each(|(lane, y)| each(y, lane)),
+    }
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2"))]
+fn multiply(pattern: &Pattern, a: &[f64], x: &[f64], y: &mut [f64]) {
+    pattern.for_each_block([a], [x], |first, [sums]| {
+        write(y, first, |y, lane| *y = sums[lane]);
+    });
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2"))]
+fn multiply_add(pattern: &Pattern, s: f64, a: &[f64], x: &[f64], y: &mut [f64]) {
+    pattern.for_each_block([a], [x], |first, [sums]| {
+        write(y, first, |y, lane| *y += s * sums[lane]);
+    });
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2"))]
+fn multiply_both(
+    pattern: &Pattern,
+    matrices: [&[f64]; 2],
+    x: &[f64],
+    ax: &mut [f64],
+    bx: &mut [f64],
+) {
+    pattern.for_each_block(matrices, [x, x], |first, [a, b]| {
+        write(ax, first, |y, lane| *y = a[lane]);
+        write(bx, first, |y, lane| *y = b[lane]);
+    });
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2"))]
+fn multiply_sum(
+    pattern: &Pattern,
+    matrices: [&[f64]; 2],
+    vectors: [&[f64]; 2],
+    s: f64,
+    y: &mut [f64],
+) {
+    pattern.for_each_block(matrices, vectors, |first, [a, b]| {
+        write(y, first, |y, lane| *y = a[lane] + s * b[lane]);
+    });
 }
 
 /// A square sparse matrix.
@@ -125,14 +257,14 @@ impl Pattern {
 pub struct SparseMatrix {
     /// Its pattern.
     pub pattern: Arc<Pattern>,
-    /// The stored entries, in the pattern's order.
+    /// The stored values, in the pattern's order; those of unused slots must stay zero.
     pub values: Vec<f64>,
 }
 
 impl SparseMatrix {
     /// The zero matrix on a pattern.
     pub fn zeros(pattern: Arc<Pattern>) -> Self {
-        let values = vec![0.0; pattern.entries()];
+        let values = vec![0.0; pattern.stored()];
         Self { pattern, values }
     }
 
@@ -148,16 +280,15 @@ impl SparseMatrix {
 
     /// xᵀ A x.
     pub fn quadratic_form(&self, x: &[f64]) -> f64 {
-        let mut total = 0.0;
+        let mut lanes = [0.0; LANES];
         self.pattern
-            .for_each_row([&self.values], |row, columns, [a]| {
-                let mut product = 0.0;
-                for (&column, a) in columns.iter().zip(a) {
-                    product += a * x[column as usize];
+            .for_each_block([&self.values], [x], |first, [sums]| {
+                let end = (first + LANES).min(x.len());
+                for ((lane, sum), x) in lanes.iter_mut().zip(sums).zip(&x[first..end]) {
+                    *lane += sum * x;
                 }
-                total += product * x[row];
             });
-        total
+        lanes.iter().sum()
     }
 
     /// The largest ratio of a diagonal entry to a weight, doubled: a bound of the eigenvalues of a
@@ -187,40 +318,109 @@ impl SparseMatrix {
 mod tests {
     use super::*;
 
-    /// [2 −1 0; −1 2 −1; 0 −1 2]
-    fn second_difference() -> SparseMatrix {
-        let pattern = Pattern::from_rows(vec![vec![0, 1], vec![2, 1, 0, 1], vec![1, 2]]);
-        SparseMatrix {
-            pattern: Arc::new(pattern),
-            values: vec![2.0, -1.0, -1.0, 2.0, -1.0, -1.0, 2.0],
+    /// A matrix with the given entries (row, column, value).
+    fn matrix(size: usize, entries: &[(usize, usize, f64)]) -> SparseMatrix {
+        let mut rows = vec![Vec::new(); size];
+        entries
+            .iter()
+            .for_each(|&(row, column, _)| rows[row].push(column as u32));
+        let mut matrix = SparseMatrix::zeros(Arc::new(Pattern::from_rows(rows)));
+        for &(row, column, value) in entries {
+            let position = matrix
+                .pattern
+                .position(row, column)
+                .expect("in the pattern");
+            matrix.values[position] += value;
         }
+        matrix
+    }
+
+    /// A band matrix (contiguous slots), and one with columns all over the place (gathered slots);
+    /// sizes that do and do not fill the last block.
+    fn examples() -> Vec<(usize, Vec<(usize, usize, f64)>)> {
+        let mut examples = Vec::new();
+        for size in [3_usize, 16, 29] {
+            let value = |row: usize, column: usize| 1.0 + (3 * row + 7 * column) as f64;
+            let band = (0..size).flat_map(|row| {
+                let near = row.saturating_sub(1)..=(row + 1).min(size - 1);
+                near.map(move |column| (row, column, value(row, column)))
+            });
+            examples.push((size, band.collect()));
+            let scattered = (0..size).flat_map(|row| {
+                let columns = (0..=row % 4).map(move |j| (row * row + 5 * j) % size);
+                columns.map(move |column| (row, column, value(row, column)))
+            });
+            examples.push((size, scattered.collect()));
+        }
+        examples
+    }
+
+    fn dense_product(entries: &[(usize, usize, f64)], x: &[f64]) -> Vec<f64> {
+        let mut y = vec![0.0; x.len()];
+        entries
+            .iter()
+            .for_each(|&(row, column, value)| y[row] += value * x[column]);
+        y
     }
 
     #[test]
     fn products_agree_with_the_dense_ones() {
-        let a = second_difference();
-        let (x, z) = ([1.0, 2.0, 4.0], [0.5, -1.0, 3.0]);
-        let mut y = [0.0; 3];
-        a.multiply(&x, &mut y);
-        assert_eq!(y, [0.0, -1.0, 6.0]);
-        a.multiply_add(2.0, &x, &mut y);
-        assert_eq!(y, [0.0, -3.0, 18.0]);
-        assert_eq!(a.quadratic_form(&x), 22.0);
-        assert_eq!(a.diagonal(), [2.0; 3]);
-        let (mut first, mut second) = ([0.0; 3], [0.0; 3]);
-        let doubled: Vec<f64> = a.values.iter().map(|a| 2.0 * a).collect();
-        a.pattern
-            .multiply_both([&a.values, &doubled], &x, &mut first, &mut second);
-        assert_eq!((first, second), ([0.0, -1.0, 6.0], [0.0, -2.0, 12.0]));
-        a.pattern
-            .multiply_sum(&a.values, &x, 3.0, &doubled, &z, &mut y);
-        assert_eq!(y, [12.0, -34.0, 48.0]);
+        for (size, entries) in examples() {
+            let a = matrix(size, &entries);
+            let x: Vec<f64> = (0..size).map(|i| (i % 5) as f64 - 1.0).collect();
+            let z: Vec<f64> = (0..size).map(|i| (i % 3) as f64).collect();
+            let (ax, az) = (dense_product(&entries, &x), dense_product(&entries, &z));
+            let mut y = vec![7.0; size];
+            a.multiply(&x, &mut y);
+            assert_eq!(y, ax);
+            a.multiply_add(2.0, &x, &mut y);
+            assert!(y.iter().zip(&ax).all(|(y, ax)| *y == 3.0 * ax));
+            let mut other = vec![7.0; size];
+            let doubled: Vec<f64> = a.values.iter().map(|a| 2.0 * a).collect();
+            a.pattern
+                .multiply_both([&a.values, &doubled], &x, &mut y, &mut other);
+            assert_eq!(y, ax);
+            assert!(other.iter().zip(&ax).all(|(y, ax)| *y == 2.0 * ax));
+            a.pattern
+                .multiply_sum(&a.values, &x, 3.0, &doubled, &z, &mut y);
+            for (y, (ax, az)) in y.iter().zip(ax.iter().zip(&az)) {
+                assert_eq!(*y, ax + 6.0 * az);
+            }
+            let form: f64 = ax.iter().zip(&x).map(|(ax, x)| ax * x).sum();
+            assert_eq!(a.quadratic_form(&x), form);
+        }
     }
 
     #[test]
-    fn an_entry_outside_the_pattern_has_no_position() {
-        let a = second_difference();
-        assert_eq!(a.pattern.position(0, 2), None);
-        assert_eq!(a.pattern.position(1, 2), Some(4));
+    fn a_band_is_contiguous_and_a_scattered_matrix_is_not_padded_much() {
+        let examples = examples();
+        let band = matrix(29, &examples[4].1);
+        let contiguous = band
+            .pattern
+            .runs
+            .iter()
+            .filter(|run| **run != GATHER)
+            .count();
+        assert_eq!((band.pattern.runs.len(), contiguous), (12, 8));
+        let scattered = matrix(29, &examples[5].1);
+        assert_eq!(scattered.pattern.runs.len(), 16);
+    }
+
+    #[test]
+    fn rows_list_what_was_given() {
+        for (size, entries) in examples() {
+            let a = matrix(size, &entries);
+            let mut found = 0;
+            for row in 0..size {
+                for (position, column) in a.pattern.row(row) {
+                    assert!(entries.iter().any(|e| (e.0, e.1) == (row, column as usize)));
+                    assert_eq!(a.pattern.position(row, column as usize), Some(position));
+                    found += 1;
+                }
+            }
+            assert_eq!(found, a.pattern.entries());
+        }
+        let (size, entries) = &examples()[2];
+        assert_eq!(matrix(*size, entries).pattern.position(0, 9), None);
     }
 }

@@ -65,7 +65,7 @@ impl FactoredPreconditioner {
         };
         let mut rows = vec![Vec::new(); 3 * nodes.size()];
         for row in 0..nodes.size() {
-            for &column in &nodes.columns()[nodes.row(row)] {
+            for (_, column) in nodes.row(row) {
                 for (block, (i, j)) in BLOCKS.into_iter().enumerate() {
                     if stored(block, row, column as usize) {
                         rows[3 * row + i].push(3 * column + j as u32);
@@ -74,18 +74,18 @@ impl FactoredPreconditioner {
             }
         }
         let pattern = Pattern::from_rows(rows);
-        let mut positions = Vec::with_capacity(nodes.entries());
+        let mut positions = vec![[u32::MAX; BLOCKS.len()]; nodes.stored()];
         for row in 0..nodes.size() {
-            for &column in &nodes.columns()[nodes.row(row)] {
-                positions.push(BLOCKS.map(|(i, j)| {
+            for (entry, column) in nodes.row(row) {
+                positions[entry] = BLOCKS.map(|(i, j)| {
                     let position = pattern.position(3 * row + i, 3 * column as usize + j);
                     position.map_or(u32::MAX, |position| position as u32)
-                }));
+                });
             }
         }
         Ok(Self {
             factor: Ldlt::analyse(&pattern)?,
-            values: vec![0.0; pattern.entries()],
+            values: vec![0.0; pattern.stored()],
             positions,
             fixed,
             age: Age {
@@ -144,8 +144,8 @@ impl FactoredPreconditioner {
             MassForm::Nodal(_) => 0.0,
         };
         for row in 0..nodes.size() {
-            for entry in nodes.row(row) {
-                let column = nodes.columns()[entry] as usize;
+            for (entry, column) in nodes.row(row) {
+                let column = column as usize;
                 let mass = mass(entry, row, column);
                 let mean = 0.5
                     * (linearised.secant.values[entry] + width * linearised.tangent.values[entry]);
