@@ -52,16 +52,21 @@ impl Assembly {
         }
     }
 
+    /// values ← values + the element matrix of a triangle.
+    #[inline(always)]
+    pub fn add_element(&self, values: &mut [f64], triangle: usize, element: &[[f64; 3]; 3]) {
+        for (positions, entries) in self.positions[triangle].iter().zip(element) {
+            for (&position, entry) in positions.iter().zip(entries) {
+                values[position as usize] += entry;
+            }
+        }
+    }
+
     /// values ← values + the element matrices that `element` gives, triangle by triangle.
     #[inline(always)]
-    pub fn add(&self, values: &mut [f64], mut element: impl FnMut(usize) -> [[f64; 3]; 3]) {
-        for (triangle, positions) in self.positions.iter().enumerate() {
-            let entries = element(triangle);
-            for (positions, entries) in positions.iter().zip(&entries) {
-                for (&position, entry) in positions.iter().zip(entries) {
-                    values[position as usize] += entry;
-                }
-            }
+    fn add(&self, values: &mut [f64], mut element: impl FnMut(usize) -> [[f64; 3]; 3]) {
+        for triangle in 0..self.positions.len() {
+            self.add_element(values, triangle, &element(triangle));
         }
     }
 

@@ -22,6 +22,14 @@ impl MassForm {
         Self::Sparse(SparseMatrix::zeros(pattern))
     }
 
+    /// Makes it zero.
+    pub fn clear(&mut self) {
+        match self {
+            Self::Nodal(diagonal) => diagonal.fill(0.0),
+            Self::Sparse(matrix) => matrix.values.fill(0.0),
+        }
+    }
+
     /// y ← A x.
     pub fn multiply(&self, x: &[f64], y: &mut [f64]) {
         match self {

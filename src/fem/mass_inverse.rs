@@ -1,7 +1,7 @@
 //! Solving with the mass matrix.
 
 use super::{MassForm, Space};
-use crate::linalg::vector;
+use crate::linalg::vector::{self, vectorised};
 
 /// M⁻¹: a division with the lumped rule, Chebyshev's iteration with the consistent one.
 ///
@@ -111,24 +111,25 @@ impl MassInverse {
 }
 
 /// x += d; r −= p; d = keep d + add D⁻¹ r, in one sweep.
-#[multiversion::multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2"))]
 fn advance(
     [x, residual, direction]: [&mut [f64]; 3],
     product: &[f64],
     inverse: &[f64],
     [keep, add]: [f64; 2],
 ) {
-    let vectors = x
-        .iter_mut()
-        .zip(residual)
-        .zip(direction)
-        .zip(product)
-        .zip(inverse);
-    for ((((x, r), d), p), inverse) in vectors {
-        *x += *d;
-        *r -= p;
-        *d = keep * *d + add * *r * inverse;
-    }
+    vectorised(|| {
+        let vectors = x
+            .iter_mut()
+            .zip(residual)
+            .zip(direction)
+            .zip(product)
+            .zip(inverse);
+        for ((((x, r), d), p), inverse) in vectors {
+            *x += *d;
+            *r -= p;
+            *d = keep * *d + add * *r * inverse;
+        }
+    });
 }
 
 #[cfg(test)]

@@ -64,11 +64,7 @@ pub fn ritz_projection(
 
 /// The function at the seven points of every triangle.
 fn values_at_points(space: &Space, given: &impl GivenFunction) -> Vec<f64> {
-    space
-        .point_positions()
-        .into_iter()
-        .map(|place| given.at(place).0)
-        .collect()
+    space.sample(|place| given.at(place).0)
 }
 
 /// The mean of the function's gradient over every triangle: all that a P1 test function sees.

@@ -5,12 +5,23 @@
 //! and brings densities back into loads, forms and numbers. With the consistent rule there are
 //! seven points a triangle; with the lumped rule the points *are* the nodes, since all the vertices
 //! that meet in a node have the same nodal values: 14 times fewer points, the same code.
+//!
+//! The points of the consistent rule are stored in groups of eight triangles: the first points of
+//! all eight, then the second ones, and so on, so that a loop over a group works on whole vector
+//! registers. A last group that is not full has points of weight zero.
 
 use std::sync::Arc;
 
 use super::rule::{POINTS, seven_points};
 use super::{Assembly, MassForm, Mesh, Rule, SymmetricTensor};
-use crate::linalg::{SparseMatrix, vector};
+use crate::linalg::SparseMatrix;
+use crate::linalg::vector::{self, vectorised};
+
+/// Triangles of a group of points: one 512-bit register of f64.
+const LANES: usize = 8;
+
+/// Points of a group.
+const GROUP: usize = POINTS * LANES;
 
 /// A P1 space with its quadrature.
 #[derive(Debug)]
@@ -41,9 +52,15 @@ impl Space {
         }
         let weights = match rule {
             Rule::Lumped => nodal_weights.clone(),
-            Rule::Consistent => (mesh.areas().iter())
-                .flat_map(|area| relative_weights.map(|weight| weight * area))
-                .collect(),
+            Rule::Consistent => {
+                let mut weights = vec![0.0; mesh.areas().len().div_ceil(LANES) * GROUP];
+                for (triangle, area) in mesh.areas().iter().enumerate() {
+                    for (point, weight) in relative_weights.iter().enumerate() {
+                        weights[Self::index(triangle, point)] = weight * area;
+                    }
+                }
+                weights
+            }
         };
         let mut stiffness = SparseMatrix::zeros(assembly.pattern.clone());
         let ones = vec![1.0; mesh.triangles().len()];
@@ -124,35 +141,91 @@ impl Space {
         }
     }
 
-    /// Where the quadrature points are.
+    /// Where the consistent rule's point of a triangle is stored.
+    fn index(triangle: usize, point: usize) -> usize {
+        triangle / LANES * GROUP + point * LANES + triangle % LANES
+    }
+
+    /// The nodal values at the corners of a group's triangles: corner by corner.
+    #[inline(always)]
+    fn corners(nodal: &[f64], triangles: &[[u32; 3]]) -> [[f64; LANES]; 3] {
+        let mut corners = [[0.0; LANES]; 3];
+        for (lane, triangle) in triangles.iter().enumerate() {
+            for (corner, &node) in corners.iter_mut().zip(triangle) {
+                corner[lane] = nodal[node as usize];
+            }
+        }
+        corners
+    }
+
+    /// The triangles and their areas, in groups.
+    #[inline(always)]
+    fn groups(&self) -> impl Iterator<Item = (&[[u32; 3]], &[f64])> {
+        self.mesh
+            .triangles()
+            .chunks(LANES)
+            .zip(self.mesh.areas().chunks(LANES))
+    }
+
+    /// Where the quadrature points of the consistent rule are: those of the first triangle, of the
+    /// second, and so on, in the rule's order; with the lumped rule the nodes.
     pub fn point_positions(&self) -> Vec<[f64; 2]> {
-        let component = |axis: usize| {
-            let nodal: Vec<f64> = self.mesh.nodes().iter().map(|node| node[axis]).collect();
-            let mut points = vec![0.0; self.points()];
-            self.interpolate(&nodal, &mut points);
-            points
+        let nodes = self.mesh.nodes();
+        let place = |triangle: &[u32; 3], weights: &[f64; 3]| {
+            [0, 1].map(|axis| {
+                let corners = triangle.iter().zip(weights);
+                corners
+                    .map(|(&node, weight)| weight * nodes[node as usize][axis])
+                    .sum()
+            })
         };
-        component(0)
-            .into_iter()
-            .zip(component(1))
-            .map(|(x, y)| [x, y])
-            .collect()
+        match self.rule {
+            Rule::Lumped => nodes.to_vec(),
+            Rule::Consistent => (self.mesh.triangles().iter())
+                .flat_map(|triangle| self.coordinates.map(|weights| place(triangle, &weights)))
+                .collect(),
+        }
+    }
+
+    /// The values at the points of a function of the place.
+    pub fn sample(&self, f: impl Fn([f64; 2]) -> f64) -> Vec<f64> {
+        let positions = self.point_positions();
+        if self.rule == Rule::Lumped {
+            return positions.into_iter().map(f).collect();
+        }
+        let mut values = vec![0.0; self.points()];
+        for (number, position) in positions.into_iter().enumerate() {
+            values[Self::index(number / POINTS, number % POINTS)] = f(position);
+        }
+        values
     }
 
     /// The values of a P1 function at the points.
     pub fn interpolate(&self, nodal: &[f64], points: &mut [f64]) {
-        match self.rule {
-            Rule::Lumped => points.copy_from_slice(nodal),
-            Rule::Consistent => {
-                let (chunks, _) = points.as_chunks_mut::<POINTS>();
-                for (values, triangle) in chunks.iter_mut().zip(self.mesh.triangles()) {
-                    let [a, b, c] = triangle.map(|node| nodal[node as usize]);
-                    for (value, [la, lb, lc]) in values.iter_mut().zip(&self.coordinates) {
-                        *value = la * a + lb * b + lc * c;
+        if self.rule == Rule::Lumped {
+            points.copy_from_slice(nodal);
+            return;
+        }
+        vectorised(|| {
+            let groups = points
+                .as_chunks_mut::<GROUP>()
+                .0
+                .iter_mut()
+                .zip(self.groups());
+            for (group, (triangles, _)) in groups {
+                let [a, b, c] = Self::corners(nodal, triangles);
+                let rows = group
+                    .as_chunks_mut::<LANES>()
+                    .0
+                    .iter_mut()
+                    .zip(&self.coordinates);
+                for (row, [la, lb, lc]) in rows {
+                    for lane in 0..LANES {
+                        row[lane] = la * a[lane] + lb * b[lane] + lc * c[lane];
                     }
                 }
             }
-        }
+        });
     }
 
     /// The gradient of a P1 function on each triangle.
@@ -184,30 +257,31 @@ impl Space {
 
     /// load_i ← load_i + ∫ f ψ_i for a density at the points.
     pub fn add_load(&self, density: &[f64], load: &mut [f64]) {
-        match self.rule {
-            Rule::Lumped => {
-                for ((load, weight), f) in load.iter_mut().zip(&self.weights).zip(density) {
-                    *load += weight * f;
-                }
+        if self.rule == Rule::Lumped {
+            for ((load, weight), f) in load.iter_mut().zip(&self.weights).zip(density) {
+                *load += weight * f;
             }
-            Rule::Consistent => {
-                let (chunks, _) = density.as_chunks::<POINTS>();
-                let elements = self.mesh.triangles().iter().zip(self.mesh.areas());
-                for (values, (triangle, area)) in chunks.iter().zip(elements) {
-                    let mut entries = [0.0; 3];
-                    for (point, value) in values.iter().enumerate() {
-                        let weighted = self.relative_weights[point] * value;
-                        for (entry, coordinate) in entries.iter_mut().zip(&self.coordinates[point])
-                        {
-                            *entry += weighted * coordinate;
+            return;
+        }
+        vectorised(|| {
+            let groups = density.as_chunks::<GROUP>().0.iter().zip(self.groups());
+            for (group, (triangles, areas)) in groups {
+                let mut entries = [[0.0; LANES]; 3];
+                for (point, row) in group.as_chunks::<LANES>().0.iter().enumerate() {
+                    let weight = self.relative_weights[point];
+                    for (entry, coordinate) in entries.iter_mut().zip(&self.coordinates[point]) {
+                        for lane in 0..LANES {
+                            entry[lane] += weight * coordinate * row[lane];
                         }
                     }
-                    for (&node, entry) in triangle.iter().zip(entries) {
-                        load[node as usize] += area * entry;
+                }
+                for (lane, (triangle, area)) in triangles.iter().zip(areas).enumerate() {
+                    for (&node, entry) in triangle.iter().zip(&entries) {
+                        load[node as usize] += area * entry[lane];
                     }
                 }
             }
-        }
+        });
     }
 
     /// load_i ← load_i + ∫ q·∇ψ_i for a flux q on the triangles.
@@ -228,80 +302,151 @@ impl Space {
 
     /// form ← ∫ c ψ_j ψ_i for a coefficient at the points.
     pub fn assemble_mass(&self, coefficient: &[f64], form: &mut MassForm) {
-        match form {
+        let matrix = match form {
             MassForm::Nodal(diagonal) => {
                 for ((d, weight), c) in diagonal.iter_mut().zip(&self.weights).zip(coefficient) {
                     *d = weight * c;
                 }
+                return;
             }
-            MassForm::Sparse(matrix) => {
-                let (chunks, _) = coefficient.as_chunks::<POINTS>();
-                let areas = self.mesh.areas();
-                // λ_a λ_b w of each point, for the six different entries of an element matrix.
-                let mut products = [[0.0; 6]; POINTS];
-                for (point, product) in products.iter_mut().enumerate() {
-                    let ([a, b, c], w) = (self.coordinates[point], self.relative_weights[point]);
-                    *product = [a * a, a * b, a * c, b * b, b * c, c * c].map(|entry| w * entry);
-                }
-                matrix.values.fill(0.0);
-                self.assembly.add(&mut matrix.values, |triangle| {
-                    let mut entries = [0.0; 6];
-                    for (value, product) in chunks[triangle].iter().zip(&products) {
-                        for (entry, product) in entries.iter_mut().zip(product) {
-                            *entry += value * product;
+            MassForm::Sparse(matrix) => matrix,
+        };
+        // λ_a λ_b w of each point, for the six different entries of an element matrix.
+        let mut products = [[0.0; 6]; POINTS];
+        for (point, product) in products.iter_mut().enumerate() {
+            let ([a, b, c], w) = (self.coordinates[point], self.relative_weights[point]);
+            *product = [a * a, a * b, a * c, b * b, b * c, c * c].map(|entry| w * entry);
+        }
+        matrix.values.fill(0.0);
+        vectorised(|| {
+            let groups = coefficient.as_chunks::<GROUP>().0.iter().zip(self.groups());
+            for (number, (group, (_, areas))) in groups.enumerate() {
+                let mut entries = [[0.0; LANES]; 6];
+                for (row, product) in group.as_chunks::<LANES>().0.iter().zip(&products) {
+                    for (entry, product) in entries.iter_mut().zip(product) {
+                        for lane in 0..LANES {
+                            entry[lane] += row[lane] * product;
                         }
                     }
-                    let [aa, ab, ac, bb, bc, cc] = entries.map(|entry| entry * areas[triangle]);
-                    [[aa, ab, ac], [ab, bb, bc], [ac, bc, cc]]
-                });
+                }
+                for (lane, area) in areas.iter().enumerate() {
+                    let [aa, ab, ac, bb, bc, cc] = entries.map(|entry| entry[lane] * area);
+                    let element = [[aa, ab, ac], [ab, bb, bc], [ac, bc, cc]];
+                    let triangle = number * LANES + lane;
+                    self.assembly
+                        .add_element(&mut matrix.values, triangle, &element);
+                }
             }
-        }
+        });
     }
 
     /// The mean over each triangle, by the rule, of a function at the points.
     pub fn element_means(&self, points: &[f64], means: &mut [f64]) {
-        match self.rule {
-            Rule::Lumped => {
-                for (mean, triangle) in means.iter_mut().zip(self.mesh.triangles()) {
-                    let [a, b, c] = triangle.map(|node| points[node as usize]);
-                    *mean = (a + b + c) / 3.0;
-                }
+        if self.rule == Rule::Lumped {
+            for (mean, triangle) in means.iter_mut().zip(self.mesh.triangles()) {
+                let [a, b, c] = triangle.map(|node| points[node as usize]);
+                *mean = (a + b + c) / 3.0;
             }
-            Rule::Consistent => {
-                let (chunks, _) = points.as_chunks::<POINTS>();
-                for (mean, values) in means.iter_mut().zip(chunks) {
-                    *mean = values
-                        .iter()
-                        .zip(&self.relative_weights)
-                        .map(|(v, w)| v * w)
-                        .sum();
-                }
-            }
+            return;
         }
+        vectorised(|| {
+            let groups = points.as_chunks::<GROUP>().0.iter();
+            for (means, group) in means.chunks_mut(LANES).zip(groups) {
+                let mut sums = [0.0; LANES];
+                let rows = group
+                    .as_chunks::<LANES>()
+                    .0
+                    .iter()
+                    .zip(&self.relative_weights);
+                for (row, weight) in rows {
+                    for lane in 0..LANES {
+                        sums[lane] += weight * row[lane];
+                    }
+                }
+                means.copy_from_slice(&sums[..means.len()]);
+            }
+        });
     }
 
     /// A function on the triangles, brought to the points so that its product with any function at
     /// the points has the same integral as triangle by triangle: a copy with the consistent rule; a
     /// mean over the triangles that meet in a node, weighted by their areas, with the lumped one.
     pub fn from_elements(&self, elements: &[f64], points: &mut [f64]) {
-        match self.rule {
-            Rule::Lumped => {
-                points.fill(0.0);
-                let weighted = elements.iter().zip(self.mesh.areas());
-                for (triangle, (value, area)) in self.mesh.triangles().iter().zip(weighted) {
-                    let share = value * area / 3.0;
-                    for &node in triangle {
-                        points[node as usize] += share;
-                    }
-                }
-                for (point, weight) in points.iter_mut().zip(&self.nodal_weights) {
-                    *point /= weight;
+        if self.rule == Rule::Consistent {
+            let groups = points.as_chunks_mut::<GROUP>().0.iter_mut();
+            for (group, elements) in groups.zip(elements.chunks(LANES)) {
+                for row in group.as_chunks_mut::<LANES>().0 {
+                    row[..elements.len()].copy_from_slice(elements);
                 }
             }
-            Rule::Consistent => {
-                let (chunks, _) = points.as_chunks_mut::<POINTS>();
-                for (values, element) in chunks.iter_mut().zip(elements) {
-                    values.fill(*element);
+            return;
+        }
+        points.fill(0.0);
+        let weighted = elements.iter().zip(self.mesh.areas());
+        for (triangle, (value, area)) in self.mesh.triangles().iter().zip(weighted) {
+            let share = value * area / 3.0;
+            for &node in triangle {
+                points[node as usize] += share;
+            }
+        }
+        for (point, weight) in points.iter_mut().zip(&self.nodal_weights) {
+            *point /= weight;
+        }
+    }
+
+    /// The mean over each triangle, by the rule, of the product of two P1 functions. The consistent
+    /// rule is exact for it and the lumped one takes the mean of the corners, so no points are needed.
+    pub fn product_means(&self, [u, v]: [&[f64]; 2], means: &mut [f64]) {
+        for (mean, triangle) in means.iter_mut().zip(self.mesh.triangles()) {
+            let u = triangle.map(|node| u[node as usize]);
+            let v = triangle.map(|node| v[node as usize]);
+            let corners = u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+            *mean = match self.rule {
+                Rule::Lumped => corners / 3.0,
+                Rule::Consistent => ((u[0] + u[1] + u[2]) * (v[0] + v[1] + v[2]) + corners) / 12.0,
+            };
+        }
+    }
+
+    /// load_i ← load_i + ∫ c u ψ_i for a coefficient on the triangles and a P1 function u.
+    pub fn add_element_product(&self, coefficient: &[f64], u: &[f64], load: &mut [f64]) {
+        let elements = self.mesh.triangles().iter().zip(self.mesh.areas());
+        for (c, (triangle, area)) in coefficient.iter().zip(elements) {
+            let values = triangle.map(|node| u[node as usize]);
+            let sum = values[0] + values[1] + values[2];
+            for (&node, value) in triangle.iter().zip(values) {
+                load[node as usize] += match self.rule {
+                    Rule::Lumped => c * area / 3.0 * value,
+                    Rule::Consistent => c * area / 12.0 * (sum + value),
+                };
+            }
+        }
+    }
+
+    /// form ← form + ∫ c ψ_j ψ_i for a coefficient on the triangles.
+    pub fn add_element_mass(&self, coefficient: &[f64], form: &mut MassForm) {
+        let weighted = coefficient
+            .iter()
+            .zip(self.mesh.areas())
+            .map(|(c, area)| c * area);
+        match form {
+            MassForm::Nodal(diagonal) => {
+                for (triangle, weight) in self.mesh.triangles().iter().zip(weighted) {
+                    for &node in triangle {
+                        diagonal[node as usize] += weight / 3.0;
+                    }
+                }
+            }
+            MassForm::Sparse(matrix) => {
+                for (triangle, weight) in weighted.enumerate() {
+                    let (same, other) = (weight / 6.0, weight / 12.0);
+                    let element = [
+                        [same, other, other],
+                        [other, same, other],
+                        [other, other, same],
+                    ];
+                    self.assembly
+                        .add_element(&mut matrix.values, triangle, &element);
                 }
             }
         }

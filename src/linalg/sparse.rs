@@ -9,7 +9,7 @@
 
 use std::sync::Arc;
 
-use multiversion::multiversion;
+use super::vector::vectorised;
 
 /// Rows of a block: one 512-bit register of f64.
 const LANES: usize = 8;
@@ -180,22 +180,39 @@ impl Pattern {
 
     /// y ← A x.
     pub fn multiply(&self, a: &[f64], x: &[f64], y: &mut [f64]) {
-        multiply(self, a, x, y);
+        vectorised(|| {
+            self.for_each_block([a], [x], |first, [sums]| {
+                write(y, first, |y, lane| *y = sums[lane]);
+            });
+        });
     }
 
     /// y ← y + s A x.
     pub fn multiply_add(&self, s: f64, a: &[f64], x: &[f64], y: &mut [f64]) {
-        multiply_add(self, s, a, x, y);
+        vectorised(|| {
+            self.for_each_block([a], [x], |first, [sums]| {
+                write(y, first, |y, lane| *y += s * sums[lane]);
+            });
+        });
     }
 
     /// (A x, B x) in one sweep.
     pub fn multiply_both(&self, matrices: [&[f64]; 2], x: &[f64], ax: &mut [f64], bx: &mut [f64]) {
-        multiply_both(self, matrices, x, ax, bx);
+        vectorised(|| {
+            self.for_each_block(matrices, [x, x], |first, [a, b]| {
+                write(ax, first, |y, lane| *y = a[lane]);
+                write(bx, first, |y, lane| *y = b[lane]);
+            });
+        });
     }
 
     /// y ← A x + s B z in one sweep.
     pub fn multiply_sum(&self, a: &[f64], x: &[f64], s: f64, b: &[f64], z: &[f64], y: &mut [f64]) {
-        multiply_sum(self, [a, b], [x, z], s, y);
+        vectorised(|| {
+            self.for_each_block([a, b], [x, z], |first, [a, b]| {
+                write(y, first, |y, lane| *y = a[lane] + s * b[lane]);
+            });
+        });
     }
 }
 
@@ -209,47 +226,6 @@ fn write(y: &mut [f64], first: usize, mut each: impl FnMut(&mut f64, usize)) {
             .enumerate()
             .for_each(|(lane, y)| each(y, lane)),
     }
-}
-
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2"))]
-fn multiply(pattern: &Pattern, a: &[f64], x: &[f64], y: &mut [f64]) {
-    pattern.for_each_block([a], [x], |first, [sums]| {
-        write(y, first, |y, lane| *y = sums[lane]);
-    });
-}
-
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2"))]
-fn multiply_add(pattern: &Pattern, s: f64, a: &[f64], x: &[f64], y: &mut [f64]) {
-    pattern.for_each_block([a], [x], |first, [sums]| {
-        write(y, first, |y, lane| *y += s * sums[lane]);
-    });
-}
-
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2"))]
-fn multiply_both(
-    pattern: &Pattern,
-    matrices: [&[f64]; 2],
-    x: &[f64],
-    ax: &mut [f64],
-    bx: &mut [f64],
-) {
-    pattern.for_each_block(matrices, [x, x], |first, [a, b]| {
-        write(ax, first, |y, lane| *y = a[lane]);
-        write(bx, first, |y, lane| *y = b[lane]);
-    });
-}
-
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2"))]
-fn multiply_sum(
-    pattern: &Pattern,
-    matrices: [&[f64]; 2],
-    vectors: [&[f64]; 2],
-    s: f64,
-    y: &mut [f64],
-) {
-    pattern.for_each_block(matrices, vectors, |first, [a, b]| {
-        write(y, first, |y, lane| *y = a[lane] + s * b[lane]);
-    });
 }
 
 /// A square sparse matrix.

@@ -16,8 +16,9 @@ pub struct Anchoring {
     /// λ_anch (δ1 |d|² + δ2 d⊗d) of a director, averaged over each triangle.
     tensors: Vec<SymmetricTensor>,
     other_tensors: Vec<SymmetricTensor>,
-    points: Vec<f64>,
     elements: Vec<f64>,
+    /// d − dⁿ at the nodes.
+    steps: [Vec<f64>; 2],
     differences: Vec<[f64; 2]>,
 }
 
@@ -33,36 +34,30 @@ impl Anchoring {
             },
             tensors: vec![[0.0; 3]; space.elements()],
             other_tensors: vec![[0.0; 3]; space.elements()],
-            points: vec![0.0; space.points()],
             elements: vec![0.0; space.elements()],
+            steps: [vec![0.0; space.nodes()], vec![0.0; space.nodes()]],
             differences: vec![[0.0; 2]; space.elements()],
         }
     }
 
-    /// other_tensors ← λ_anch (δ1 |v|² + δ2 v⊗v) averaged over each triangle, for a vector field v
-    /// at the points.
-    fn fill_other_tensors(&mut self, space: &Space, v: impl Fn(usize) -> [f64; 2]) {
-        let [isotropic, along] = self.preference.map(|delta| self.weight * delta);
-        for entry in 0..3 {
-            for (point, value) in self.points.iter_mut().enumerate() {
-                let [x, y] = v(point);
-                let square = isotropic * (x * x + y * y);
-                *value = match entry {
-                    0 => square + along * x * x,
-                    1 => along * x * y,
-                    _ => square + along * y * y,
-                };
-            }
-            space.element_means(&self.points, &mut self.elements);
+    /// other_tensors ← λ_anch (δ1 |v|² + δ2 v⊗v) averaged over each triangle, for a P1 vector field.
+    fn fill_other_tensors(&mut self, space: &Space, [x, y]: [&[f64]; 2]) {
+        for (entry, factors) in [[x, x], [x, y], [y, y]].into_iter().enumerate() {
+            space.product_means(factors, &mut self.elements);
             for (tensor, mean) in self.other_tensors.iter_mut().zip(&self.elements) {
                 tensor[entry] = *mean;
             }
         }
+        let [isotropic, along] = self.preference.map(|delta| self.weight * delta);
+        for [xx, xy, yy] in &mut self.other_tensors {
+            let square = isotropic * (*xx + *yy);
+            (*xx, *xy, *yy) = (square + along * *xx, along * *xy, square + along * *yy);
+        }
     }
 
     fn fill_from_director(&mut self, space: &Space, director: &DirectorSample) {
-        let [x, y] = &director.values;
-        self.fill_other_tensors(space, |point| [x[point], y[point]]);
+        let [x, y] = &director.nodal;
+        self.fill_other_tensors(space, [x, y]);
     }
 }
 
@@ -80,36 +75,17 @@ impl Effect for Anchoring {
     }
 
     /// λ_anch (δ1 |∇φⁿ|² d + δ2 (d·∇φⁿ) ∇φⁿ, e), linear in d.
-    fn add_director_force(&mut self, space: &Space, old: &Sample, form: &mut DirectorForm) {
-        let Some(director) = &old.director else {
-            return;
-        };
+    fn add_director_force(&mut self, _space: &Space, old: &Sample, form: &mut DirectorForm) {
         let [isotropic, along] = self.preference.map(|delta| self.weight * delta);
-        let [x, y] = &director.values;
-        for entry in 0..3 {
-            for (value, gradient) in self.elements.iter_mut().zip(&old.phi_gradient) {
-                let square = isotropic * (gradient[0] * gradient[0] + gradient[1] * gradient[1]);
-                *value = match entry {
-                    0 => square + along * gradient[0] * gradient[0],
-                    1 => along * gradient[0] * gradient[1],
-                    _ => square + along * gradient[1] * gradient[1],
-                };
-            }
-            space.from_elements(&self.elements, &mut self.points);
-            let [load_x, load_y] = &mut form.load;
-            let reaction = &mut form.reaction[entry];
-            for (point, value) in self.points.iter().enumerate() {
-                reaction[point] += value;
-                match entry {
-                    0 => load_x[point] += value * x[point],
-                    1 => {
-                        load_x[point] += value * y[point];
-                        load_y[point] += value * x[point];
-                    }
-                    _ => load_y[point] += value * y[point],
-                }
-            }
+        let [xx, xy, yy] = &mut form.tensor;
+        let entries = xx.iter_mut().zip(xy).zip(yy).zip(&old.phi_gradient);
+        for (((xx, xy), yy), [x, y]) in entries {
+            let square = isotropic * (x * x + y * y);
+            *xx += square + along * x * x;
+            *xy += along * x * y;
+            *yy += square + along * y * y;
         }
+        form.has_tensor = true;
     }
 
     fn begin_membrane(&mut self, space: &Space, _old: &Sample, new: &Sample) {
@@ -162,10 +138,17 @@ impl Effect for Anchoring {
         let (Some(old_director), Some(new_director)) = (&old.director, &new.director) else {
             return;
         };
-        let difference = |axis: usize, point: usize| {
-            new_director.values[axis][point] - old_director.values[axis][point]
-        };
-        self.fill_other_tensors(space, |point| [difference(0, point), difference(1, point)]);
+        for axis in 0..2 {
+            let nodes = new_director.nodal[axis]
+                .iter()
+                .zip(&old_director.nodal[axis]);
+            for (step, (new, old)) in self.steps[axis].iter_mut().zip(nodes) {
+                *step = new - old;
+            }
+        }
+        let steps = std::mem::take(&mut self.steps);
+        self.fill_other_tensors(space, [&steps[0], &steps[1]]);
+        self.steps = steps;
         let of_director = space.tensor_energy(&self.other_tensors, &old.phi_gradient);
         let gradients = new.phi_gradient.iter().zip(&old.phi_gradient);
         for (difference, (new, old)) in self.differences.iter_mut().zip(gradients) {

@@ -10,6 +10,7 @@
 use super::potentials::{bending_secant, bending_secant_slope, bending_slope, bending_tangent};
 use super::{Effect, MembraneForce, MembraneLinearisation, NamedValue, Sample};
 use crate::fem::Space;
+use crate::linalg::vector::vectorised;
 use crate::scene::{Iteration, Membrane, ScalarField};
 
 /// The bending energy of a membrane.
@@ -18,8 +19,9 @@ pub struct Bending {
     interface_width: f64,
     /// ε k at the points; `None` where k = 0 everywhere.
     curved: Option<Vec<f64>>,
-    /// G_sec as a function of (φ, φⁿ, ε k).
-    secant: fn(f64, f64, f64) -> f64,
+    /// What stands for G_sec(φ, φⁿ, ε k) in tests of a wrong one.
+    #[cfg(test)]
+    wrong_secant: Option<fn(f64, f64, f64) -> f64>,
     scratch: Vec<f64>,
 }
 
@@ -28,21 +30,21 @@ impl Bending {
     /// interpolated there.
     pub fn new(membrane: &Membrane, space: &Space) -> Self {
         let width = membrane.interface_width;
-        let mut curved = vec![0.0; space.points()];
-        match &membrane.spontaneous_curvature {
-            ScalarField::Constant(k) => curved.fill(*k),
-            ScalarField::Expression(expression) => {
-                for (k, [x, y]) in curved.iter_mut().zip(space.point_positions()) {
-                    *k = expression.evaluate(x, y);
-                }
+        let mut curved = match &membrane.spontaneous_curvature {
+            ScalarField::Constant(k) => vec![*k; space.points()],
+            ScalarField::Expression(formula) => space.sample(|[x, y]| formula.evaluate(x, y)),
+            ScalarField::File(file) => {
+                let mut curved = vec![0.0; space.points()];
+                space.interpolate(&file.values, &mut curved);
+                curved
             }
-            ScalarField::File(file) => space.interpolate(&file.values, &mut curved),
-        }
+        };
         curved.iter_mut().for_each(|k| *k *= width);
         Self {
             interface_width: width,
             curved: curved.iter().any(|k| *k != 0.0).then_some(curved),
-            secant: bending_secant,
+            #[cfg(test)]
+            wrong_secant: None,
             scratch: vec![0.0; space.points()],
         }
     }
@@ -50,7 +52,7 @@ impl Bending {
     /// Replaces G_sec: for tests of what a wrong one does.
     #[cfg(test)]
     pub(crate) fn set_secant(&mut self, secant: fn(f64, f64, f64) -> f64) {
-        self.secant = secant;
+        self.wrong_secant = Some(secant);
     }
 
     /// ε.
@@ -61,17 +63,18 @@ impl Bending {
     /// out ← f(point, ε k).
     #[inline(always)]
     fn at_points(curved: &Option<Vec<f64>>, out: &mut [f64], f: impl Fn(usize, f64) -> f64) {
-        match curved {
-            None => out
-                .iter_mut()
-                .enumerate()
-                .for_each(|(point, out)| *out = f(point, 0.0)),
+        vectorised(|| match curved {
+            None => {
+                for (point, out) in out.iter_mut().enumerate() {
+                    *out = f(point, 0.0);
+                }
+            }
             Some(curved) => {
                 for (point, (out, curved)) in out.iter_mut().zip(curved).enumerate() {
                     *out = f(point, *curved);
                 }
             }
-        }
+        });
     }
 
     /// load ← (∇φ, ∇χ) + (1/ε²)(G(φ), χ): what (ω, χ) must equal.
@@ -91,8 +94,14 @@ impl Bending {
         let scale = self.interface_width.recip();
         let (phi, phi_old) = (&new.phi[..out.len()], &old.phi[..out.len()]);
         Self::at_points(&self.curved, out, |point, curved| {
-            scale * (self.secant)(phi[point], phi_old[point], curved)
+            scale * bending_secant(phi[point], phi_old[point], curved)
         });
+        #[cfg(test)]
+        if let Some(wrong) = self.wrong_secant {
+            Self::at_points(&self.curved, out, |point, curved| {
+                scale * wrong(phi[point], phi_old[point], curved)
+            });
+        }
     }
 
     /// (1/ε) G'(φ) at the points: how φ acts in the linearised third equation.
@@ -111,9 +120,11 @@ impl Effect for Bending {
     }
 
     fn energy(&mut self, space: &Space, at: &Sample) -> f64 {
-        for (density, omega) in self.scratch.iter_mut().zip(&at.omega) {
-            *density = omega * omega;
-        }
+        vectorised(|| {
+            for (density, omega) in self.scratch.iter_mut().zip(&at.omega) {
+                *density = omega * omega;
+            }
+        });
         0.5 * self.interface_width * space.integrate(&self.scratch)
     }
 
@@ -126,9 +137,8 @@ impl Effect for Bending {
     ) {
         let mut scratch = std::mem::take(&mut self.scratch);
         self.secant(old, new, &mut scratch);
-        for ((load, secant), omega) in force.load.iter_mut().zip(&scratch).zip(&new.omega) {
-            *load += secant * omega;
-        }
+        let terms = force.load.iter_mut().zip(&scratch).zip(&new.omega);
+        vectorised(|| terms.for_each(|((load, secant), omega)| *load += secant * omega));
         self.scratch = scratch;
         for (flux, gradient) in force.flux.iter_mut().zip(&new.omega_gradient) {
             flux[0] += self.interface_width * gradient[0];

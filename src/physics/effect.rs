@@ -83,30 +83,37 @@ pub trait Effect: Send + std::fmt::Debug {
     }
 }
 
-/// The director force at dⁿ and its linear part, tested with e:
-/// f_d(d) = ∫ (flux:∇e + load·e) + ∫ (stiffness ∇δ:∇e + (R δ)·e) with δ = d − dⁿ.
+/// The director force, affine in d, tested with e:
+/// f_d(d) = ∫ (flux:∇e + load·e) + ∫ (stiffness ∇d:∇e + (R d)·e) + ∫ reaction δ·e, δ = d − dⁿ.
 #[derive(Debug)]
 pub struct DirectorForm {
     /// For each component, a vector on each triangle.
     pub flux: [Vec<[f64; 2]>; 2],
     /// For each component, a value at each point.
     pub load: [Vec<f64>; 2],
-    /// A weight ≥ 0 on each triangle.
+    /// A weight ≥ 0 on each triangle, of ∇d.
     pub stiffness: Vec<f64>,
-    /// R ≥ 0: its entries xx, xy, yy at each point.
-    pub reaction: [Vec<f64>; 3],
+    /// R ≥ 0, a tensor on each triangle, of d: its entries xx, xy, yy.
+    pub tensor: [Vec<f64>; 3],
+    /// Whether any effect has given a tensor.
+    pub has_tensor: bool,
+    /// A weight ≥ 0 at each point, of δ.
+    pub reaction: Vec<f64>,
 }
 
 impl DirectorForm {
     /// Zero.
     pub fn new(space: &Space) -> Self {
         let points = || vec![0.0; space.points()];
+        let elements = || vec![0.0; space.elements()];
         let fluxes = || vec![[0.0; 2]; space.elements()];
         Self {
             flux: [fluxes(), fluxes()],
             load: [points(), points()],
-            stiffness: vec![0.0; space.elements()],
-            reaction: [points(), points(), points()],
+            stiffness: elements(),
+            tensor: [elements(), elements(), elements()],
+            has_tensor: false,
+            reaction: points(),
         }
     }
 
@@ -115,7 +122,11 @@ impl DirectorForm {
         self.flux.iter_mut().for_each(|flux| flux.fill([0.0; 2]));
         self.load.iter_mut().for_each(|load| load.fill(0.0));
         self.stiffness.fill(0.0);
-        self.reaction.iter_mut().for_each(|entry| entry.fill(0.0));
+        if self.has_tensor {
+            self.tensor.iter_mut().for_each(|entry| entry.fill(0.0));
+        }
+        self.has_tensor = false;
+        self.reaction.fill(0.0);
     }
 }
 

@@ -8,6 +8,7 @@ use super::{
     DirectorForm, DirectorSample, Effect, MembraneForce, MembraneLinearisation, NamedValue, Sample,
 };
 use crate::fem::Space;
+use crate::linalg::vector::vectorised;
 use crate::scene::{self, Iteration};
 
 /// The nematic energy.
@@ -44,9 +45,16 @@ impl Nematic {
         space.from_elements(&self.elements, out);
         let scale = self.weight * self.stiffness;
         let [x, y] = &director.values;
-        for (density, (x, y)) in out.iter_mut().zip(x.iter().zip(y)) {
-            *density += scale * unit_length_penalty([*x, *y]);
-        }
+        let terms = out.iter_mut().zip(x.iter().zip(y));
+        vectorised(|| {
+            terms.for_each(|(density, (x, y))| *density += scale * unit_length_penalty([*x, *y]));
+        });
+    }
+
+    /// points ← λ_nem I(φ).
+    fn fill_inside(&mut self, phi: &[f64]) {
+        let terms = self.points.iter_mut().zip(phi);
+        vectorised(|| terms.for_each(|(weight, phi)| *weight = self.weight * inside(*phi)));
     }
 }
 
@@ -61,9 +69,8 @@ impl Effect for Nematic {
         };
         let mut density = std::mem::take(&mut self.points);
         self.density_of(space, director, &mut density);
-        for (density, phi) in density.iter_mut().zip(&at.phi) {
-            *density *= inside(*phi);
-        }
+        let terms = density.iter_mut().zip(&at.phi);
+        vectorised(|| terms.for_each(|(density, phi)| *density *= inside(*phi)));
         let energy = space.integrate(&density);
         self.points = density;
         energy
@@ -74,9 +81,7 @@ impl Effect for Nematic {
         let Some(director) = &old.director else {
             return;
         };
-        for (weight, phi) in self.points.iter_mut().zip(&old.phi) {
-            *weight = self.weight * inside(*phi);
-        }
+        self.fill_inside(&old.phi);
         space.element_means(&self.points, &mut self.elements);
         for axis in 0..2 {
             let gradients = self.elements.iter().zip(&director.gradients[axis]);
@@ -88,17 +93,18 @@ impl Effect for Nematic {
         for (stiffness, weight) in form.stiffness.iter_mut().zip(&self.elements) {
             *stiffness += weight;
         }
-        let [load_x, load_y] = &mut form.load;
-        let [xx, _, yy] = &mut form.reaction;
-        for (point, weight) in self.points.iter().enumerate() {
-            let d = [director.values[0][point], director.values[1][point]];
-            let scale = weight * self.stiffness;
-            let slope = unit_length_penalty_slope(d);
-            load_x[point] += scale * slope[0];
-            load_y[point] += scale * slope[1];
-            xx[point] += scale;
-            yy[point] += scale;
-        }
+        let ([x, y], [load_x, load_y]) = (&director.values, &mut form.load);
+        let loads = load_x.iter_mut().zip(load_y).zip(&mut form.reaction);
+        let terms = loads.zip(x.iter().zip(y)).zip(&self.points);
+        vectorised(|| {
+            terms.for_each(|((((load_x, load_y), reaction), (x, y)), weight)| {
+                let scale = weight * self.stiffness;
+                let slope = unit_length_penalty_slope([*x, *y]);
+                *load_x += scale * slope[0];
+                *load_y += scale * slope[1];
+                *reaction += scale;
+            });
+        });
     }
 
     fn begin_membrane(&mut self, space: &Space, _old: &Sample, new: &Sample) {
@@ -118,9 +124,12 @@ impl Effect for Nematic {
         force: &mut MembraneForce,
     ) {
         let values = self.density.iter().zip(new.phi.iter().zip(&old.phi));
-        for (load, (density, (new, old))) in force.load.iter_mut().zip(values) {
-            *load += density * inside_majorant(*new, *old);
-        }
+        let terms = force.load.iter_mut().zip(values);
+        vectorised(|| {
+            terms.for_each(|(load, (density, (new, old)))| {
+                *load += density * inside_majorant(*new, *old);
+            });
+        });
     }
 
     fn add_membrane_linearisation(
@@ -148,9 +157,7 @@ impl Effect for Nematic {
         let (Some(old_director), Some(new_director)) = (&old.director, &new.director) else {
             return;
         };
-        for (weight, phi) in self.points.iter_mut().zip(&old.phi) {
-            *weight = self.weight * inside(*phi);
-        }
+        self.fill_inside(&old.phi);
         space.element_means(&self.points, &mut self.elements);
         for (triangle, weight) in self.elements.iter_mut().enumerate() {
             let square: f64 = (0..2)
@@ -167,25 +174,32 @@ impl Effect for Nematic {
             value: space.integrate_elements(&self.elements),
         });
 
-        for (point, weight) in self.points.iter_mut().enumerate() {
-            let before = [old_director.values[0][point], old_director.values[1][point]];
-            let after = [new_director.values[0][point], new_director.values[1][point]];
-            let step = [after[0] - before[0], after[1] - before[1]];
-            let slope = unit_length_penalty_slope(before);
-            let work = (slope[0] + step[0]) * step[0] + (slope[1] + step[1]) * step[1];
-            let change = unit_length_penalty(after) - unit_length_penalty(before);
-            *weight *= self.stiffness * (work - change);
-        }
+        let ([x, y], [new_x, new_y]) = (&old_director.values, &new_director.values);
+        let values = x.iter().zip(y).zip(new_x.iter().zip(new_y));
+        let weights = self.points.iter_mut().zip(values);
+        vectorised(|| {
+            weights.for_each(|(weight, ((x, y), (new_x, new_y)))| {
+                let (before, after) = ([*x, *y], [*new_x, *new_y]);
+                let step = [after[0] - before[0], after[1] - before[1]];
+                let slope = unit_length_penalty_slope(before);
+                let work = (slope[0] + step[0]) * step[0] + (slope[1] + step[1]) * step[1];
+                let change = unit_length_penalty(after) - unit_length_penalty(before);
+                *weight *= self.stiffness * (work - change);
+            });
+        });
         terms.push(NamedValue {
             name: "ND_penal",
             value: space.integrate(&self.points),
         });
 
         let values = self.density.iter().zip(new.phi.iter().zip(&old.phi));
-        for (term, (density, (new, old))) in self.points.iter_mut().zip(values) {
-            let change = inside(*new) - inside(*old);
-            *term = density * (inside_majorant(*new, *old) * (new - old) - change);
-        }
+        let points = self.points.iter_mut().zip(values);
+        vectorised(|| {
+            points.for_each(|(term, (density, (new, old)))| {
+                let change = inside(*new) - inside(*old);
+                *term = density * (inside_majorant(*new, *old) * (new - old) - change);
+            });
+        });
         terms.push(NamedValue {
             name: "ND_interp",
             value: space.integrate(&self.points),

@@ -20,6 +20,8 @@ pub struct Sample {
 /// d, sampled: component by component.
 #[derive(Debug, Clone)]
 pub struct DirectorSample {
+    /// d_x and d_y at the nodes.
+    pub nodal: [Vec<f64>; 2],
     /// d_x and d_y at the points.
     pub values: [Vec<f64>; 2],
     /// ∇d_x and ∇d_y on the triangles.
@@ -37,6 +39,7 @@ impl Sample {
             phi_gradient: gradients(),
             omega_gradient: gradients(),
             director: with_director.then(|| DirectorSample {
+                nodal: [vec![0.0; space.nodes()], vec![0.0; space.nodes()]],
                 values: [points(), points()],
                 gradients: [gradients(), gradients()],
             }),
@@ -59,6 +62,7 @@ impl Sample {
     pub fn set_director(&mut self, space: &Space, director: &[Vec<f64>; 2]) {
         if let Some(sample) = &mut self.director {
             for (axis, component) in director.iter().enumerate() {
+                sample.nodal[axis].copy_from_slice(component);
                 space.interpolate(component, &mut sample.values[axis]);
                 space.gradient(component, &mut sample.gradients[axis]);
             }

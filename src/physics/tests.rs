@@ -96,6 +96,22 @@ fn membrane_load(effect: &mut dyn Effect, space: &Space, old: &Sample, new: &Sam
     load
 }
 
+/// A component of the director force at dⁿ.
+fn director_load(
+    form: &DirectorForm,
+    space: &Space,
+    director: &[Vec<f64>; 2],
+    axis: usize,
+) -> Vec<f64> {
+    let mut load = vec![0.0; space.nodes()];
+    space.add_flux(&form.flux[axis], &mut load);
+    space.add_load(&form.load[axis], &mut load);
+    for (other, component) in director.iter().enumerate() {
+        space.add_element_product(&form.tensor[axis + other], component, &mut load);
+    }
+    load
+}
+
 /// ⟨f_d, δ⟩ of a director form, f_d taken at the new director.
 fn director_work(form: &DirectorForm, pair: &Pair) -> f64 {
     let space = &pair.space;
@@ -110,13 +126,12 @@ fn director_work(form: &DirectorForm, pair: &Pair) -> f64 {
         .add_weighted_stiffness(space.mesh(), &form.stiffness, &mut matrix.values);
     let mut reaction = space.new_form();
     for axis in 0..2 {
-        let mut load = vec![0.0; space.nodes()];
-        space.add_flux(&form.flux[axis], &mut load);
-        space.add_load(&form.load[axis], &mut load);
+        let mut load = director_load(form, space, &pair.director[0], axis);
         matrix.multiply_add(1.0, &step[axis], &mut load);
+        space.assemble_mass(&form.reaction, &mut reaction);
+        reaction.multiply_add(1.0, &step[axis], &mut load);
         for other in 0..2 {
-            space.assemble_mass(&form.reaction[axis + other], &mut reaction);
-            reaction.multiply_add(1.0, &step[other], &mut load);
+            space.add_element_product(&form.tensor[axis + other], &step[other], &mut load);
         }
         work += crate::linalg::vector::dot(&load, &step[axis]);
     }
@@ -196,9 +211,7 @@ fn a_force_is_the_gradient_of_the_energy() {
                     effect.name()
                 );
                 for axis in 0..2 {
-                    let mut force = vec![0.0; space.nodes()];
-                    space.add_flux(&form.flux[axis], &mut force);
-                    space.add_load(&form.load[axis], &mut force);
+                    let force = director_load(&form, space, &pair.director[0], axis);
                     let mut energy = |shift: f64| {
                         let (mut director, mut sample) = (pair.director[0].clone(), at.clone());
                         director[axis][node] += shift;

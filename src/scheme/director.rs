@@ -4,7 +4,7 @@
 
 use super::StepError;
 use crate::fem::{MassForm, Space};
-use crate::linalg::{ConjugateGradients, LinearOperator, SparseMatrix};
+use crate::linalg::{ConjugateGradients, LinearOperator, SparseMatrix, vector};
 use crate::physics::{DirectorForm, Effects, Sample};
 
 /// Limit of the conjugate gradients' iterations.
@@ -20,8 +20,11 @@ pub(super) struct DirectorStep {
     reaction: MassForm,
     load: Vec<f64>,
     inverse_diagonal: Vec<f64>,
-    /// δ of this step; on entry the guess, which is that of the last step.
+    /// δ of this step.
     increment: Vec<f64>,
+    /// Of the last steps, to extrapolate the guess from.
+    last_increments: [Vec<f64>; 3],
+    steps_known: usize,
     method: ConjugateGradients,
 }
 
@@ -62,13 +65,37 @@ impl DirectorStep {
             load: vec![0.0; size],
             inverse_diagonal: vec![0.0; size],
             increment: vec![0.0; size],
+            last_increments: [vec![0.0; size], vec![0.0; size], vec![0.0; size]],
+            steps_known: 0,
             method: ConjugateGradients::new(size),
         }
     }
 
-    /// Forgets the increment of the last step, the guess for the next.
+    /// Forgets the increments of the last steps, from which the guess for the next one is made.
     pub(super) fn forget(&mut self) {
+        self.steps_known = 0;
+    }
+
+    /// Takes the increment of an accepted step.
+    pub(super) fn accept(&mut self) {
+        self.last_increments.rotate_right(1);
+        self.last_increments[0].copy_from_slice(&self.increment);
+        self.steps_known = (self.steps_known + 1).min(self.last_increments.len());
+    }
+
+    /// The increment that the last ones lead to expect, by a polynomial through them.
+    fn guess(&mut self) {
+        // Of degree 0, 1 and 2; steps of unequal length make it a worse guess, no more.
+        let weights: &[f64] = match self.steps_known {
+            0 => &[],
+            1 => &[1.0],
+            2 => &[2.0, -1.0],
+            _ => &[3.0, -3.0, 1.0],
+        };
         self.increment.fill(0.0);
+        for (weight, last) in weights.iter().zip(&self.last_increments) {
+            vector::add_scaled(&mut self.increment, *weight, last);
+        }
     }
 
     /// Solves for the new director; returns the iterations.
@@ -86,12 +113,18 @@ impl DirectorStep {
             effect.add_director_force(space, old, &mut self.form);
         }
         self.assemble(space, dt);
+        self.guess();
         let nodes = space.nodes();
         let (load_x, load_y) = self.load.split_at_mut(nodes);
         for (axis, load) in [load_x, load_y].into_iter().enumerate() {
             load.fill(0.0);
             space.add_flux(&self.form.flux[axis], load);
             space.add_load(&self.form.load[axis], load);
+            if self.form.has_tensor {
+                for (other, component) in from.iter().enumerate() {
+                    space.add_element_product(&self.form.tensor[axis + other], component, load);
+                }
+            }
             load.iter_mut().for_each(|entry| *entry = -*entry);
         }
         let solution = self
@@ -124,16 +157,19 @@ impl DirectorStep {
             .mass()
             .add_to(inertia, &assembly.diagonal, &mut x_block.values);
         y_block.values.copy_from_slice(&x_block.values);
-        let [xx, xy, yy] = &self.form.reaction;
-        space.assemble_mass(xx, &mut self.reaction);
-        self.reaction
-            .add_to(1.0, &assembly.diagonal, &mut x_block.values);
-        space.assemble_mass(yy, &mut self.reaction);
-        self.reaction
-            .add_to(1.0, &assembly.diagonal, &mut y_block.values);
-        self.system.coupled = xy.iter().any(|entry| *entry != 0.0);
+        let [xx, xy, yy] = &self.form.tensor;
+        for (block, tensor) in [(x_block, xx), (y_block, yy)] {
+            space.assemble_mass(&self.form.reaction, &mut self.reaction);
+            if self.form.has_tensor {
+                space.add_element_mass(tensor, &mut self.reaction);
+            }
+            self.reaction
+                .add_to(1.0, &assembly.diagonal, &mut block.values);
+        }
+        self.system.coupled = self.form.has_tensor;
         if self.system.coupled {
-            space.assemble_mass(xy, &mut self.system.coupling);
+            self.system.coupling.clear();
+            space.add_element_mass(xy, &mut self.system.coupling);
         }
         let nodes = space.nodes();
         for (axis, block) in self.system.blocks.iter().enumerate() {

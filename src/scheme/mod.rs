@@ -29,7 +29,7 @@ pub use initial::{InitialError, initial_fields};
 pub use state::{State, StepReport};
 
 /// Degree of the polynomials by which the guess of a step is extrapolated.
-const EXTRAPOLATION: usize = 2;
+const EXTRAPOLATION: usize = 3;
 
 /// The scheme on a mesh with the effects of a scene, and the state that it has reached.
 #[derive(Debug)]
@@ -75,7 +75,13 @@ impl Scheme {
         let effects = Effects::from_scene(scene, &space, &old);
         let clamped = scene.boundary == Boundary::Clamped;
         let transform = scene.solver.linear != LinearMethod::Factor;
-        let membrane = MembraneStep::new(&space, scene.membrane.mobility, clamped, transform)?;
+        let membrane = MembraneStep::new(
+            &space,
+            scene.membrane.mobility,
+            scene.solver.law_tolerance,
+            clamped,
+            transform,
+        )?;
         let director_step = scene
             .nematic
             .as_ref()
@@ -170,6 +176,9 @@ impl Scheme {
                 std::mem::swap(&mut self.old, &mut self.new);
                 self.t += dt;
                 self.history.push(self.t, &self.state);
+                if let Some(director) = &mut self.director {
+                    director.accept();
+                }
                 Ok(&self.report)
             }
             Err(error) => {
@@ -203,8 +212,9 @@ impl Scheme {
             &self.state.director,
             &mut self.next.director,
         ) {
-            // Two digits below what the energy law may miss, and not below rounding.
-            let tolerance = (1e-2 * self.solver.law_tolerance).clamp(1e-14, 1e-8);
+            // Relative to the force: its work is a small part of the energy, so that the energy law
+            // misses by far less than its tolerance.
+            let tolerance = self.solver.law_tolerance.clamp(1e-14, 1e-8);
             report.director_iterations = step.solve(
                 space,
                 &mut self.effects,
