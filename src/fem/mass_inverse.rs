@@ -1,7 +1,7 @@
 //! Solving with the mass matrix.
 
 use super::{MassForm, Space};
-use crate::linalg::vector::{self, vectorised};
+use crate::linalg::vector;
 
 /// M⁻¹: a division with the lumped rule, Chebyshev's iteration with the consistent one.
 ///
@@ -117,19 +117,17 @@ fn advance(
     inverse: &[f64],
     [keep, add]: [f64; 2],
 ) {
-    vectorised(|| {
-        let vectors = x
-            .iter_mut()
-            .zip(residual)
-            .zip(direction)
-            .zip(product)
-            .zip(inverse);
-        for ((((x, r), d), p), inverse) in vectors {
-            *x += *d;
-            *r -= p;
-            *d = keep * *d + add * *r * inverse;
-        }
-    });
+    let vectors = x
+        .iter_mut()
+        .zip(residual)
+        .zip(direction)
+        .zip(product)
+        .zip(inverse);
+    for ((((x, r), d), p), inverse) in vectors {
+        *x += *d;
+        *r -= p;
+        *d = keep * *d + add * *r * inverse;
+    }
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ use std::sync::Arc;
 use super::rule::{POINTS, seven_points};
 use super::{Assembly, MassForm, Mesh, Rule, SymmetricTensor};
 use crate::linalg::SparseMatrix;
-use crate::linalg::vector::{self, vectorised};
+use crate::linalg::vector;
 
 /// Triangles of a group of points: one 512-bit register of f64.
 const LANES: usize = 8;
@@ -206,26 +206,24 @@ impl Space {
             points.copy_from_slice(nodal);
             return;
         }
-        vectorised(|| {
-            let groups = points
-                .as_chunks_mut::<GROUP>()
+        let groups = points
+            .as_chunks_mut::<GROUP>()
+            .0
+            .iter_mut()
+            .zip(self.groups());
+        for (group, (triangles, _)) in groups {
+            let [a, b, c] = Self::corners(nodal, triangles);
+            let rows = group
+                .as_chunks_mut::<LANES>()
                 .0
                 .iter_mut()
-                .zip(self.groups());
-            for (group, (triangles, _)) in groups {
-                let [a, b, c] = Self::corners(nodal, triangles);
-                let rows = group
-                    .as_chunks_mut::<LANES>()
-                    .0
-                    .iter_mut()
-                    .zip(&self.coordinates);
-                for (row, [la, lb, lc]) in rows {
-                    for lane in 0..LANES {
-                        row[lane] = la * a[lane] + lb * b[lane] + lc * c[lane];
-                    }
+                .zip(&self.coordinates);
+            for (row, [la, lb, lc]) in rows {
+                for lane in 0..LANES {
+                    row[lane] = la * a[lane] + lb * b[lane] + lc * c[lane];
                 }
             }
-        });
+        }
     }
 
     /// The gradient of a P1 function on each triangle.
@@ -263,25 +261,23 @@ impl Space {
             }
             return;
         }
-        vectorised(|| {
-            let groups = density.as_chunks::<GROUP>().0.iter().zip(self.groups());
-            for (group, (triangles, areas)) in groups {
-                let mut entries = [[0.0; LANES]; 3];
-                for (point, row) in group.as_chunks::<LANES>().0.iter().enumerate() {
-                    let weight = self.relative_weights[point];
-                    for (entry, coordinate) in entries.iter_mut().zip(&self.coordinates[point]) {
-                        for lane in 0..LANES {
-                            entry[lane] += weight * coordinate * row[lane];
-                        }
-                    }
-                }
-                for (lane, (triangle, area)) in triangles.iter().zip(areas).enumerate() {
-                    for (&node, entry) in triangle.iter().zip(&entries) {
-                        load[node as usize] += area * entry[lane];
+        let groups = density.as_chunks::<GROUP>().0.iter().zip(self.groups());
+        for (group, (triangles, areas)) in groups {
+            let mut entries = [[0.0; LANES]; 3];
+            for (point, row) in group.as_chunks::<LANES>().0.iter().enumerate() {
+                let weight = self.relative_weights[point];
+                for (entry, coordinate) in entries.iter_mut().zip(&self.coordinates[point]) {
+                    for lane in 0..LANES {
+                        entry[lane] += weight * coordinate * row[lane];
                     }
                 }
             }
-        });
+            for (lane, (triangle, area)) in triangles.iter().zip(areas).enumerate() {
+                for (&node, entry) in triangle.iter().zip(&entries) {
+                    load[node as usize] += area * entry[lane];
+                }
+            }
+        }
     }
 
     /// load_i ← load_i + ∫ q·∇ψ_i for a flux q on the triangles.
@@ -318,26 +314,24 @@ impl Space {
             *product = [a * a, a * b, a * c, b * b, b * c, c * c].map(|entry| w * entry);
         }
         matrix.values.fill(0.0);
-        vectorised(|| {
-            let groups = coefficient.as_chunks::<GROUP>().0.iter().zip(self.groups());
-            for (number, (group, (_, areas))) in groups.enumerate() {
-                let mut entries = [[0.0; LANES]; 6];
-                for (row, product) in group.as_chunks::<LANES>().0.iter().zip(&products) {
-                    for (entry, product) in entries.iter_mut().zip(product) {
-                        for lane in 0..LANES {
-                            entry[lane] += row[lane] * product;
-                        }
+        let groups = coefficient.as_chunks::<GROUP>().0.iter().zip(self.groups());
+        for (number, (group, (_, areas))) in groups.enumerate() {
+            let mut entries = [[0.0; LANES]; 6];
+            for (row, product) in group.as_chunks::<LANES>().0.iter().zip(&products) {
+                for (entry, product) in entries.iter_mut().zip(product) {
+                    for lane in 0..LANES {
+                        entry[lane] += row[lane] * product;
                     }
                 }
-                for (lane, area) in areas.iter().enumerate() {
-                    let [aa, ab, ac, bb, bc, cc] = entries.map(|entry| entry[lane] * area);
-                    let element = [[aa, ab, ac], [ab, bb, bc], [ac, bc, cc]];
-                    let triangle = number * LANES + lane;
-                    self.assembly
-                        .add_element(&mut matrix.values, triangle, &element);
-                }
             }
-        });
+            for (lane, area) in areas.iter().enumerate() {
+                let [aa, ab, ac, bb, bc, cc] = entries.map(|entry| entry[lane] * area);
+                let element = [[aa, ab, ac], [ab, bb, bc], [ac, bc, cc]];
+                let triangle = number * LANES + lane;
+                self.assembly
+                    .add_element(&mut matrix.values, triangle, &element);
+            }
+        }
     }
 
     /// The mean over each triangle, by the rule, of a function at the points.
@@ -349,23 +343,21 @@ impl Space {
             }
             return;
         }
-        vectorised(|| {
-            let groups = points.as_chunks::<GROUP>().0.iter();
-            for (means, group) in means.chunks_mut(LANES).zip(groups) {
-                let mut sums = [0.0; LANES];
-                let rows = group
-                    .as_chunks::<LANES>()
-                    .0
-                    .iter()
-                    .zip(&self.relative_weights);
-                for (row, weight) in rows {
-                    for lane in 0..LANES {
-                        sums[lane] += weight * row[lane];
-                    }
+        let groups = points.as_chunks::<GROUP>().0.iter();
+        for (means, group) in means.chunks_mut(LANES).zip(groups) {
+            let mut sums = [0.0; LANES];
+            let rows = group
+                .as_chunks::<LANES>()
+                .0
+                .iter()
+                .zip(&self.relative_weights);
+            for (row, weight) in rows {
+                for lane in 0..LANES {
+                    sums[lane] += weight * row[lane];
                 }
-                means.copy_from_slice(&sums[..means.len()]);
             }
-        });
+            means.copy_from_slice(&sums[..means.len()]);
+        }
     }
 
     /// A function on the triangles, brought to the points so that its product with any function at

@@ -9,8 +9,6 @@
 
 use std::sync::Arc;
 
-use super::vector::vectorised;
-
 /// Rows of a block: one 512-bit register of f64.
 const LANES: usize = 8;
 
@@ -180,38 +178,30 @@ impl Pattern {
 
     /// y ← A x.
     pub fn multiply(&self, a: &[f64], x: &[f64], y: &mut [f64]) {
-        vectorised(|| {
-            self.for_each_block([a], [x], |first, [sums]| {
-                write(y, first, |y, lane| *y = sums[lane]);
-            });
+        self.for_each_block([a], [x], |first, [sums]| {
+            write(y, first, |y, lane| *y = sums[lane]);
         });
     }
 
     /// y ← y + s A x.
     pub fn multiply_add(&self, s: f64, a: &[f64], x: &[f64], y: &mut [f64]) {
-        vectorised(|| {
-            self.for_each_block([a], [x], |first, [sums]| {
-                write(y, first, |y, lane| *y += s * sums[lane]);
-            });
+        self.for_each_block([a], [x], |first, [sums]| {
+            write(y, first, |y, lane| *y += s * sums[lane]);
         });
     }
 
     /// (A x, B x) in one sweep.
     pub fn multiply_both(&self, matrices: [&[f64]; 2], x: &[f64], ax: &mut [f64], bx: &mut [f64]) {
-        vectorised(|| {
-            self.for_each_block(matrices, [x, x], |first, [a, b]| {
-                write(ax, first, |y, lane| *y = a[lane]);
-                write(bx, first, |y, lane| *y = b[lane]);
-            });
+        self.for_each_block(matrices, [x, x], |first, [a, b]| {
+            write(ax, first, |y, lane| *y = a[lane]);
+            write(bx, first, |y, lane| *y = b[lane]);
         });
     }
 
     /// y ← A x + s B z in one sweep.
     pub fn multiply_sum(&self, a: &[f64], x: &[f64], s: f64, b: &[f64], z: &[f64], y: &mut [f64]) {
-        vectorised(|| {
-            self.for_each_block([a, b], [x, z], |first, [a, b]| {
-                write(y, first, |y, lane| *y = a[lane] + s * b[lane]);
-            });
+        self.for_each_block([a, b], [x, z], |first, [a, b]| {
+            write(y, first, |y, lane| *y = a[lane] + s * b[lane]);
         });
     }
 }

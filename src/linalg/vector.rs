@@ -4,79 +4,61 @@
 /// Lanes of a sum: one 512-bit register of f64, twice, to hide the latency of an addition.
 const LANES: usize = 16;
 
-/// Runs a loop with the widest vector instructions of the machine. The loop must be in the closure
-/// itself (or inlined into it), and plain enough for the compiler to vectorise. What is computed does
-/// not depend on the width: nothing is reordered or contracted.
-#[inline(always)]
-pub fn vectorised<R>(work: impl FnOnce() -> R) -> R {
-    pulp::Arch::new().dispatch(work)
-}
-
 /// Σ x_i y_i.
 pub fn dot(x: &[f64], y: &[f64]) -> f64 {
     assert_eq!(x.len(), y.len());
-    vectorised(|| {
-        let mut lanes = [0.0; LANES];
-        let (x_chunks, x_rest) = x.as_chunks::<LANES>();
-        let (y_chunks, y_rest) = y.as_chunks::<LANES>();
-        for (a, b) in x_chunks.iter().zip(y_chunks) {
-            for lane in 0..LANES {
-                lanes[lane] += a[lane] * b[lane];
-            }
+    let mut lanes = [0.0; LANES];
+    let (x_chunks, x_rest) = x.as_chunks::<LANES>();
+    let (y_chunks, y_rest) = y.as_chunks::<LANES>();
+    for (a, b) in x_chunks.iter().zip(y_chunks) {
+        for lane in 0..LANES {
+            lanes[lane] += a[lane] * b[lane];
         }
-        let rest: f64 = x_rest.iter().zip(y_rest).map(|(a, b)| a * b).sum();
-        fold(lanes) + rest
-    })
+    }
+    let rest: f64 = x_rest.iter().zip(y_rest).map(|(a, b)| a * b).sum();
+    fold(lanes) + rest
 }
 
 /// Σ x_i.
 pub fn sum(x: &[f64]) -> f64 {
-    vectorised(|| {
-        let mut lanes = [0.0; LANES];
-        let (chunks, rest) = x.as_chunks::<LANES>();
-        for a in chunks {
-            for lane in 0..LANES {
-                lanes[lane] += a[lane];
-            }
+    let mut lanes = [0.0; LANES];
+    let (chunks, rest) = x.as_chunks::<LANES>();
+    for a in chunks {
+        for lane in 0..LANES {
+            lanes[lane] += a[lane];
         }
-        fold(lanes) + rest.iter().sum::<f64>()
-    })
+    }
+    fold(lanes) + rest.iter().sum::<f64>()
 }
 
 /// Σ w_i x_i².
 pub fn weighted_square(x: &[f64], weights: &[f64]) -> f64 {
     assert_eq!(x.len(), weights.len());
-    vectorised(|| {
-        let mut lanes = [0.0; LANES];
-        let (x_chunks, x_rest) = x.as_chunks::<LANES>();
-        let (w_chunks, w_rest) = weights.as_chunks::<LANES>();
-        for (a, w) in x_chunks.iter().zip(w_chunks) {
-            for lane in 0..LANES {
-                lanes[lane] += w[lane] * a[lane] * a[lane];
-            }
+    let mut lanes = [0.0; LANES];
+    let (x_chunks, x_rest) = x.as_chunks::<LANES>();
+    let (w_chunks, w_rest) = weights.as_chunks::<LANES>();
+    for (a, w) in x_chunks.iter().zip(w_chunks) {
+        for lane in 0..LANES {
+            lanes[lane] += w[lane] * a[lane] * a[lane];
         }
-        let rest: f64 = x_rest.iter().zip(w_rest).map(|(a, w)| w * a * a).sum();
-        fold(lanes) + rest
-    })
+    }
+    let rest: f64 = x_rest.iter().zip(w_rest).map(|(a, w)| w * a * a).sum();
+    fold(lanes) + rest
 }
 
 /// y ← y + a x.
 pub fn add_scaled(y: &mut [f64], a: f64, x: &[f64]) {
     assert_eq!(x.len(), y.len());
-    vectorised(|| {
-        for (y, x) in y.iter_mut().zip(x) {
-            *y += a * x;
-        }
-    })
+    for (y, x) in y.iter_mut().zip(x) {
+        *y += a * x;
+    }
 }
 
 /// y ← a y.
 pub fn scale(y: &mut [f64], a: f64) {
-    vectorised(|| {
-        for y in y {
-            *y *= a;
-        }
-    })
+    for y in y {
+        *y *= a;
+    }
 }
 
 /// sqrt(Σ x_i²).

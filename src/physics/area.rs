@@ -6,17 +6,14 @@ use super::potentials::{
 };
 use super::{Effect, MembraneForce, MembraneLinearisation, RankOne, Sample};
 use crate::fem::Space;
-use crate::linalg::vector::vectorised;
 use crate::scene::{self, Iteration};
 
 /// B(φ) = ∫ (ε/2 |∇φ|² + F(φ)/ε): 2√2/3 times the length of the membrane for a tanh profile.
 /// `scratch` holds a value for each point.
 pub fn surface_area(space: &Space, at: &Sample, width: f64, scratch: &mut [f64]) -> f64 {
-    vectorised(|| {
-        for (density, phi) in scratch.iter_mut().zip(&at.phi) {
-            *density = double_well(*phi);
-        }
-    });
+    for (density, phi) in scratch.iter_mut().zip(&at.phi) {
+        *density = double_well(*phi);
+    }
     let gradients = at.phi_gradient.iter().zip(space.mesh().areas());
     let squares: f64 = gradients.map(|([x, y], area)| area * (x * x + y * y)).sum();
     0.5 * width * squares + space.integrate(scratch) / width
@@ -99,9 +96,7 @@ impl Effect for Area {
             flux[1] += along * (new[1] + old[1]);
         }
         let terms = force.load.iter_mut().zip(new.phi.iter().zip(&old.phi));
-        vectorised(|| {
-            terms.for_each(|(load, (new, old))| *load += across * double_well_secant(*new, *old));
-        });
+        terms.for_each(|(load, (new, old))| *load += across * double_well_secant(*new, *old));
     }
 
     /// The derivative of the bracket, and with Newton's method that of the tension:
@@ -125,10 +120,8 @@ impl Effect for Area {
             .reaction
             .iter_mut()
             .zip(new.phi.iter().zip(&old.phi));
-        vectorised(|| {
-            terms.for_each(|(reaction, (new, old))| {
-                *reaction += across * double_well_secant_slope(*new, *old);
-            });
+        terms.for_each(|(reaction, (new, old))| {
+            *reaction += across * double_well_secant_slope(*new, *old);
         });
         self.has_rank_one = iteration == Iteration::Newton;
         if !self.has_rank_one {
@@ -140,9 +133,7 @@ impl Effect for Area {
             *flux = [0, 1].map(|axis| 0.5 * width * (new[axis] + old[axis]));
         }
         let terms = self.scratch.iter_mut().zip(new.phi.iter().zip(&old.phi));
-        vectorised(|| {
-            terms.for_each(|(load, (new, old))| *load = double_well_secant(*new, *old) / width);
-        });
+        terms.for_each(|(load, (new, old))| *load = double_well_secant(*new, *old) / width);
         self.rank_one.column.fill(0.0);
         space.add_flux(&self.flux, &mut self.rank_one.column);
         space.add_load(&self.scratch, &mut self.rank_one.column);
@@ -150,7 +141,7 @@ impl Effect for Area {
             *flux = gradient.map(|entry| width * entry);
         }
         let terms = self.scratch.iter_mut().zip(&new.phi);
-        vectorised(|| terms.for_each(|(load, phi)| *load = double_well_slope(*phi) / width));
+        terms.for_each(|(load, phi)| *load = double_well_slope(*phi) / width);
         self.rank_one.row.fill(0.0);
         space.add_flux(&self.flux, &mut self.rank_one.row);
         space.add_load(&self.scratch, &mut self.rank_one.row);

@@ -10,7 +10,6 @@
 use super::potentials::{bending_secant, bending_secant_slope, bending_slope, bending_tangent};
 use super::{Effect, MembraneForce, MembraneLinearisation, NamedValue, Sample};
 use crate::fem::Space;
-use crate::linalg::vector::vectorised;
 use crate::scene::{Iteration, Membrane, ScalarField};
 
 /// The bending energy of a membrane.
@@ -63,7 +62,7 @@ impl Bending {
     /// out ← f(point, ε k).
     #[inline(always)]
     fn at_points(curved: &Option<Vec<f64>>, out: &mut [f64], f: impl Fn(usize, f64) -> f64) {
-        vectorised(|| match curved {
+        match curved {
             None => {
                 for (point, out) in out.iter_mut().enumerate() {
                     *out = f(point, 0.0);
@@ -74,7 +73,7 @@ impl Bending {
                     *out = f(point, *curved);
                 }
             }
-        });
+        }
     }
 
     /// load ← (∇φ, ∇χ) + (1/ε²)(G(φ), χ): what (ω, χ) must equal.
@@ -120,11 +119,9 @@ impl Effect for Bending {
     }
 
     fn energy(&mut self, space: &Space, at: &Sample) -> f64 {
-        vectorised(|| {
-            for (density, omega) in self.scratch.iter_mut().zip(&at.omega) {
-                *density = omega * omega;
-            }
-        });
+        for (density, omega) in self.scratch.iter_mut().zip(&at.omega) {
+            *density = omega * omega;
+        }
         0.5 * self.interface_width * space.integrate(&self.scratch)
     }
 
@@ -138,7 +135,7 @@ impl Effect for Bending {
         let mut scratch = std::mem::take(&mut self.scratch);
         self.secant(old, new, &mut scratch);
         let terms = force.load.iter_mut().zip(&scratch).zip(&new.omega);
-        vectorised(|| terms.for_each(|((load, secant), omega)| *load += secant * omega));
+        terms.for_each(|((load, secant), omega)| *load += secant * omega);
         self.scratch = scratch;
         for (flux, gradient) in force.flux.iter_mut().zip(&new.omega_gradient) {
             flux[0] += self.interface_width * gradient[0];

@@ -8,7 +8,6 @@ use super::{
     DirectorForm, DirectorSample, Effect, MembraneForce, MembraneLinearisation, NamedValue, Sample,
 };
 use crate::fem::Space;
-use crate::linalg::vector::vectorised;
 use crate::scene::{self, Iteration};
 
 /// The nematic energy.
@@ -46,15 +45,13 @@ impl Nematic {
         let scale = self.weight * self.stiffness;
         let [x, y] = &director.values;
         let terms = out.iter_mut().zip(x.iter().zip(y));
-        vectorised(|| {
-            terms.for_each(|(density, (x, y))| *density += scale * unit_length_penalty([*x, *y]));
-        });
+        terms.for_each(|(density, (x, y))| *density += scale * unit_length_penalty([*x, *y]));
     }
 
     /// points ← λ_nem I(φ).
     fn fill_inside(&mut self, phi: &[f64]) {
         let terms = self.points.iter_mut().zip(phi);
-        vectorised(|| terms.for_each(|(weight, phi)| *weight = self.weight * inside(*phi)));
+        terms.for_each(|(weight, phi)| *weight = self.weight * inside(*phi));
     }
 }
 
@@ -70,7 +67,7 @@ impl Effect for Nematic {
         let mut density = std::mem::take(&mut self.points);
         self.density_of(space, director, &mut density);
         let terms = density.iter_mut().zip(&at.phi);
-        vectorised(|| terms.for_each(|(density, phi)| *density *= inside(*phi)));
+        terms.for_each(|(density, phi)| *density *= inside(*phi));
         let energy = space.integrate(&density);
         self.points = density;
         energy
@@ -96,14 +93,12 @@ impl Effect for Nematic {
         let ([x, y], [load_x, load_y]) = (&director.values, &mut form.load);
         let loads = load_x.iter_mut().zip(load_y).zip(&mut form.reaction);
         let terms = loads.zip(x.iter().zip(y)).zip(&self.points);
-        vectorised(|| {
-            terms.for_each(|((((load_x, load_y), reaction), (x, y)), weight)| {
-                let scale = weight * self.stiffness;
-                let slope = unit_length_penalty_slope([*x, *y]);
-                *load_x += scale * slope[0];
-                *load_y += scale * slope[1];
-                *reaction += scale;
-            });
+        terms.for_each(|((((load_x, load_y), reaction), (x, y)), weight)| {
+            let scale = weight * self.stiffness;
+            let slope = unit_length_penalty_slope([*x, *y]);
+            *load_x += scale * slope[0];
+            *load_y += scale * slope[1];
+            *reaction += scale;
         });
     }
 
@@ -125,10 +120,8 @@ impl Effect for Nematic {
     ) {
         let values = self.density.iter().zip(new.phi.iter().zip(&old.phi));
         let terms = force.load.iter_mut().zip(values);
-        vectorised(|| {
-            terms.for_each(|(load, (density, (new, old)))| {
-                *load += density * inside_majorant(*new, *old);
-            });
+        terms.for_each(|(load, (density, (new, old)))| {
+            *load += density * inside_majorant(*new, *old);
         });
     }
 
@@ -177,15 +170,13 @@ impl Effect for Nematic {
         let ([x, y], [new_x, new_y]) = (&old_director.values, &new_director.values);
         let values = x.iter().zip(y).zip(new_x.iter().zip(new_y));
         let weights = self.points.iter_mut().zip(values);
-        vectorised(|| {
-            weights.for_each(|(weight, ((x, y), (new_x, new_y)))| {
-                let (before, after) = ([*x, *y], [*new_x, *new_y]);
-                let step = [after[0] - before[0], after[1] - before[1]];
-                let slope = unit_length_penalty_slope(before);
-                let work = (slope[0] + step[0]) * step[0] + (slope[1] + step[1]) * step[1];
-                let change = unit_length_penalty(after) - unit_length_penalty(before);
-                *weight *= self.stiffness * (work - change);
-            });
+        weights.for_each(|(weight, ((x, y), (new_x, new_y)))| {
+            let (before, after) = ([*x, *y], [*new_x, *new_y]);
+            let step = [after[0] - before[0], after[1] - before[1]];
+            let slope = unit_length_penalty_slope(before);
+            let work = (slope[0] + step[0]) * step[0] + (slope[1] + step[1]) * step[1];
+            let change = unit_length_penalty(after) - unit_length_penalty(before);
+            *weight *= self.stiffness * (work - change);
         });
         terms.push(NamedValue {
             name: "ND_penal",
@@ -194,11 +185,9 @@ impl Effect for Nematic {
 
         let values = self.density.iter().zip(new.phi.iter().zip(&old.phi));
         let points = self.points.iter_mut().zip(values);
-        vectorised(|| {
-            points.for_each(|(term, (density, (new, old)))| {
-                let change = inside(*new) - inside(*old);
-                *term = density * (inside_majorant(*new, *old) * (new - old) - change);
-            });
+        points.for_each(|(term, (density, (new, old)))| {
+            let change = inside(*new) - inside(*old);
+            *term = density * (inside_majorant(*new, *old) * (new - old) - change);
         });
         terms.push(NamedValue {
             name: "ND_interp",
