@@ -53,9 +53,9 @@ impl PhaseField {
             ];
             sum.value += value;
             sum.laplacian += eigenvalue * value;
-            for axis in 0..2 {
-                sum.gradient[axis] += gradient[axis];
-                sum.laplacian_gradient[axis] += eigenvalue * gradient[axis];
+            for (axis, entry) in gradient.into_iter().enumerate() {
+                sum.gradient[axis] += entry;
+                sum.laplacian_gradient[axis] += eigenvalue * entry;
             }
             if eigenvalue < 0.0 {
                 sum.scaled_potential += rate / eigenvalue * cos_x * cos_y;
@@ -76,7 +76,7 @@ pub struct Director {
     pub rate: [f64; 2],
 }
 
-/// d = ρ (cos θ, sin θ) with ρ = 1 + s e^(−t) cos(πx) cos(2πy) and θ = 0.3 + x − 2y + t/2: shorter
+/// d = ρ (cos θ, sin θ) with ρ = 1 + s e^(−t) cos(πx) cos(πy) and θ = 0.3 + x − 2y + t/2: shorter
 /// than 1 in one half of the domain and longer in the other, so that both branches of the truncated
 /// potential act. It has a flux through the wall, which the source takes in.
 #[derive(Debug, Clone, Copy)]
@@ -88,13 +88,10 @@ pub struct DirectorField {
 impl DirectorField {
     /// Everything at a place and a time.
     pub fn at(&self, [x, y]: [f64; 2], t: f64) -> Director {
-        let [(sin_x, cos_x), (sin_y, cos_y)] = [(PI * x).sin_cos(), (2.0 * PI * y).sin_cos()];
+        let [(sin_x, cos_x), (sin_y, cos_y)] = [(PI * x).sin_cos(), (PI * y).sin_cos()];
         let swing = self.swing * (-t).exp();
         let length = 1.0 + swing * cos_x * cos_y;
-        let length_gradient = [
-            -swing * PI * sin_x * cos_y,
-            -swing * 2.0 * PI * cos_x * sin_y,
-        ];
+        let length_gradient = [-swing * PI * sin_x * cos_y, -swing * PI * cos_x * sin_y];
         let length_rate = -swing * cos_x * cos_y;
         let (sin, cos) = (0.3 + x - 2.0 * y + 0.5 * t).sin_cos();
         let (angle_gradient, angle_rate) = ([1.0, -2.0], 0.5);

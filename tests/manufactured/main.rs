@@ -23,14 +23,18 @@ const CELLS: [usize; 3] = [8, 16, 32];
 /// Of 1/Δt, times the end, in a refinement in time.
 const STEPS: [usize; 3] = [8, 16, 32];
 
+/// Of the meshes that are not regular. The meshes of a refinement are no family, so the more jitter
+/// the less regular the errors.
+const JITTER: f64 = 0.15;
+
 /// How a problem is discretised: the quadrature and the jitter of the mesh.
 type Discretisation = (&'static str, f64);
 
 const ALL: [Discretisation; 4] = [
     ("consistent", 0.0),
-    ("consistent", 0.2),
+    ("consistent", JITTER),
     ("lumped", 0.0),
-    ("lumped", 0.2),
+    ("lumped", JITTER),
 ];
 
 /// A run of a refinement in space; Δt ∝ h² so small that most of the error is that of space.
@@ -133,7 +137,7 @@ fn substep_1_has_order_two_in_space() {
 
 #[test]
 fn both_substeps_have_order_two_in_space_with_parallel_anchoring() {
-    for how in [("consistent", 0.2), ("lumped", 0.0), ("lumped", 0.2)] {
+    for how in [("consistent", JITTER), ("lumped", 0.0), ("lumped", JITTER)] {
         let errors = space_errors(Problem::Parallel, how, None);
         check_refinement(Refined::Space, &errors, MEMBRANE);
     }
@@ -141,7 +145,7 @@ fn both_substeps_have_order_two_in_space_with_parallel_anchoring() {
 
 #[test]
 fn both_substeps_have_order_two_in_space_with_homeotropic_anchoring() {
-    for how in [("consistent", 0.0), ("lumped", 0.2)] {
+    for how in [("consistent", 0.0), ("lumped", JITTER)] {
         let errors = space_errors(Problem::Homeotropic, how, None);
         check_refinement(Refined::Space, &errors, MEMBRANE);
     }
@@ -151,11 +155,11 @@ fn both_substeps_have_order_two_in_space_with_homeotropic_anchoring() {
 fn everything_has_order_one_in_time() {
     for (problem, how) in [
         (Problem::Membrane, ("consistent", 0.0)),
-        (Problem::Membrane, ("lumped", 0.2)),
+        (Problem::Membrane, ("lumped", JITTER)),
         (Problem::Clamped, ("consistent", 0.0)),
         (Problem::Director, ("lumped", 0.0)),
         (Problem::Parallel, ("lumped", 0.0)),
-        (Problem::Parallel, ("consistent", 0.2)),
+        (Problem::Parallel, ("consistent", JITTER)),
         (Problem::Homeotropic, ("consistent", 0.0)),
     ] {
         let errors = time_errors(problem, how, None);

@@ -102,8 +102,8 @@ impl Problem {
         };
         if let Some(kind) = anchoring {
             text.push_str(&format!(
-                "[nematic]\nweight = 1.5\nmobility = 0.8\npenalty = 0.5\n\
-                 [anchoring]\nkind = \"{kind}\"\nweight = 0.7\n"
+                "[nematic]\nweight = 4.0\nmobility = 0.8\npenalty = 0.5\n\
+                 [anchoring]\nkind = \"{kind}\"\nweight = 1.0\n"
             ));
         }
         let mut no_files = |path: &str| panic!("no scene of this test reads {path}");
