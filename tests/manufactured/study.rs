@@ -16,7 +16,7 @@ const END: f64 = 0.2;
 /// Newton's method stops where every field's relative change and the energy law's miss are below.
 const TOLERANCE: f64 = 1e-9;
 
-/// φ between −1.0 and 1.2 with all kinds of gradients.
+/// φ between about −0.65 and 1.4: beyond 1 the indicator I is cut off.
 const MOVING: PhaseField = PhaseField {
     modes: &[
         mode([0, 0], 0.1, 0.0),
