@@ -1,0 +1,254 @@
+//! The continuous equations, written anew from the energies: what an exact solution leaves over in
+//! them is the source. Nothing here comes from the solver's own formulas.
+
+use vesica::scene::{AnchoringKind, ScalarField, Scene};
+
+use super::fields::{Director, DirectorField, Phase, PhaseField};
+
+/// Something wrong with the source, for the negative controls.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Flaw {
+    /// The limit of G_sec as (3.24) prints it: 3(φ² − 1 − 2εkφ).
+    PrintedSecant,
+    /// δE_anch/δφ with the sign of (2.11).
+    PrintedAnchoringSign,
+    /// p̃ = (|d|² − 1) d/η_d² for long directors too.
+    UntruncatedPenalty,
+    /// A source that is ahead of its time by √Δt.
+    HastyClock,
+    /// A term that is 1 % too large.
+    OnePercent(Term),
+}
+
+/// The terms of the equations.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Term {
+    /// k in the second and third equation.
+    Curvature,
+    /// (B − β)/η.
+    Tension,
+    /// λ_nem i(φ)(½|∇d|² + P(d)) in substep 2.
+    NematicPressure,
+    /// The anchoring's flux in substep 2.
+    AnchoringFlux,
+    /// λ_nem I(φ) ∇d in substep 1.
+    Elasticity,
+    /// λ_nem I(φ) p̃ in substep 1.
+    Penalty,
+    /// The anchoring's torque in substep 1.
+    AnchoringTorque,
+    /// ∂d/∂t / γ_nem in substep 1.
+    DirectorRate,
+}
+
+/// A vector to be tested with the gradient of a test function, and a value to be tested with it.
+#[derive(Debug, Clone, Copy)]
+pub struct WeakForm {
+    /// Tested with ∇ψ.
+    pub flux: [f64; 2],
+    /// Tested with ψ.
+    pub load: f64,
+}
+
+/// The equations of a scene with an exact solution of them.
+#[derive(Debug, Clone)]
+pub struct Model {
+    /// The parameters.
+    pub scene: Scene,
+    /// φ.
+    pub phase: PhaseField,
+    /// d.
+    pub director: Option<DirectorField>,
+    /// What is wrong.
+    pub flaw: Option<Flaw>,
+}
+
+/// k(x, y) = 1.5 + x − 0.5 y, as a scene says it.
+pub const CURVATURE: &str = "1.5 + x - 0.5*y";
+
+/// ∇k.
+const CURVATURE_GRADIENT: [f64; 2] = [1.0, -0.5];
+
+impl Model {
+    fn factor(&self, term: Term) -> f64 {
+        match self.flaw {
+            Some(Flaw::OnePercent(flawed)) if flawed == term => 1.01,
+            _ => 1.0,
+        }
+    }
+
+    /// The time of the source of a step of length Δt that ends at t.
+    pub fn source_time(&self, t: f64, dt: f64) -> f64 {
+        match self.flaw {
+            Some(Flaw::HastyClock) => t + dt.sqrt(),
+            _ => t,
+        }
+    }
+
+    /// k and ∇k.
+    fn curvature(&self, [x, y]: [f64; 2]) -> (f64, [f64; 2]) {
+        let ScalarField::Expression(expression) = &self.scene.membrane.spontaneous_curvature else {
+            panic!("the scenes of this test give k as a formula");
+        };
+        assert_eq!(expression.text(), CURVATURE);
+        let factor = self.factor(Term::Curvature);
+        (
+            factor * (1.5 + x - 0.5 * y),
+            CURVATURE_GRADIENT.map(|entry| factor * entry),
+        )
+    }
+
+    /// ω = −Δφ + G(φ)/ε² and ∇ω.
+    pub fn omega(&self, place: [f64; 2], phase: &Phase) -> (f64, [f64; 2]) {
+        let width = self.scene.membrane.interface_width;
+        let (k, k_gradient) = self.curvature(place);
+        let phi = phase.value;
+        let well = phi * phi - 1.0;
+        let value = -phase.laplacian + (phi * well - width * k * well) / (width * width);
+        let slope = 3.0 * phi * phi - 1.0 - 2.0 * width * k * phi;
+        let gradient = [0, 1].map(|axis| {
+            let of_g = slope * phase.gradient[axis] - width * k_gradient[axis] * well;
+            -phase.laplacian_gradient[axis] + of_g / (width * width)
+        });
+        (value, gradient)
+    }
+
+    /// μ.
+    pub fn mu(&self, phase: &Phase) -> f64 {
+        phase.scaled_potential / self.scene.membrane.mobility
+    }
+
+    /// B of the exact φ: the midpoint rule is exact for cosines of fewer waves than twice its points.
+    fn surface_area(&self, t: f64) -> f64 {
+        const POINTS: usize = 32;
+        let width = self.scene.membrane.interface_width;
+        let coordinate = |index: usize| (index as f64 + 0.5) / POINTS as f64;
+        let mut sum = 0.0;
+        for i in 0..POINTS {
+            for j in 0..POINTS {
+                let phase = self.phase.at([coordinate(i), coordinate(j)], t);
+                let [x, y] = phase.gradient;
+                let well = phase.value * phase.value - 1.0;
+                sum += 0.5 * width * (x * x + y * y) + 0.25 * well * well / width;
+            }
+        }
+        sum / (POINTS * POINTS) as f64
+    }
+
+    /// (B − β)/η.
+    pub fn tension(&self, t: f64) -> f64 {
+        self.scene.area.map_or(0.0, |area| {
+            let target = area.target * self.surface_area(0.0);
+            self.factor(Term::Tension) * (self.surface_area(t) - target) / area.penalty
+        })
+    }
+
+    /// λ_anch δ1 and λ_anch δ2.
+    fn anchoring(&self) -> [f64; 2] {
+        let Some(anchoring) = self.scene.anchoring else {
+            return [0.0; 2];
+        };
+        let preference = match anchoring.kind {
+            AnchoringKind::None => [0.0, 0.0],
+            AnchoringKind::Parallel => [0.0, 1.0],
+            AnchoringKind::Homeotropic => [1.0, -1.0],
+        };
+        preference.map(|delta| anchoring.weight * delta)
+    }
+
+    /// δE/δφ − μ, which the source of the second equation of (3.21) is to balance.
+    pub fn membrane_excess(&self, place: [f64; 2], t: f64, tension: f64) -> WeakForm {
+        let width = self.scene.membrane.interface_width;
+        let phase = self.phase.at(place, t);
+        let (phi, grad) = (phase.value, phase.gradient);
+        let (omega, omega_gradient) = self.omega(place, &phase);
+        let (k, _) = self.curvature(place);
+        let slope = match self.flaw {
+            Some(Flaw::PrintedSecant) => 3.0 * (phi * phi - 1.0 - 2.0 * width * k * phi),
+            _ => 3.0 * phi * phi - 1.0 - 2.0 * width * k * phi,
+        };
+        let mut form = WeakForm {
+            flux: [0, 1].map(|axis| width * omega_gradient[axis] + tension * width * grad[axis]),
+            load: slope * omega / width + tension * (phi * phi * phi - phi) / width
+                - self.mu(&phase),
+        };
+        let (Some(nematic), Some(field)) = (&self.scene.nematic, &self.director) else {
+            return form;
+        };
+        let director = field.at(place, t);
+        let d = director.value;
+        form.load += self.factor(Term::NematicPressure)
+            * nematic.weight
+            * indicator_slope(phi)
+            * (0.5 * square_of_gradient(&director) + penalty(d, nematic.penalty));
+        let [isotropic, along] = self.anchoring();
+        let sign = match self.flaw {
+            Some(Flaw::PrintedAnchoringSign) => -1.0,
+            _ => self.factor(Term::AnchoringFlux),
+        };
+        for axis in 0..2 {
+            form.flux[axis] +=
+                sign * (isotropic * dot(d, d) * grad[axis] + along * dot(d, grad) * d[axis]);
+        }
+        form
+    }
+
+    /// ∂d/∂t / γ_nem + δE/δd for both components, which the source of substep 1 is to balance.
+    pub fn director_excess(&self, place: [f64; 2], t: f64) -> [WeakForm; 2] {
+        let (Some(nematic), Some(field)) = (&self.scene.nematic, &self.director) else {
+            panic!("a scene without a director has no substep 1");
+        };
+        let phase = self.phase.at(place, t);
+        let director = field.at(place, t);
+        let (d, grad) = (director.value, phase.gradient);
+        let inside = nematic.weight * indicator(phase.value);
+        let square = dot(d, d);
+        let pull = match self.flaw {
+            Some(Flaw::UntruncatedPenalty) => square - 1.0,
+            _ if square <= 1.0 => square - 1.0,
+            _ => 2.0 - 2.0 / square.sqrt(),
+        } / (nematic.penalty * nematic.penalty);
+        let [isotropic, along] = self.anchoring();
+        [0, 1].map(|i| WeakForm {
+            flux: director.gradient[i].map(|entry| self.factor(Term::Elasticity) * inside * entry),
+            load: self.factor(Term::DirectorRate) * director.rate[i] / nematic.mobility
+                + self.factor(Term::Penalty) * inside * pull * d[i]
+                + self.factor(Term::AnchoringTorque)
+                    * (isotropic * dot(grad, grad) * d[i] + along * dot(d, grad) * grad[i]),
+        })
+    }
+}
+
+fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+fn square_of_gradient(director: &Director) -> f64 {
+    director.gradient.iter().map(|row| dot(*row, *row)).sum()
+}
+
+/// P(d), truncated.
+fn penalty(d: [f64; 2], width: f64) -> f64 {
+    let square = dot(d, d);
+    let scaled = if square <= 1.0 {
+        0.25 * (square - 1.0).powi(2)
+    } else {
+        (square.sqrt() - 1.0).powi(2)
+    };
+    scaled / (width * width)
+}
+
+/// i(φ) = I'(φ).
+fn indicator_slope(phi: f64) -> f64 {
+    if phi.abs() < 1.0 {
+        15.0 / 16.0 * (1.0 - phi * phi).powi(2)
+    } else {
+        0.0
+    }
+}
+
+/// I(φ), as the integral of i from −1: 15/16 (φ − 2φ³/3 + φ⁵/5) + ½.
+fn indicator(phi: f64) -> f64 {
+    let phi = phi.clamp(-1.0, 1.0);
+    0.5 + 15.0 / 16.0 * (phi - 2.0 * phi.powi(3) / 3.0 + phi.powi(5) / 5.0)
+}

@@ -1,0 +1,207 @@
+//! The source as an effect: it has no energy, and its director force and its membrane force are
+//! minus what the exact solution leaves over in the continuous equations.
+//!
+//! A source does work. An effect accounts for that as its numerical dissipation (an effect of zero
+//! energy dissipates all the work of its forces), so the energy law closes with sources as well and
+//! stays a check of how well each step was solved.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use vesica::fem::{Rule, Space};
+use vesica::physics::{DirectorForm, Effect, MembraneForce, NamedValue, Sample};
+
+use super::model::{Model, WeakForm};
+
+/// The time at the end of the step, set by who steps.
+#[derive(Debug, Clone, Default)]
+pub struct Clock(Arc<AtomicU64>);
+
+impl Clock {
+    /// Sets it.
+    pub fn set(&self, t: f64) {
+        self.0.store(t.to_bits(), Ordering::Relaxed);
+    }
+
+    fn now(&self) -> f64 {
+        f64::from_bits(self.0.load(Ordering::Relaxed))
+    }
+}
+
+/// A weak form on a mesh: fluxes on the triangles, loads at the quadrature points.
+#[derive(Debug)]
+struct Table {
+    flux: Vec<[f64; 2]>,
+    load: Vec<f64>,
+}
+
+impl Table {
+    fn new(space: &Space) -> Self {
+        Self {
+            flux: vec![[0.0; 2]; space.elements()],
+            load: vec![0.0; space.points()],
+        }
+    }
+
+    fn add_to(&self, flux: &mut [[f64; 2]], load: &mut [f64]) {
+        for (sum, flux) in flux.iter_mut().zip(&self.flux) {
+            sum[0] += flux[0];
+            sum[1] += flux[1];
+        }
+        for (sum, load) in load.iter_mut().zip(&self.load) {
+            *sum += load;
+        }
+    }
+
+    /// The work on a change of a P1 function, given by its values and gradients before and after.
+    fn work(&self, space: &Space, values: [&[f64]; 2], gradients: [&[[f64; 2]]; 2]) -> f64 {
+        let changes = values[1].iter().zip(values[0]);
+        let by_load: Vec<f64> = changes
+            .zip(&self.load)
+            .map(|((new, old), load)| load * (new - old))
+            .collect();
+        let changes = gradients[1].iter().zip(gradients[0]);
+        let by_flux: Vec<f64> = changes
+            .zip(&self.flux)
+            .map(|((new, old), flux)| flux[0] * (new[0] - old[0]) + flux[1] * (new[1] - old[1]))
+            .collect();
+        space.integrate(&by_load) + space.integrate_elements(&by_flux)
+    }
+}
+
+/// Where weak forms are evaluated: loads at the points of the run's own rule, fluxes at seven points
+/// of each triangle, whose mean is all that a P1 test function sees.
+#[derive(Debug)]
+struct Places {
+    points: Vec<[f64; 2]>,
+    fine: Space,
+    fine_points: Vec<[f64; 2]>,
+}
+
+impl Places {
+    fn new(space: &Space) -> Self {
+        let fine = Space::new(space.mesh().clone(), Rule::Consistent);
+        Self {
+            points: space.point_positions(),
+            fine_points: fine.point_positions(),
+            fine,
+        }
+    }
+
+    /// tables ← −forms.
+    fn fill<const N: usize>(
+        &self,
+        tables: [&mut Table; N],
+        forms: impl Fn([f64; 2]) -> [WeakForm; N],
+    ) {
+        let fine: Vec<_> = self.fine_points.iter().map(|place| forms(*place)).collect();
+        let own: Vec<_>;
+        let at_points = if self.points == self.fine_points {
+            &fine
+        } else {
+            own = self.points.iter().map(|place| forms(*place)).collect();
+            &own
+        };
+        for (index, table) in tables.into_iter().enumerate() {
+            for (load, forms) in table.load.iter_mut().zip(at_points) {
+                *load = -forms[index].load;
+            }
+            let mut means = vec![0.0; table.flux.len()];
+            for axis in 0..2 {
+                let values: Vec<f64> = fine.iter().map(|forms| forms[index].flux[axis]).collect();
+                self.fine.element_means(&values, &mut means);
+                for (flux, mean) in table.flux.iter_mut().zip(&means) {
+                    flux[axis] = -mean;
+                }
+            }
+        }
+    }
+}
+
+/// The source of a model.
+#[derive(Debug)]
+pub struct Source {
+    model: Model,
+    clock: Clock,
+    places: Places,
+    membrane: Table,
+    director: [Table; 2],
+}
+
+impl Source {
+    /// On the space of a run.
+    pub fn new(model: Model, clock: Clock, space: &Space) -> Self {
+        Self {
+            model,
+            clock,
+            places: Places::new(space),
+            membrane: Table::new(space),
+            director: [Table::new(space), Table::new(space)],
+        }
+    }
+}
+
+impl Effect for Source {
+    fn name(&self) -> &'static str {
+        "source"
+    }
+
+    fn energy(&mut self, _space: &Space, _at: &Sample) -> f64 {
+        0.0
+    }
+
+    fn add_director_force(&mut self, _space: &Space, _old: &Sample, form: &mut DirectorForm) {
+        let (model, t) = (&self.model, self.clock.now());
+        let [x, y] = &mut self.director;
+        self.places
+            .fill([x, y], |place| model.director_excess(place, t));
+        for (i, table) in self.director.iter().enumerate() {
+            table.add_to(&mut form.flux[i], &mut form.load[i]);
+        }
+    }
+
+    fn begin_membrane(&mut self, _space: &Space, _old: &Sample, _new: &Sample) {
+        let (model, t) = (&self.model, self.clock.now());
+        let tension = model.tension(t);
+        self.places.fill([&mut self.membrane], |place| {
+            [model.membrane_excess(place, t, tension)]
+        });
+    }
+
+    fn add_membrane_force(
+        &mut self,
+        _space: &Space,
+        _old: &Sample,
+        _new: &Sample,
+        force: &mut MembraneForce,
+    ) {
+        self.membrane.add_to(&mut force.flux, &mut force.load);
+    }
+
+    fn dissipation(
+        &mut self,
+        space: &Space,
+        old: &Sample,
+        new: &Sample,
+        terms: &mut Vec<NamedValue>,
+    ) {
+        let mut work = self.membrane.work(
+            space,
+            [&old.phi, &new.phi],
+            [&old.phi_gradient, &new.phi_gradient],
+        );
+        if let (Some(old), Some(new)) = (&old.director, &new.director) {
+            for (i, table) in self.director.iter().enumerate() {
+                work += table.work(
+                    space,
+                    [&old.values[i], &new.values[i]],
+                    [&old.gradients[i], &new.gradients[i]],
+                );
+            }
+        }
+        terms.push(NamedValue {
+            name: "source",
+            value: work,
+        });
+    }
+}
