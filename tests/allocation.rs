@@ -1,0 +1,105 @@
+//! A step allocates nothing once a run is under way: a counting allocator watches `Scheme::step`.
+
+mod common;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+use common::{SMALL, scene, scheme};
+
+/// The system's allocator, which counts what each thread asks of it.
+struct Counting;
+
+thread_local! {
+    /// Allocations of this thread. Constant at the start and without a destructor, so that the
+    /// allocator may use it at any time.
+    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
+}
+
+fn count() {
+    ALLOCATIONS.with(|allocations| allocations.set(allocations.get() + 1));
+}
+
+// SAFETY: every call is handed to the system's allocator as it came.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count();
+        // SAFETY: the caller's promises are those that `System` asks for.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        count();
+        // SAFETY: as above.
+        unsafe { System.alloc_zeroed(layout) }
+    }
+
+    unsafe fn realloc(&self, block: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        count();
+        // SAFETY: as above.
+        unsafe { System.realloc(block, layout, size) }
+    }
+
+    unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
+        // SAFETY: as above.
+        unsafe { System.dealloc(block, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// How often `work` allocates.
+fn allocations(work: impl FnOnce()) -> u64 {
+    let before = ALLOCATIONS.with(Cell::get);
+    work();
+    ALLOCATIONS.with(Cell::get) - before
+}
+
+/// Steps after which everything has its size: the history of the extrapolation is full.
+const WARM_UP: usize = 5;
+const STEPS: usize = 10;
+
+/// Allocations of each step after the first ones.
+fn allocations_of_steps(settings: &[&str]) -> Vec<u64> {
+    let scene = scene(SMALL, settings);
+    let mut scheme = scheme(&scene);
+    let mut counts = Vec::with_capacity(STEPS);
+    for step in 1..=WARM_UP + STEPS {
+        let count = allocations(|| {
+            if let Err(error) = scheme.step(scene.time.step) {
+                panic!("{settings:?} step {step}: {error}");
+            }
+        });
+        if step > WARM_UP {
+            counts.push(count);
+        }
+    }
+    counts
+}
+
+#[test]
+fn the_allocator_counts() {
+    let mut kept = Vec::new();
+    assert_eq!(allocations(|| kept.push(1_u8)), 1);
+    assert_eq!(allocations(|| kept.extend([0; 1000])), 1);
+    assert_eq!(allocations(|| kept.clear()), 0);
+}
+
+#[test]
+fn a_step_allocates_nothing() {
+    for quadrature in ["solver.quadrature=consistent", "solver.quadrature=lumped"] {
+        for path in [
+            "solver.linear=transform",
+            "solver.linear=factor",
+            "domain.boundary=clamped",
+            "solver.iteration=lagged",
+            "anchoring.kind=homeotropic",
+            "anchoring.kind=none",
+            "membrane.spontaneous_curvature=1.5",
+        ] {
+            let counts = allocations_of_steps(&[quadrature, path]);
+            assert_eq!(counts, [0; STEPS], "{quadrature}, {path}");
+        }
+    }
+}

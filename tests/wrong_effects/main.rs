@@ -1,0 +1,192 @@
+//! Negative controls on the whole scheme: effects with a wrong secant or a wrong constant, written as
+//! anyone outside could write them, and what the energy law makes of them.
+//!
+//! A scheme compares energies from its construction on, so an effect that is put in afterwards is
+//! given the energy of what it replaces (or zero) at the start: a constant, which no force sees.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod nematic;
+mod well;
+
+use common::{SMALL, TIGHT, energy_scale, named, scene, scheme};
+use nematic::Nematic;
+use vesica::physics::potentials::{
+    double_well_secant, double_well_secant_slope, double_well_slope, unit_length_penalty,
+    unit_length_penalty_slope,
+};
+use vesica::physics::{Anchoring, Area, Bending, Effect, Effects, Sample};
+use vesica::scene::Scene;
+use vesica::scheme::{Scheme, StepError};
+use well::{OfTwo, Well};
+
+/// η_d² P(d) = ¼(|d|² − 1)² for all d.
+fn untruncated([x, y]: [f64; 2]) -> f64 {
+    0.25 * (x * x + y * y - 1.0).powi(2)
+}
+
+fn untruncated_slope([x, y]: [f64; 2]) -> [f64; 2] {
+    [x, y].map(|entry| entry * (x * x + y * y - 1.0))
+}
+
+/// φ and d of the state that was reached.
+fn sample(scheme: &Scheme) -> Sample {
+    let (space, state) = (scheme.space(), scheme.state());
+    let mut sample = Sample::new(space, state.director.is_some());
+    sample.set_phi(space, &state.phi);
+    if let Some(director) = &state.director {
+        sample.set_director(space, director);
+    }
+    sample
+}
+
+/// A scheme of the small vesicle with a well.
+fn with_well(quadrature: &str, secant: OfTwo, secant_slope: OfTwo) -> Scheme {
+    let mut scheme = scheme(&scene(SMALL, &[&TIGHT[..], &[quadrature]].concat()));
+    let well = Well::new(secant, secant_slope, scheme.space(), &sample(&scheme));
+    scheme.effects_mut().add(well);
+    scheme.forget();
+    scheme
+}
+
+const QUADRATURES: [&str; 2] = ["solver.quadrature=consistent", "solver.quadrature=lumped"];
+
+#[test]
+fn an_effect_from_outside_with_a_right_secant_keeps_the_law() {
+    for quadrature in QUADRATURES {
+        let mut scheme = with_well(quadrature, double_well_secant, double_well_secant_slope);
+        for step in 1..=3 {
+            let report = match scheme.step(1e-6) {
+                Ok(report) => report,
+                Err(error) => panic!("{quadrature} step {step}: {error}"),
+            };
+            assert!(report.law_residual.abs() <= 1e-12);
+            assert!(named(&report.energies, "well").abs() > 1e-3);
+        }
+    }
+}
+
+/// F'(φ) in place of F_sec: the step is solved, what it solves is not the scheme, and it is refused.
+#[test]
+fn a_wrong_secant_breaks_the_law() {
+    for quadrature in QUADRATURES {
+        let slope = |phi: f64, _: f64| double_well_slope(phi);
+        let curvature = |phi: f64, _: f64| 3.0 * phi * phi - 1.0;
+        let mut scheme = with_well(quadrature, slope, curvature);
+        let state = scheme.state().clone();
+        let error = scheme.step(1e-6).expect_err("the law is broken");
+        let StepError::LawBroken {
+            residual,
+            tolerance,
+        } = error
+        else {
+            panic!("{quadrature}: {error}");
+        };
+        assert_eq!(tolerance, 1e-12);
+        assert!(residual.abs() > 1e-9, "{quadrature}: {residual:e}");
+        assert_eq!(scheme.state(), &state, "a refused step leaves no trace");
+    }
+}
+
+/// A scheme with |d⁰| = 3 where `nematic` takes the place of the library's effect.
+fn with_nematic(quadrature: &str, nematic: impl FnOnce(&Scene) -> Nematic) -> Scheme {
+    let settings = [quadrature, "nematic.initial=[1.8, 2.4]"];
+    let scene = scene(SMALL, &[&TIGHT[..], &settings].concat());
+    let mut scheme = scheme(&scene);
+    let start = sample(&scheme);
+    let space = scheme.space();
+    let mut nematic = nematic(&scene);
+    nematic.offset = nematic.energy(space, &start) - named(&scheme.report().energies, "nematic");
+    let mut effects = Effects::new(Bending::new(&scene.membrane, space));
+    let width = scene.membrane.interface_width;
+    effects.add(Area::new(
+        &scene.area.expect("an area"),
+        width,
+        space,
+        &start,
+    ));
+    effects.add(nematic);
+    effects.add(Anchoring::new(&scene.anchoring.expect("anchoring"), space));
+    *scheme.effects_mut() = effects;
+    scheme.forget();
+    scheme
+}
+
+/// The greatest Δt·ND_penal/S and the least over a few steps, in which the law closes.
+#[track_caller]
+fn penalty_dissipation(mut scheme: Scheme) -> [f64; 2] {
+    let mut range = [f64::NEG_INFINITY, f64::INFINITY];
+    for step in 1..=3 {
+        let report = match scheme.step(1e-6) {
+            Ok(report) => report,
+            Err(error) => panic!("step {step}: {error}"),
+        };
+        // The identity holds for any p_Δt: it is the sign that tells.
+        assert!(report.law_residual.abs() <= 1e-12);
+        let share = named(&report.ledger, "ND_penal") / energy_scale(report);
+        range = [range[0].max(share), range[1].min(share)];
+    }
+    range
+}
+
+/// The effect written here is the library's where its constants are right.
+#[test]
+fn the_control_is_the_librarys_effect_when_it_is_right() {
+    for quadrature in QUADRATURES {
+        let settings = [quadrature, "nematic.initial=[1.8, 2.4]"];
+        let mut library = scheme(&scene(SMALL, &[&TIGHT[..], &settings].concat()));
+        let mut control = with_nematic(quadrature, |scene| {
+            Nematic::new(scene, 1.0, unit_length_penalty, unit_length_penalty_slope)
+        });
+        for _ in 0..3 {
+            let [first, second] = [&mut library, &mut control]
+                .map(|scheme| scheme.step(1e-6).expect("a solved step").clone());
+            let scale = energy_scale(&first);
+            for (a, b) in first.ledger.iter().zip(&second.ledger) {
+                assert_eq!(a.name, b.name);
+                let difference = (a.value - b.value).abs() / scale;
+                assert!(
+                    difference < 1e-12,
+                    "{quadrature} {}: {difference:e}",
+                    a.name
+                );
+            }
+        }
+    }
+}
+
+/// The constant of p_Δt is sharp: with 1/η_d² ND_penal ≥ 0 (and > 0 only where |d| < 1 or d turns),
+/// with less it is negative where |d| > 1.
+#[test]
+fn a_smaller_constant_makes_the_penalty_feed_energy() {
+    for quadrature in QUADRATURES {
+        let penalty = |convexity| {
+            penalty_dissipation(with_nematic(quadrature, |scene| {
+                Nematic::new(
+                    scene,
+                    convexity,
+                    unit_length_penalty,
+                    unit_length_penalty_slope,
+                )
+            }))
+        };
+        let [_, least] = penalty(1.0);
+        assert!(least >= -1e-14, "{quadrature}: {least:e}");
+        for convexity in [0.5, 0.9] {
+            let [greatest, _] = penalty(convexity);
+            assert!(greatest < -1e-9, "{quadrature} {convexity}: {greatest:e}");
+        }
+    }
+}
+
+/// With P and its gradient both untruncated the law closes as well, and the same constant is too
+/// small.
+#[test]
+fn the_untruncated_potential_feeds_energy() {
+    for quadrature in QUADRATURES {
+        let [greatest, _] = penalty_dissipation(with_nematic(quadrature, |scene| {
+            Nematic::new(scene, 1.0, untruncated, untruncated_slope)
+        }));
+        assert!(greatest < -1e-9, "{quadrature}: {greatest:e}");
+    }
+}

@@ -1,0 +1,199 @@
+//! The nematic energy once more, with what can be wrong in it as parameters.
+
+use vesica::fem::Space;
+use vesica::physics::potentials::{INSIDE_CONVEXITY, inside, inside_majorant};
+use vesica::physics::{
+    DirectorForm, DirectorSample, Effect, MembraneForce, MembraneLinearisation, NamedValue, Sample,
+};
+use vesica::scene::{Iteration, Scene};
+
+/// λ_nem E_nem with η_d² P and its gradient given, and with `convexity`/η_d²
+/// as the constant of p_Δt: 1 is right.
+#[derive(Debug)]
+pub struct Nematic {
+    weight: f64,
+    stiffness: f64,
+    convexity: f64,
+    potential: fn([f64; 2]) -> f64,
+    slope: fn([f64; 2]) -> [f64; 2],
+    /// What is subtracted from the energy.
+    pub offset: f64,
+    /// λ_nem (½|∇d|² + P(d)) of the new director.
+    density: Vec<f64>,
+}
+
+impl Nematic {
+    pub fn new(
+        scene: &Scene,
+        convexity: f64,
+        potential: fn([f64; 2]) -> f64,
+        slope: fn([f64; 2]) -> [f64; 2],
+    ) -> Self {
+        let nematic = scene.nematic.as_ref().expect("a nematic scene");
+        Self {
+            weight: nematic.weight,
+            stiffness: nematic.penalty.powi(-2),
+            convexity,
+            potential,
+            slope,
+            offset: 0.0,
+            density: Vec::new(),
+        }
+    }
+
+    /// λ_nem (½|∇d|² + P(d)) at the points.
+    fn density_of(&self, space: &Space, director: &DirectorSample) -> Vec<f64> {
+        let mut elastic = vec![0.0; space.points()];
+        space.from_elements(&squares(&director.gradients), &mut elastic);
+        elastic
+            .iter()
+            .enumerate()
+            .map(|(point, square)| {
+                let potential = (self.potential)(at(director, point));
+                self.weight * (0.5 * square + self.stiffness * potential)
+            })
+            .collect()
+    }
+
+    /// λ_nem I(φ) at the points.
+    fn interior(&self, phi: &[f64]) -> Vec<f64> {
+        phi.iter().map(|phi| self.weight * inside(*phi)).collect()
+    }
+}
+
+/// |∇d|² on the triangles.
+fn squares([x, y]: &[Vec<[f64; 2]>; 2]) -> Vec<f64> {
+    x.iter()
+        .zip(y)
+        .map(|(x, y)| x[0] * x[0] + x[1] * x[1] + y[0] * y[0] + y[1] * y[1])
+        .collect()
+}
+
+fn at(director: &DirectorSample, point: usize) -> [f64; 2] {
+    [director.values[0][point], director.values[1][point]]
+}
+
+fn director(sample: &Sample) -> &DirectorSample {
+    sample.director.as_ref().expect("a director")
+}
+
+impl Effect for Nematic {
+    fn name(&self) -> &'static str {
+        "nematic"
+    }
+
+    fn energy(&mut self, space: &Space, at: &Sample) -> f64 {
+        let mut density = self.density_of(space, director(at));
+        for (density, phi) in density.iter_mut().zip(&at.phi) {
+            *density *= inside(*phi);
+        }
+        space.integrate(&density) - self.offset
+    }
+
+    fn add_director_force(&mut self, space: &Space, old: &Sample, form: &mut DirectorForm) {
+        let interior = self.interior(&old.phi);
+        let mut means = vec![0.0; space.elements()];
+        space.element_means(&interior, &mut means);
+        for (stiffness, mean) in form.stiffness.iter_mut().zip(&means) {
+            *stiffness += mean;
+        }
+        let director = director(old);
+        for axis in 0..2 {
+            let gradients = means.iter().zip(&director.gradients[axis]);
+            for (flux, (mean, gradient)) in form.flux[axis].iter_mut().zip(gradients) {
+                flux[0] += mean * gradient[0];
+                flux[1] += mean * gradient[1];
+            }
+        }
+        for (point, weight) in interior.iter().enumerate() {
+            let slope = (self.slope)(at(director, point));
+            form.load[0][point] += weight * self.stiffness * slope[0];
+            form.load[1][point] += weight * self.stiffness * slope[1];
+            form.reaction[0][point] += weight * self.stiffness * self.convexity;
+            form.reaction[2][point] += weight * self.stiffness * self.convexity;
+        }
+    }
+
+    fn begin_membrane(&mut self, space: &Space, _old: &Sample, new: &Sample) {
+        self.density = self.density_of(space, director(new));
+    }
+
+    fn add_membrane_force(
+        &mut self,
+        _space: &Space,
+        old: &Sample,
+        new: &Sample,
+        force: &mut MembraneForce,
+    ) {
+        let values = self.density.iter().zip(new.phi.iter().zip(&old.phi));
+        for (load, (density, (new, old))) in force.load.iter_mut().zip(values) {
+            *load += density * inside_majorant(*new, *old);
+        }
+    }
+
+    fn add_membrane_linearisation(
+        &mut self,
+        _space: &Space,
+        _old: &Sample,
+        _new: &Sample,
+        _iteration: Iteration,
+        linearisation: &mut MembraneLinearisation,
+    ) {
+        for (reaction, density) in linearisation.reaction.iter_mut().zip(&self.density) {
+            *reaction += INSIDE_CONVEXITY * density;
+        }
+    }
+
+    fn dissipation(
+        &mut self,
+        space: &Space,
+        old: &Sample,
+        new: &Sample,
+        terms: &mut Vec<NamedValue>,
+    ) {
+        let (before, after) = (director(old), director(new));
+        let interior = self.interior(&old.phi);
+        let change = [0, 1].map(|axis: usize| -> Vec<[f64; 2]> {
+            let gradients = after.gradients[axis].iter().zip(&before.gradients[axis]);
+            gradients.map(|(a, b)| [a[0] - b[0], a[1] - b[1]]).collect()
+        });
+        let mut elastic = vec![0.0; space.elements()];
+        space.element_means(&interior, &mut elastic);
+        for (weight, square) in elastic.iter_mut().zip(squares(&change)) {
+            *weight *= 0.5 * square;
+        }
+        let penalty: Vec<f64> = interior
+            .iter()
+            .enumerate()
+            .map(|(point, weight)| {
+                let (b, a) = (at(before, point), at(after, point));
+                let (slope, step) = ((self.slope)(b), [a[0] - b[0], a[1] - b[1]]);
+                let work: f64 = (0..2)
+                    .map(|axis| (slope[axis] + self.convexity * step[axis]) * step[axis])
+                    .sum();
+                weight * self.stiffness * (work - (self.potential)(a) + (self.potential)(b))
+            })
+            .collect();
+        let values = self.density.iter().zip(new.phi.iter().zip(&old.phi));
+        let interpolation: Vec<f64> = values
+            .map(|(density, (new, old))| {
+                let work = inside_majorant(*new, *old) * (new - old);
+                density * (work - inside(*new) + inside(*old))
+            })
+            .collect();
+        terms.extend([
+            NamedValue {
+                name: "ND_elast",
+                value: space.integrate_elements(&elastic),
+            },
+            NamedValue {
+                name: "ND_penal",
+                value: space.integrate(&penalty),
+            },
+            NamedValue {
+                name: "ND_interp",
+                value: space.integrate(&interpolation),
+            },
+        ]);
+    }
+}
