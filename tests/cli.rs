@@ -232,15 +232,20 @@ fn wrong_arguments_are_refused() {
         &["run", "small.toml", "--stpes", "3"],
         &["--stpes", "--steps"],
     );
-    refused(path, &["run", "small.toml", "--steps", "0"], &["--steps"]);
-    refused(path, &["run", "small.toml", "--steps", "-1"], &[]);
-    refused(path, &["run", "small.toml", "--every", "0"], &["--every"]);
-    refused(
-        path,
-        &["run", "small.toml", "--until", "soon"],
-        &["--until"],
-    );
-    refused(path, &["run", "small.toml", "--until", "-1"], &["time.end"]);
+    for option in ["--steps", "--every"] {
+        for number in ["0", "-1", "1.5", "many"] {
+            let arguments = ["run", "small.toml", option, number];
+            refused(path, &arguments, &[option, number, "a whole number from 1"]);
+        }
+    }
+    for time in ["0", "-1", "nan", "inf", "soon"] {
+        let arguments = ["run", "small.toml", "--until", time];
+        refused(path, &arguments, &["--until", time, "a finite number > 0"]);
+    }
+    let nothing = ["first step of length 1e-7", "time.end"];
+    refused(path, &["run", "small.toml", "--until", "4e-8"], &nothing);
+    let end = ["--set", "time.end=4e-8"];
+    refused(path, &[&["run", "small.toml"][..], &end].concat(), &nothing);
     refused(
         path,
         &["run", "small.toml", "--until", "1", "--steps", "1"],
@@ -291,6 +296,46 @@ fn a_wrong_scene_is_refused_with_its_place() {
         stdout(&output).contains("81 nodes, 3 steps"),
         "{}",
         stdout(&output)
+    );
+}
+
+#[test]
+fn a_check_tells_what_a_run_would_tell() {
+    let folder = folder_with_scene();
+    let path = folder.path();
+    let warnings = |output: &Output| {
+        let text = stderr(output).replace("warning: case1: ", "warning: ");
+        assert_eq!(output.status.code(), Some(0), "{text}");
+        text
+    };
+    let small = [
+        "--set",
+        "mesh.cells=20",
+        "--set",
+        "membrane.interface_width=0.1",
+    ];
+    let checked = vesica(path, &[&["check", "case1"][..], &small].concat());
+    let run = vesica(
+        path,
+        &[&["run", "case1", "--steps", "1"][..], &small].concat(),
+    );
+    assert_eq!(warnings(&checked), warnings(&run));
+    for part in ["fewer than 3", "of the wall", "never reach its target"] {
+        assert!(
+            stderr(&run).contains(part),
+            "no '{part}' in {}",
+            stderr(&run)
+        );
+    }
+
+    let twisted = ["small.toml", "--set", "mesh.jitter=0.8"];
+    let says = ["signed area", "lower mesh.jitter"];
+    refused(path, &[&["check"][..], &twisted].concat(), &says);
+    refused(path, &[&["run"][..], &twisted].concat(), &says);
+    refused(
+        path,
+        &["check", "small.toml", "--set", "time.step=1"],
+        &["first step"],
     );
 }
 
@@ -351,6 +396,19 @@ fn the_app_says_where_to_go() {
     let folder = folder_with_scene();
     refused(folder.path(), &[], &["vesica run case3"]);
     refused(folder.path(), &["case1"], &["vesica run case1"]);
+    refused(folder.path(), &["a.toml"], &["vesica run a.toml"]);
+}
+
+#[test]
+fn a_misspelt_command_is_told() {
+    let folder = folder_with_scene();
+    for arguments in [&["rnu"][..], &["rnu", "case3"], &["rnu", "--steps", "3"]] {
+        refused(
+            folder.path(),
+            arguments,
+            &["no command 'rnu'", "run, presets"],
+        );
+    }
 }
 
 #[test]

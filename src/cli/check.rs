@@ -2,9 +2,15 @@
 
 use super::error::CliError;
 use super::output;
+use super::run::some_step;
 use crate::record::{load_scene, step_count};
-use crate::scene::{self, Mesh, Scene};
-use std::ffi::OsString;
+use crate::scene::{self, Mesh, Scene, Warning};
+use crate::simulation;
+use std::ffi::{OsStr, OsString};
+
+/// The initial state, which tells most, is computed on meshes of up to so many nodes: within about
+/// a second.
+const MOST_NODES: usize = 60_000;
 
 /// Arguments of `vesica check`.
 #[derive(Debug, clap::Args)]
@@ -22,17 +28,21 @@ pub(super) struct Arguments {
 pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
     let mut wrong = 0;
     for source in &arguments.scenes {
-        match load_scene(source, &arguments.set) {
-            Ok(loaded) => {
-                let source = source.display();
-                output::line(format_args!("{source}: ok, {}", describe(&loaded.scene)))?;
-                for warning in scene::warnings(&loaded.scene) {
-                    output::warning(format_args!("{source}: {warning}"));
+        let name = source.display();
+        match examine(source, &arguments.set) {
+            Ok((scene, warnings)) => {
+                output::line(format_args!("{name}: ok, {}", describe(&scene)))?;
+                for warning in warnings {
+                    output::warning(format_args!("{name}: {warning}"));
                 }
+            }
+            Err(error @ CliError::Load(_)) => {
+                wrong += 1;
+                output::error(error);
             }
             Err(error) => {
                 wrong += 1;
-                output::error(error);
+                output::error(format_args!("{name}: {error}"));
             }
         }
     }
@@ -45,9 +55,24 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
     }
 }
 
-fn describe(scene: &Scene) -> String {
+/// Loads a scene and goes as far as a run would before its first step.
+fn examine(source: &OsStr, overrides: &[String]) -> Result<(Scene, Vec<Warning>), CliError> {
+    let scene = load_scene(source, overrides)?.scene;
+    some_step(&scene.time)?;
+    let warnings = if nodes(&scene) <= MOST_NODES {
+        simulation::examine(&scene).map_err(CliError::SetUp)?
+    } else {
+        scene::warnings(&scene)
+    };
+    Ok((scene, warnings))
+}
+
+fn nodes(scene: &Scene) -> usize {
     let Mesh::Structured { cells, .. } = scene.mesh;
-    let nodes = (cells + 1) * (cells + 1);
+    (cells + 1) * (cells + 1)
+}
+
+fn describe(scene: &Scene) -> String {
     let steps = step_count(&scene.time);
-    format!("{nodes} nodes, {steps} steps")
+    format!("{} nodes, {steps} steps", nodes(scene))
 }

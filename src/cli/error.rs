@@ -14,9 +14,28 @@ pub(super) enum CliError {
     /// The scene could not be had.
     #[error(transparent)]
     Load(#[from] LoadError),
+    /// There is no such command.
+    #[error("there is no command '{word}', and no scene of this name. Commands: {commands}")]
+    NoCommand {
+        /// What stands in its place.
+        word: String,
+        /// The names of all there are.
+        commands: String,
+    },
     /// There is no such preset.
     #[error(transparent)]
     Preset(#[from] UnknownPreset),
+    /// The scene ends before its first step.
+    #[error(
+        "the end, t = {end:e}, comes before the first step of length {step:e}: nothing would be \
+         simulated. Raise time.end, or lower time.step"
+    )]
+    NoStep {
+        /// T.
+        end: f64,
+        /// Δt.
+        step: f64,
+    },
     /// The folder for the run could not be had.
     #[error(transparent)]
     Folder(RecordError),
@@ -43,7 +62,8 @@ pub(super) enum CliError {
         /// Of how many.
         checked: usize,
     },
-    /// The simulation could not be set up.
+    /// The simulation could not be set up; if it is for the mesh, then the scene asks for one that
+    /// cannot be.
     #[error("the run could not be set up: {0}")]
     SetUp(#[source] SimulationError),
     /// The simulation could not go on.
@@ -92,11 +112,14 @@ impl CliError {
     pub fn exit_status(&self) -> u8 {
         match self {
             CliError::Load(_)
+            | CliError::NoCommand { .. }
             | CliError::Preset(_)
+            | CliError::NoStep { .. }
             | CliError::Folder(_)
             | CliError::Resume
             | CliError::NoApp { .. }
-            | CliError::Check { .. } => CliError::USAGE,
+            | CliError::Check { .. }
+            | CliError::SetUp(SimulationError::Mesh(_)) => CliError::USAGE,
             CliError::SetUp(_)
             | CliError::Run { .. }
             | CliError::Record(_)

@@ -5,15 +5,19 @@
 
 mod check;
 mod error;
+mod numbers;
 mod output;
 mod presets;
 mod progress;
 mod run;
 mod signals;
 
-use clap::{Parser, Subcommand};
+use crate::scene::preset;
+use clap::{CommandFactory, Parser, Subcommand};
 use error::CliError;
-use std::ffi::OsString;
+use std::env;
+use std::ffi::{OsStr, OsString};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// A vesicle with nematic order inside, simulated by an unconditionally energy-stable scheme.
@@ -48,39 +52,69 @@ enum Command {
 pub fn main() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
-        Err(error) => {
-            // To stderr, or to stdout for --help and --version; if that is closed, there is
-            // nobody to tell.
-            let _ = error.print();
-            return if error.use_stderr() {
-                ExitCode::from(CliError::USAGE)
-            } else {
-                ExitCode::SUCCESS
-            };
-        }
+        Err(error) => return refuse(&error),
     };
     let result = match arguments.command {
         Some(Command::Run(arguments)) => run::run(&arguments),
         Some(Command::Presets) => presets::list(),
         Some(Command::Preset(arguments)) => presets::print(&arguments),
         Some(Command::Check(arguments)) => check::check(&arguments),
-        None => Err(CliError::NoApp {
-            scene: arguments.scene.unwrap_or("case3".into()),
-        }),
+        None => {
+            let scene = arguments.scene.unwrap_or("case3".into());
+            Err(mistaken_command(&scene).unwrap_or(CliError::NoApp { scene }))
+        }
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            error.tell();
-            ExitCode::from(error.exit_status())
-        }
+        Err(error) => end(&error),
     }
+}
+
+fn end(error: &CliError) -> ExitCode {
+    error.tell();
+    ExitCode::from(error.exit_status())
+}
+
+/// Ends for arguments that cannot be parsed, or that ask for help or the version.
+fn refuse(error: &clap::Error) -> ExitCode {
+    if !error.use_stderr() {
+        // If stdout is closed, there is nobody to tell.
+        let _ = error.print();
+        return ExitCode::SUCCESS;
+    }
+    // A misspelt command passes for the app's SCENE, and the blame falls on what follows it.
+    if let Some(mistaken) = env::args_os().nth(1).as_deref().and_then(mistaken_command) {
+        return end(&mistaken);
+    }
+    let _ = error.print();
+    ExitCode::from(CliError::USAGE)
+}
+
+/// The error for a word that is no command, nor anything else that a first argument may be.
+fn mistaken_command(argument: &OsStr) -> Option<CliError> {
+    let word = argument.to_str()?;
+    let program = Arguments::command();
+    let is_word = word.chars().all(|c| c.is_ascii_alphanumeric() || c == '-');
+    let is_known = word.starts_with('-')
+        || program.find_subcommand(word).is_some()
+        || preset(word).is_some()
+        || Path::new(word).exists();
+    if !is_word || is_known {
+        return None;
+    }
+    let commands: Vec<&str> = program
+        .get_subcommands()
+        .map(clap::Command::get_name)
+        .collect();
+    Some(CliError::NoCommand {
+        word: word.to_owned(),
+        commands: commands.join(", "),
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     #[test]
     fn the_arguments_are_consistent() {

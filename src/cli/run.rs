@@ -1,14 +1,15 @@
 //! `vesica run SCENE`: simulate a scene and record it in a folder.
 
 use super::error::CliError;
+use super::numbers;
 use super::output;
 use super::progress::Progress;
 use super::signals::{EndSignal, Signal};
 use crate::record::{
     Ending, EventRecord, IfOccupied, Number, Preparation, RecordError, Recorder, RunFolder,
-    RunSummary, Settings, load_scene,
+    RunSummary, Settings, load_scene, step_count,
 };
-use crate::scene::Scene;
+use crate::scene::{Scene, Time};
 use crate::simulation::{Simulation, SimulationError};
 use std::ffi::{OsStr, OsString};
 use std::fmt;
@@ -35,26 +36,24 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
 
-    /// End at this time, in place of time.end
-    #[arg(
-        long,
-        value_name = "T",
-        conflicts_with = "steps",
-        allow_negative_numbers = true
-    )]
+    /// End at the step nearest to this time, in place of time.end
+    #[arg(long, value_name = "T", conflicts_with = "steps", value_parser = numbers::time,
+          allow_negative_numbers = true)]
     until: Option<f64>,
 
     /// End after so many steps, in place of time.end
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", value_parser = numbers::count_from_one,
+          allow_negative_numbers = true)]
     steps: Option<u64>,
 
     /// Record a row every N steps, and at the end
-    #[arg(long, value_name = "N", default_value_t = 1,
-          value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = numbers::count_from_one,
+          allow_negative_numbers = true)]
     every: u64,
 
     /// Save the fields at N times, evenly from 0 to the end
-    #[arg(long, value_name = "N", default_value_t = 5)]
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = numbers::count,
+          allow_negative_numbers = true)]
     snapshots: u64,
 
     /// Replace the run that the folder holds
@@ -189,15 +188,26 @@ fn tell(event: &EventRecord) {
 
 /// The scene with all overrides, and what to call its runs.
 fn scene(arguments: &Arguments) -> Result<(Scene, OsString), CliError> {
-    let mut overrides = arguments.set.clone();
-    if let Some(end) = arguments.until {
-        overrides.push(format!("time.end={end:?}"));
+    let mut loaded = load_scene(&arguments.scene, &arguments.set)?;
+    let time = &mut loaded.scene.time;
+    match (arguments.until, arguments.steps) {
+        (Some(end), _) => time.end = end,
+        (None, Some(steps)) => time.end = steps as f64 * time.step,
+        (None, None) => {}
     }
-    let mut loaded = load_scene(&arguments.scene, &overrides)?;
-    if let Some(steps) = arguments.steps {
-        loaded.scene.time.end = steps as f64 * loaded.scene.time.step;
-    }
+    some_step(time)?;
     Ok((loaded.scene, loaded.name))
+}
+
+/// Refuses a scene that ends before its first step.
+pub(super) fn some_step(time: &Time) -> Result<(), CliError> {
+    match step_count(time) {
+        0 => Err(CliError::NoStep {
+            end: time.end,
+            step: time.step,
+        }),
+        _ => Ok(()),
+    }
 }
 
 /// The run's folder: the given one, or a new one; with `--force` and no name, the first.
@@ -215,11 +225,14 @@ fn folder(arguments: &Arguments, name: &OsStr) -> Result<RunFolder, RecordError>
 fn result_line(summary: &RunSummary, folder: &Path) -> String {
     let energy = summary.total_energy.unwrap_or(f64::NAN);
     let per_step = 1e3 * summary.seconds / summary.steps.max(1) as f64;
+    let steps = match summary.steps {
+        1 => "1 step".to_owned(),
+        steps => format!("{steps} steps"),
+    };
     format!(
-        "{}: {} steps, t = {}, E_total = {energy:.6}, largest law residual {:.1e}, \
+        "{}: {steps}, t = {}, E_total = {energy:.6}, largest law residual {:.1e}, \
          {per_step:.2} ms a step, in {}",
         summary.scene,
-        summary.steps,
         Brief(summary.t),
         summary.largest_law_residual,
         folder.display(),

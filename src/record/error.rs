@@ -25,7 +25,15 @@ pub enum RecordError {
         reason: io::Error,
     },
     /// A folder could not be made.
-    #[error("cannot make the folder {}: {reason}", path.display())]
+    #[error(
+        "cannot make the folder {}: {}",
+        path.display(),
+        if reason.kind() == io::ErrorKind::AlreadyExists {
+            "there is a file of this name".to_owned()
+        } else {
+            reason.to_string()
+        }
+    )]
     MakeFolder {
         /// The folder.
         path: PathBuf,
@@ -51,6 +59,18 @@ pub enum RecordError {
         /// The folder.
         folder: PathBuf,
         /// The first file of a run that was found in it.
+        found: &'static str,
+    },
+    /// The folder is to be replaced, but is no run's.
+    #[error(
+        "{} holds {found} but no run.json, so it is not the folder of a run, and --force does not replace it: \
+         give another folder with --out, or remove {found}",
+        folder.display()
+    )]
+    NotARun {
+        /// The folder.
+        folder: PathBuf,
+        /// The first file in it that a run would overwrite.
         found: &'static str,
     },
     /// A table was removed, or its folder, while the run went on.

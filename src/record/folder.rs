@@ -12,9 +12,12 @@ pub(super) const FIELDS: &str = "fields";
 /// The list of snapshots, within that folder.
 pub(super) const SERIES: &str = "fields.pvd";
 
-/// The files of a run beside those in folders; any of them marks a folder as a run's.
+/// The file that tells a run's folder from one with files of the same names.
+pub(super) const SUMMARY: &str = "run.json";
+
+/// The files of a run beside those in folders; where one of them stands, no run is put.
 const FILES: [&str; 6] = [
-    "run.json",
+    SUMMARY,
     "scene.toml",
     "history.csv",
     "ledger.csv",
@@ -41,8 +44,9 @@ impl RunFolder {
     /// The folder `path`, made if it is not there. It may hold other files.
     ///
     /// # Errors
-    /// [`RecordError::Occupied`] if it holds a run and is not to be replaced; otherwise what
-    /// could not be made or removed.
+    /// [`RecordError::Occupied`] if it holds a run and is not to be replaced;
+    /// [`RecordError::NotARun`] if it is to be replaced, but what it holds may be a user's own, such
+    /// as a scene with comments; otherwise what could not be made or removed.
     pub fn at(path: &Path, if_occupied: IfOccupied) -> Result<RunFolder, RecordError> {
         make(path)?;
         let found = FILES.into_iter().find(|file| path.join(file).exists());
@@ -50,6 +54,12 @@ impl RunFolder {
             (None, _) => {}
             (Some(found), IfOccupied::Refuse) => {
                 return Err(RecordError::Occupied {
+                    folder: path.to_owned(),
+                    found,
+                });
+            }
+            (Some(found), IfOccupied::Replace) if !path.join(SUMMARY).exists() => {
+                return Err(RecordError::NotARun {
                     folder: path.to_owned(),
                     found,
                 });
@@ -157,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn any_file_of_a_run_marks_a_folder() {
+    fn any_file_of_a_run_keeps_another_out() {
         for file in FILES {
             let folder = tempfile::tempdir().unwrap();
             let path = folder.path();
@@ -167,7 +177,9 @@ mod tests {
             let error = RunFolder::at(path, IfOccupied::Refuse).unwrap_err();
             assert!(matches!(error, RecordError::Occupied { found, .. } if found == file));
             assert!(error.to_string().contains("--force"), "{error}");
-            assert!(path.join(file).exists());
+            let replaced = RunFolder::at(path, IfOccupied::Replace);
+            assert_eq!(replaced.is_ok(), file == SUMMARY);
+            assert_eq!(path.join(file).exists(), file != SUMMARY);
         }
     }
 

@@ -1,6 +1,6 @@
 //! Recording a run while it goes.
 
-use super::folder::SERIES;
+use super::folder::{SERIES, SUMMARY};
 use super::history::Tables;
 use super::scene_file::write_scene;
 use super::summary::{EventRecord, seconds};
@@ -108,7 +108,7 @@ impl Preparation {
     }
 
     fn summary_path(&self) -> PathBuf {
-        self.folder.path().join("run.json")
+        self.folder.path().join(SUMMARY)
     }
 }
 

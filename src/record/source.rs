@@ -1,6 +1,6 @@
 //! A scene from its name: a preset's, or a file's.
 
-use crate::scene::{Scene, SceneError, UnknownPreset, find_preset, preset};
+use crate::scene::{Scene, SceneError, UnknownPreset, find_preset, preset, preset_names};
 use std::ffi::{OsStr, OsString};
 use std::fs::File;
 use std::io::{self, Read};
@@ -32,6 +32,9 @@ pub enum LoadError {
         #[source]
         preset: UnknownPreset,
     },
+    /// Nothing was named.
+    #[error("the scene's name is empty. Presets: {}", preset_names().collect::<Vec<_>>().join(", "))]
+    Nameless,
     /// A folder is no scene.
     #[error(
         "{} is a folder, not a scene{}",
@@ -73,6 +76,9 @@ pub fn load_scene(source: &OsStr, overrides: &[String]) -> Result<LoadedScene, L
         })?;
         let name = source.to_owned();
         return Ok(LoadedScene { scene, name });
+    }
+    if source.is_empty() {
+        return Err(LoadError::Nameless);
     }
     let path = Path::new(source);
     let text = read_scene(path)?;
@@ -157,6 +163,7 @@ mod tests {
         );
         let text = error("scene-that-is-not-there.toml");
         assert!(text.starts_with("cannot read scene-that"), "{text}");
+        assert!(error("").contains("is empty. Presets: case1, "));
     }
 
     #[test]

@@ -138,7 +138,7 @@ impl From<&Event> for EventRecord {
             kind: event.kind.name(),
             step: event.step,
             t: event.t,
-            text: event.to_string(),
+            text: event.kind.to_string(),
         }
     }
 }

@@ -12,7 +12,7 @@ pub struct State {
     pub omega: Vec<f64>,
     /// μ = δE/δφ.
     pub mu: Vec<f64>,
-    /// d: its x and its y components; `None` without [nematic].
+    /// d: its x and its y components; `None` without the table `nematic`.
     pub director: Option<[Vec<f64>; 2]>,
 }
 

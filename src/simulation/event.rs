@@ -38,10 +38,9 @@ impl EventKind {
     }
 }
 
-impl fmt::Display for Event {
+impl fmt::Display for EventKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "step {}, t = {:e}: ", self.step, self.t)?;
-        match &self.kind {
+        match self {
             EventKind::FellBackToFactor { reason } => write!(
                 f,
                 "the sparse factor took over from the cosine transform, which had failed: {reason}"

@@ -6,8 +6,7 @@ mod warnings;
 
 use std::sync::Arc;
 
-use crate::fem::{Contour, Mesh};
-
+use crate::fem::{Contour, FemError, Mesh};
 use crate::scene::{self, Scene, Shape, Warning};
 use crate::scheme::{Scheme, State, StepReport, initial_fields};
 
@@ -18,6 +17,26 @@ pub use event::{Event, EventKind};
 pub use warnings::warnings;
 
 use warnings::NearWall;
+
+/// What is allowed in a scene but probably not meant, told from its initial state, without the
+/// scheme that would run it.
+///
+/// # Errors
+/// `Mesh` and `Initial`: the state could not be made.
+pub fn examine(scene: &Scene) -> Result<Vec<Warning>, SimulationError> {
+    let mesh = mesh(scene)?;
+    let initial = initial_fields(scene, &mesh)?;
+    Ok(warnings(scene, &mesh, &initial.phi))
+}
+
+fn mesh(scene: &Scene) -> Result<Arc<Mesh>, FemError> {
+    let scene::Mesh::Structured {
+        cells,
+        jitter,
+        seed,
+    } = scene.mesh;
+    Mesh::structured(cells, jitter, seed).map(Arc::new)
+}
 
 /// A run: a scene, and how far it has come.
 #[derive(Debug)]
@@ -82,12 +101,7 @@ impl Simulation {
     /// # Errors
     /// [`SimulationError`]: what could not be built.
     pub fn new(scene: &Scene) -> Result<Self, SimulationError> {
-        let scene::Mesh::Structured {
-            cells,
-            jitter,
-            seed,
-        } = scene.mesh;
-        let mesh = Arc::new(Mesh::structured(cells, jitter, seed)?);
+        let mesh = mesh(scene)?;
         let initial = initial_fields(scene, &mesh)?;
         let warnings = warnings(scene, &mesh, &initial.phi);
         let scheme = Scheme::new(scene, mesh.clone(), initial.phi, initial.director)

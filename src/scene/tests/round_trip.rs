@@ -58,6 +58,23 @@ fn every_form_of_every_key_round_trips() {
 }
 
 #[test]
+fn the_sample_of_the_readme_is_case_3_and_every_default() {
+    let readme = include_str!("../../../README.md");
+    let samples: Vec<&str> = readme
+        .split("```toml\n")
+        .skip(1)
+        .filter_map(|rest| rest.split("```").next())
+        .collect();
+    let [sample] = samples[..] else {
+        panic!("{} samples in the README", samples.len());
+    };
+    let scene = read(sample);
+    assert_eq!(scene, read(preset("case3").expect("a preset")));
+    let bare = "name = 'Case 3'\narea = {}\nnematic = {}\nanchoring = {}";
+    assert_eq!(scene, read(bare));
+}
+
+#[test]
 fn what_is_written_is_the_sample_with_every_default() {
     let text = read(preset("case3").expect("a preset")).to_toml();
     let expected = r#"name = "Case 3"

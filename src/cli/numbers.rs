@@ -1,0 +1,43 @@
+//! Numbers among the arguments, with errors that say what is allowed.
+
+/// A whole number, such as how many snapshots.
+pub(super) fn count(text: &str) -> Result<u64, String> {
+    text.parse()
+        .map_err(|_| "it must be a whole number from 0".to_owned())
+}
+
+/// A whole number from 1, such as how many steps.
+pub(super) fn count_from_one(text: &str) -> Result<u64, String> {
+    text.parse()
+        .ok()
+        .filter(|number| *number > 0)
+        .ok_or_else(|| "it must be a whole number from 1".to_owned())
+}
+
+/// A time after the start.
+pub(super) fn time(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|time: &f64| time.is_finite() && *time > 0.0)
+        .ok_or_else(|| "it must be a finite number > 0, such as 1e-4".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_number_of_the_kind_is_refused() {
+        assert_eq!(count("0"), Ok(0));
+        assert_eq!(count_from_one("18446744073709551615"), Ok(u64::MAX));
+        assert_eq!(time("2.5e-7"), Ok(2.5e-7));
+        for text in ["", "-1", "1.5", "1e3", "99999999999999999999", "ten"] {
+            assert!(count(text).is_err(), "{text}");
+            assert!(count_from_one(text).is_err(), "{text}");
+        }
+        assert!(count_from_one("0").is_err());
+        for text in ["", "0", "-1e-3", "nan", "inf", "1e999", "soon"] {
+            assert!(time(text).is_err(), "{text}");
+        }
+    }
+}
