@@ -90,6 +90,7 @@ impl ConjugateGradients {
             rho = next;
         }
         Err(LinalgError::NotConverged {
+            method: "the method of conjugate gradients",
             iterations: limit,
             residual: (rho / reference).sqrt(),
             tolerance,

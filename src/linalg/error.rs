@@ -5,11 +5,13 @@ use thiserror::Error;
 /// A linear system that could not be solved.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum LinalgError {
-    /// The conjugate gradients stopped short of their tolerance.
+    /// An iteration stopped short of its tolerance.
     #[error(
-        "the conjugate gradients stopped after {iterations} iterations at a relative residual of {residual:.3e}; {tolerance:.1e} was wanted"
+        "{method} stopped after {iterations} iterations at a relative residual of {residual:.3e}; {tolerance:.1e} was wanted"
     )]
     NotConverged {
+        /// Which method.
+        method: &'static str,
         /// Iterations made.
         iterations: usize,
         /// ‖b − A x‖ / ‖b‖ at the end.

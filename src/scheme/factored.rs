@@ -102,7 +102,7 @@ impl FactoredPreconditioner {
         })
     }
 
-    /// Makes the factor anew if it is too old for this system.
+    /// Makes the factor anew if it is too old for this system; returns whether it did.
     pub(super) fn prepare(
         &mut self,
         space: &Space,
@@ -110,10 +110,10 @@ impl FactoredPreconditioner {
         mobility: f64,
         width: f64,
         row_scales: [f64; 3],
-    ) -> Result<(), LinalgError> {
+    ) -> Result<bool, LinalgError> {
         self.row_scales = row_scales;
         if !self.age.must_refresh(mobility) {
-            return Ok(());
+            return Ok(false);
         }
         self.fill(space, linearised, mobility, width);
         self.age.made_for = None;
@@ -122,7 +122,7 @@ impl FactoredPreconditioner {
             made_for: Some(mobility),
             last_iterations: 0,
         };
-        Ok(())
+        Ok(true)
     }
 
     /// Tells how many iterations a solve with this factor took.

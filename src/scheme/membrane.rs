@@ -39,7 +39,7 @@ impl Limits {
 }
 
 /// Limit of GMRES's iterations in one solve.
-const KRYLOV_LIMIT: usize = 300;
+const KRYLOV_LIMIT: usize = 200;
 
 /// Vectors that GMRES keeps.
 const RESTART: usize = 60;
@@ -55,7 +55,7 @@ const MASS_ACCURACY: f64 = 1e-4;
 #[derive(Debug)]
 enum Path {
     Transform {
-        preconditioner: BulkPreconditioner,
+        preconditioner: Box<BulkPreconditioner>,
         scratch: [Vec<f64>; 4],
     },
     Factor {
@@ -130,7 +130,7 @@ impl MembraneStep {
         let vector = || vec![0.0; size];
         let (path, unknowns) = match space.mesh().grid() {
             Some(grid) if transform && !clamped => {
-                let preconditioner = BulkPreconditioner::new(space, grid);
+                let preconditioner = Box::new(BulkPreconditioner::new(space, grid));
                 let scratch = [vector(), vector(), vector(), vector()];
                 (
                     Path::Transform {
@@ -364,6 +364,7 @@ impl MembraneStep {
         let mobility = places.dt * self.mobility;
         let width = places.effects.bending.interface_width();
         let size = space.nodes();
+        let floor = self.rounding_floor(places);
         let (r1, rest) = self.right_side.split_at_mut(size);
         let rows = r1.iter_mut().zip(&self.residual[0]).zip(&self.root_weights);
         rows.for_each(|((b, r), root)| *b = -r / root);
@@ -382,8 +383,23 @@ impl MembraneStep {
                     scratch,
                 };
                 let (b, x) = (&self.right_side, &mut self.increment);
-                self.gmres
-                    .solve(&mut operator, preconditioner, b, x, goal, KRYLOV_LIMIT)?
+                let outcome = self.gmres.solve(
+                    &mut operator,
+                    &mut **preconditioner,
+                    b,
+                    x,
+                    goal,
+                    KRYLOV_LIMIT,
+                )?;
+                if !outcome.converged && outcome.residual > floor {
+                    return Err(LinalgError::NotConverged {
+                        method: "GMRES with the cosine transform",
+                        iterations: outcome.iterations,
+                        residual: outcome.residual / vector::norm(b),
+                        tolerance: goal / vector::norm(b),
+                    });
+                }
+                outcome
             }
             Path::Factor { preconditioner } => {
                 let (r2, r3) = rest.split_at_mut(size);
@@ -401,7 +417,6 @@ impl MembraneStep {
                 let rows = r2.iter_mut().zip(&self.residual[1]).zip(&self.root_weights);
                 rows.for_each(|((b, r), root)| *b = -row_scales[1] * r / root);
                 r3.fill(0.0);
-                preconditioner.prepare(space, &self.linearised, mobility, width, row_scales)?;
                 let mut operator = ThreeFieldOperator {
                     space,
                     linearised: &self.linearised,
@@ -413,16 +428,25 @@ impl MembraneStep {
                 };
                 let (b, x) = (&self.right_side, &mut self.increment);
                 let goal = goal.min(1e-2 * vector::norm(b));
-                let outcome = self.gmres.solve(
-                    &mut operator,
-                    &mut **preconditioner,
-                    b,
-                    x,
-                    goal,
-                    KRYLOV_LIMIT,
-                )?;
-                preconditioner.used(outcome.iterations);
-                outcome
+                loop {
+                    let linearised = &self.linearised;
+                    let fresh =
+                        preconditioner.prepare(space, linearised, mobility, width, row_scales)?;
+                    let outcome = self.gmres.solve(
+                        &mut operator,
+                        &mut **preconditioner,
+                        b,
+                        x,
+                        goal,
+                        KRYLOV_LIMIT,
+                    )?;
+                    preconditioner.used(outcome.iterations);
+                    // A new factor that misses the goal still gives a direction; the damping judges it.
+                    if outcome.converged || fresh {
+                        break outcome;
+                    }
+                    preconditioner.expire();
+                }
             }
         };
         if !self.increment.iter().all(|value| value.is_finite()) {
