@@ -284,8 +284,11 @@ impl SparseMatrix {
 mod tests {
     use super::*;
 
-    /// A matrix with the given entries (row, column, value).
-    fn matrix(size: usize, entries: &[(usize, usize, f64)]) -> SparseMatrix {
+    /// Row, column, value.
+    type Entry = (usize, usize, f64);
+
+    /// A matrix with the given entries.
+    fn matrix(size: usize, entries: &[Entry]) -> SparseMatrix {
         let mut rows = vec![Vec::new(); size];
         entries
             .iter()
@@ -303,7 +306,7 @@ mod tests {
 
     /// A band matrix (contiguous slots), and one with columns all over the place (gathered slots);
     /// sizes that do and do not fill the last block.
-    fn examples() -> Vec<(usize, Vec<(usize, usize, f64)>)> {
+    fn examples() -> Vec<(usize, Vec<Entry>)> {
         let mut examples = Vec::new();
         for size in [3_usize, 16, 29] {
             let value = |row: usize, column: usize| 1.0 + (3 * row + 7 * column) as f64;
@@ -321,7 +324,7 @@ mod tests {
         examples
     }
 
-    fn dense_product(entries: &[(usize, usize, f64)], x: &[f64]) -> Vec<f64> {
+    fn dense_product(entries: &[Entry], x: &[f64]) -> Vec<f64> {
         let mut y = vec![0.0; x.len()];
         entries
             .iter()

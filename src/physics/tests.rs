@@ -130,8 +130,8 @@ fn director_work(form: &DirectorForm, pair: &Pair) -> f64 {
         matrix.multiply_add(1.0, &step[axis], &mut load);
         space.assemble_mass(&form.reaction, &mut reaction);
         reaction.multiply_add(1.0, &step[axis], &mut load);
-        for other in 0..2 {
-            space.add_element_product(&form.tensor[axis + other], &step[other], &mut load);
+        for (other, component) in step.iter().enumerate() {
+            space.add_element_product(&form.tensor[axis + other], component, &mut load);
         }
         work += crate::linalg::vector::dot(&load, &step[axis]);
     }

@@ -8,7 +8,7 @@
 //! the residual is (r₁, r₂).
 
 use crate::fem::{MassInverse, Space};
-use crate::linalg::{Gmres, LinalgError, vector};
+use crate::linalg::{Gmres, LinalgError, LinearOperator, vector};
 use crate::physics::{Effects, MembraneForce, Sample};
 use crate::scene::Iteration;
 
@@ -257,13 +257,7 @@ impl MembraneStep {
         let mut norm = self.evaluate(places, 0)?;
         loop {
             work.newton += 1;
-            self.linearised.assemble(
-                places.space,
-                places.effects,
-                places.old,
-                places.new,
-                limits.iteration,
-            );
+            self.linearise(places, limits.iteration);
             let goal = self.linear_goal(places, limits, norm);
             work.krylov +=
                 self.solve_linearised(places, goal)
@@ -296,9 +290,48 @@ impl MembraneStep {
         }
     }
 
+    /// Assembles the linearised equations at the iterate in `to`.
+    pub(super) fn linearise(&mut self, places: &mut Places<'_>, iteration: Iteration) {
+        let Places {
+            space,
+            effects,
+            old,
+            new,
+            ..
+        } = places;
+        self.linearised
+            .assemble(space, effects, old, new, iteration);
+    }
+
+    /// One application of the preconditioner of the fast path; nothing on the other one.
+    pub(super) fn precondition(&mut self, x: &[f64], y: &mut [f64]) {
+        if let Path::Transform { preconditioner, .. } = &mut self.path {
+            preconditioner.apply(x, y);
+        }
+    }
+
+    /// One application of the linearised operator of the fast path; nothing on the other one.
+    pub(super) fn product(&mut self, space: &Space, dt: f64, x: &[f64], y: &mut [f64]) {
+        if let Path::Transform { scratch, .. } = &mut self.path {
+            let mut operator = ReducedOperator {
+                space,
+                linearised: &self.linearised,
+                mass_inverse: &mut self.mass_inverse,
+                mobility: dt * self.mobility,
+                root_weights: &self.root_weights,
+                scratch,
+            };
+            operator.apply(x, y);
+        }
+    }
+
     /// ω, (natural boundary) μ, and the residuals at the iterate in `to`; returns the norm of
     /// r₁ + Δtγ K M_L⁻¹ r₂ in the norm of M_L⁻¹.
-    fn evaluate(&mut self, places: &mut Places<'_>, iteration: u32) -> Result<f64, StepError> {
+    pub(super) fn evaluate(
+        &mut self,
+        places: &mut Places<'_>,
+        iteration: u32,
+    ) -> Result<f64, StepError> {
         let space = places.space;
         let State { phi, omega, mu, .. } = &mut *places.to;
         self.solve_omega(space, places.effects, places.new, phi, omega);

@@ -8,6 +8,8 @@ mod history;
 mod initial;
 mod linearised;
 mod membrane;
+#[doc(hidden)]
+pub mod phases;
 mod state;
 #[cfg(test)]
 mod tests;

@@ -109,8 +109,7 @@ impl Effect for Nematic {
             let slope = (self.slope)(at(director, point));
             form.load[0][point] += weight * self.stiffness * slope[0];
             form.load[1][point] += weight * self.stiffness * slope[1];
-            form.reaction[0][point] += weight * self.stiffness * self.convexity;
-            form.reaction[2][point] += weight * self.stiffness * self.convexity;
+            form.reaction[point] += weight * self.stiffness * self.convexity;
         }
     }
 

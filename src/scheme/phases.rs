@@ -1,0 +1,119 @@
+//! The phases of a step, one at a time, for benchmarks. None of them moves the state, so each can be
+//! repeated.
+
+use crate::scene::Iteration;
+
+use super::membrane::{MembraneStep, Places};
+use super::{Scheme, StepError, energy_scale};
+
+/// A scheme that stands at the guess of its next step.
+#[derive(Debug)]
+pub struct Phases {
+    scheme: Scheme,
+    dt: f64,
+    vectors: [Vec<f64>; 2],
+}
+
+impl Phases {
+    /// Goes to the guess of the next step of length Δt, where everything is evaluated and linearised
+    /// once.
+    ///
+    /// # Errors
+    /// [`StepError`]: a phase failed.
+    pub fn new(scheme: Scheme, dt: f64) -> Result<Self, StepError> {
+        let vectors = [scheme.state.phi.clone(), scheme.state.phi.clone()];
+        let mut phases = Self {
+            scheme,
+            dt,
+            vectors,
+        };
+        phases.director()?;
+        let Scheme {
+            space,
+            effects,
+            old,
+            new,
+            next,
+            history,
+            t,
+            ..
+        } = &mut phases.scheme;
+        if let Some(director) = &next.director {
+            new.set_director(space, director);
+        }
+        for effect in effects.iter_mut() {
+            effect.begin_membrane(space, old, new);
+        }
+        history.extrapolate(*t + dt, next);
+        phases.evaluate()?;
+        phases.linearise();
+        Ok(phases)
+    }
+
+    /// Substep 1; returns the iterations.
+    ///
+    /// # Errors
+    /// `Director`: the conjugate gradients failed.
+    pub fn director(&mut self) -> Result<u32, StepError> {
+        let Scheme {
+            space,
+            effects,
+            state,
+            next,
+            old,
+            director,
+            solver,
+            ..
+        } = &mut self.scheme;
+        match (director, &state.director, &mut next.director) {
+            (Some(step), Some(from), Some(to)) => {
+                let tolerance = solver.law_tolerance.clamp(1e-14, 1e-8);
+                step.solve(space, effects, old, (self.dt, tolerance), from, to)
+            }
+            _ => Ok(0),
+        }
+    }
+
+    /// ω, μ and the residual of substep 2 at the guess; returns the residual's norm.
+    ///
+    /// # Errors
+    /// `NotFinite`.
+    pub fn evaluate(&mut self) -> Result<f64, StepError> {
+        self.at_guess(|membrane, places| membrane.evaluate(places, 0))
+    }
+
+    /// The assembly of the linearised equations.
+    pub fn linearise(&mut self) {
+        self.at_guess(|membrane, places| membrane.linearise(places, Iteration::Newton));
+    }
+
+    /// One application of the preconditioner.
+    pub fn precondition(&mut self) {
+        let [x, y] = &mut self.vectors;
+        self.scheme.membrane.precondition(x, y);
+    }
+
+    /// One product of the Krylov iteration.
+    pub fn product(&mut self) {
+        let [x, y] = &mut self.vectors;
+        let Scheme {
+            space, membrane, ..
+        } = &mut self.scheme;
+        membrane.product(space, self.dt, x, y);
+    }
+
+    fn at_guess<R>(&mut self, phase: impl FnOnce(&mut MembraneStep, &mut Places<'_>) -> R) -> R {
+        let scheme = &mut self.scheme;
+        let mut places = Places {
+            space: &scheme.space,
+            effects: &mut scheme.effects,
+            old: &scheme.old,
+            new: &mut scheme.new,
+            from: &scheme.state,
+            to: &mut scheme.next,
+            dt: self.dt,
+            energy_scale: energy_scale(&scheme.report.energies),
+        };
+        phase(&mut scheme.membrane, &mut places)
+    }
+}
