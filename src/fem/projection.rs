@@ -3,7 +3,6 @@
 
 use std::sync::Arc;
 
-use super::rule::{POINTS, seven_points};
 use super::{FemError, MassForm, Mesh, Rule, Space};
 use crate::linalg::{ConjugateGradients, LinearOperator, SparseMatrix};
 
@@ -69,19 +68,18 @@ fn values_at_points(space: &Space, given: &impl GivenFunction) -> Vec<f64> {
 
 /// The mean of the function's gradient over every triangle: all that a P1 test function sees.
 fn mean_gradients(space: &Space, given: &impl GivenFunction) -> Vec<[f64; 2]> {
-    let (_, weights) = seven_points();
-    let positions = space.point_positions();
-    let (chunks, _) = positions.as_chunks::<POINTS>();
-    let mean = |places: &[[f64; 2]; POINTS]| {
-        let mut mean = [0.0; 2];
-        for (place, weight) in places.iter().zip(weights) {
-            let gradient = given.at(*place).1;
-            mean[0] += weight * gradient[0];
-            mean[1] += weight * gradient[1];
-        }
-        mean
-    };
-    chunks.iter().map(mean).collect()
+    let (along_x, along_y): (Vec<f64>, Vec<f64>) = space
+        .point_positions()
+        .into_iter()
+        .map(|place| given.at(place).1)
+        .map(|[x, y]| (x, y))
+        .unzip();
+    let [x, y] = [along_x, along_y].map(|component| {
+        let mut means = vec![0.0; space.elements()];
+        space.element_means(&component, &mut means);
+        means
+    });
+    x.iter().zip(y).map(|(x, y)| [*x, y]).collect()
 }
 
 fn sparse(form: &MassForm) -> &SparseMatrix {

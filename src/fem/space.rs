@@ -167,37 +167,30 @@ impl Space {
             .zip(self.mesh.areas().chunks(LANES))
     }
 
-    /// Where the quadrature points of the consistent rule are: those of the first triangle, of the
-    /// second, and so on, in the rule's order; with the lumped rule the nodes.
+    /// Where the quadrature points are (those of weight zero that fill the last group: at the place of
+    /// the last triangle's).
     pub fn point_positions(&self) -> Vec<[f64; 2]> {
-        let nodes = self.mesh.nodes();
-        let place = |triangle: &[u32; 3], weights: &[f64; 3]| {
+        let (nodes, triangles) = (self.mesh.nodes(), self.mesh.triangles());
+        if self.rule == Rule::Lumped {
+            return nodes.to_vec();
+        }
+        let place = |index: usize| {
+            let triangle = index / GROUP * LANES + index % LANES;
+            let corners = triangles[triangle.min(triangles.len() - 1)];
+            let weights = self.coordinates[index % GROUP / LANES];
             [0, 1].map(|axis| {
-                let corners = triangle.iter().zip(weights);
+                let corners = corners.iter().zip(weights);
                 corners
                     .map(|(&node, weight)| weight * nodes[node as usize][axis])
                     .sum()
             })
         };
-        match self.rule {
-            Rule::Lumped => nodes.to_vec(),
-            Rule::Consistent => (self.mesh.triangles().iter())
-                .flat_map(|triangle| self.coordinates.map(|weights| place(triangle, &weights)))
-                .collect(),
-        }
+        (0..self.points()).map(place).collect()
     }
 
     /// The values at the points of a function of the place.
     pub fn sample(&self, f: impl Fn([f64; 2]) -> f64) -> Vec<f64> {
-        let positions = self.point_positions();
-        if self.rule == Rule::Lumped {
-            return positions.into_iter().map(f).collect();
-        }
-        let mut values = vec![0.0; self.points()];
-        for (number, position) in positions.into_iter().enumerate() {
-            values[Self::index(number / POINTS, number % POINTS)] = f(position);
-        }
-        values
+        self.point_positions().into_iter().map(f).collect()
     }
 
     /// The values of a P1 function at the points.
@@ -386,17 +379,20 @@ impl Space {
         }
     }
 
-    /// The mean over each triangle, by the rule, of the product of two P1 functions. The consistent
-    /// rule is exact for it and the lumped one takes the mean of the corners, so no points are needed.
-    pub fn product_means(&self, [u, v]: [&[f64]; 2], means: &mut [f64]) {
-        for (mean, triangle) in means.iter_mut().zip(self.mesh.triangles()) {
-            let u = triangle.map(|node| u[node as usize]);
-            let v = triangle.map(|node| v[node as usize]);
+    /// The mean over each triangle, by the rule, of v⊗v for a P1 vector field v. The consistent rule
+    /// is exact for it and the lumped one takes the mean of the corners, so no points are needed.
+    pub fn mean_squares(&self, [x, y]: [&[f64]; 2], means: &mut [SymmetricTensor]) {
+        let mean = |u: [f64; 3], v: [f64; 3]| {
             let corners = u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
-            *mean = match self.rule {
+            match self.rule {
                 Rule::Lumped => corners / 3.0,
                 Rule::Consistent => ((u[0] + u[1] + u[2]) * (v[0] + v[1] + v[2]) + corners) / 12.0,
-            };
+            }
+        };
+        for (means, triangle) in means.iter_mut().zip(self.mesh.triangles()) {
+            let x = triangle.map(|node| x[node as usize]);
+            let y = triangle.map(|node| y[node as usize]);
+            *means = [mean(x, x), mean(x, y), mean(y, y)];
         }
     }
 

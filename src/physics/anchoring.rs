@@ -16,7 +16,6 @@ pub struct Anchoring {
     /// λ_anch (δ1 |d|² + δ2 d⊗d) of a director, averaged over each triangle.
     tensors: Vec<SymmetricTensor>,
     other_tensors: Vec<SymmetricTensor>,
-    elements: Vec<f64>,
     /// d − dⁿ at the nodes.
     steps: [Vec<f64>; 2],
     differences: Vec<[f64; 2]>,
@@ -34,20 +33,14 @@ impl Anchoring {
             },
             tensors: vec![[0.0; 3]; space.elements()],
             other_tensors: vec![[0.0; 3]; space.elements()],
-            elements: vec![0.0; space.elements()],
             steps: [vec![0.0; space.nodes()], vec![0.0; space.nodes()]],
             differences: vec![[0.0; 2]; space.elements()],
         }
     }
 
     /// other_tensors ← λ_anch (δ1 |v|² + δ2 v⊗v) averaged over each triangle, for a P1 vector field.
-    fn fill_other_tensors(&mut self, space: &Space, [x, y]: [&[f64]; 2]) {
-        for (entry, factors) in [[x, x], [x, y], [y, y]].into_iter().enumerate() {
-            space.product_means(factors, &mut self.elements);
-            for (tensor, mean) in self.other_tensors.iter_mut().zip(&self.elements) {
-                tensor[entry] = *mean;
-            }
-        }
+    fn fill_other_tensors(&mut self, space: &Space, field: [&[f64]; 2]) {
+        space.mean_squares(field, &mut self.other_tensors);
         let [isotropic, along] = self.preference.map(|delta| self.weight * delta);
         for [xx, xy, yy] in &mut self.other_tensors {
             let square = isotropic * (*xx + *yy);

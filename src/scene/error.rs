@@ -89,6 +89,11 @@ pub enum Problem {
         /// What needs it.
         owner: String,
     },
+    /// The cosine transform was asked for where it does not apply.
+    #[error(
+        "solver.linear = \"transform\" needs mesh.jitter = 0 and domain.boundary = \"natural\"; leave it out, or take \"factor\""
+    )]
+    TransformDoesNotApply,
     /// Two keys of which only one can be there.
     #[error("{first} and {second} exclude each other: give one of them")]
     Conflict {

@@ -5,8 +5,8 @@ use super::error::{Problem, SceneError};
 use super::expression::Expression;
 use super::keys;
 use super::model::{
-    Anchoring, AnchoringKind, Area, Boundary, Defect, InitialDirector, Membrane, Mesh, Nematic,
-    NodalValues, ScalarField, Scene, Solver, Time,
+    Anchoring, AnchoringKind, Area, Boundary, Defect, InitialDirector, LinearMethod, Membrane,
+    Mesh, Nematic, NodalValues, ScalarField, Scene, Solver, Time,
 };
 use super::names::{ANCHORINGS, BOUNDARIES, ITERATIONS, LINEAR_METHODS, QUADRATURES, name_of};
 use super::nodal_file;
@@ -84,6 +84,7 @@ impl Scene {
             solver: read_solver(&top.table("solver")?)?,
         };
         check_anchoring(&scene, &top)?;
+        check_transform(&scene, &top)?;
         Ok(scene)
     }
 }
@@ -329,6 +330,19 @@ fn check_anchoring(scene: &Scene, top: &Reader<'_>) -> Result<(), SceneError> {
         (Some(kind), _) => Err(kind.error(problem)),
         (None, Some(table)) => Err(table.key_error(problem)),
         (None, None) => Ok(()),
+    }
+}
+
+/// The transform is for the regular mesh and the natural boundary.
+fn check_transform(scene: &Scene, top: &Reader<'_>) -> Result<(), SceneError> {
+    let Mesh::Structured { jitter, .. } = scene.mesh;
+    let applies = jitter == 0.0 && scene.boundary == Boundary::Natural;
+    if applies || scene.solver.linear != LinearMethod::Transform {
+        return Ok(());
+    }
+    match top.table("solver")?.get("linear") {
+        Some(linear) => Err(linear.error(Problem::TransformDoesNotApply)),
+        None => Ok(()),
     }
 }
 
