@@ -378,7 +378,7 @@ impl MembraneStep {
         Err(StepError::NotFinite { place, iteration })
     }
 
-    /// To what norm the linearised system is solved: to a tenth of what the energy law allows (by
+    /// To what norm the linearised system is solved: to what the energy law allows (by
     /// the inequality of Cauchy and Schwarz for r₁ᵀμ), but at least by a factor of ten and not
     /// further than Newton's method can use.
     fn linear_goal(&mut self, places: &Places<'_>, limits: Limits, norm: f64) -> f64 {

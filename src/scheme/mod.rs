@@ -30,7 +30,9 @@ pub use error::StepError;
 pub use initial::{InitialError, initial_fields};
 pub use state::{State, StepReport};
 
-/// Degree of the polynomials by which the guess of a step is extrapolated.
+/// Degree of the polynomials by which the guess of a step is extrapolated. At Table 1 with lumped
+/// quadrature a step takes 31 Krylov iterations with degree 1, 21 with 2, 7 with 3 and 9 with 4, where
+/// what the tolerance leaves of earlier steps is amplified.
 const EXTRAPOLATION: usize = 3;
 
 /// The scheme on a mesh with the effects of a scene, and the state that it has reached.

@@ -137,7 +137,7 @@ impl Simulation {
     pub fn advance(&mut self) -> Result<&Report, SimulationError> {
         let step = self.report.step + 1;
         let dt = self.scene.time.step;
-        let t = step as f64 * dt;
+        let t = grid_time(step, dt);
         let solved = self
             .scheme
             .step(dt)
@@ -208,5 +208,29 @@ impl Simulation {
         } else {
             "factor"
         }
+    }
+}
+
+/// t_n = n Δt. Where 1/Δt is a whole number n is divided by it, so that t prints as one expects:
+/// 1.5e-5, not 1.4999999999999999e-5.
+fn grid_time(step: u64, dt: f64) -> f64 {
+    let steps_a_unit = dt.recip().round();
+    if (steps_a_unit * dt - 1.0).abs() < 1e-14 {
+        step as f64 / steps_a_unit
+    } else {
+        step as f64 * dt
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_of_the_grid_are_the_nearest_numbers() {
+        assert_eq!(grid_time(150, 1e-7), 1.5e-5);
+        assert_eq!(grid_time(782, 1e-6), 7.82e-4);
+        assert_eq!(grid_time(3, 0.3), 3.0 * 0.3);
+        assert_eq!(grid_time(0, 1e-7), 0.0);
     }
 }
