@@ -236,6 +236,11 @@ impl Space {
         vector::dot(&self.weights, density)
     }
 
+    /// ∫ f(u) for a function u at the points.
+    pub fn integrate_of(&self, u: &[f64], f: impl Fn(f64) -> f64) -> f64 {
+        vector::weighted_sum(&self.weights, u, f)
+    }
+
     /// ∫ f for a density on the triangles.
     pub fn integrate_elements(&self, density: &[f64]) -> f64 {
         vector::dot(self.mesh.areas(), density)

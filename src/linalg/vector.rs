@@ -46,6 +46,21 @@ pub fn weighted_square(x: &[f64], weights: &[f64]) -> f64 {
     fold(lanes) + rest
 }
 
+/// Σ w_i f(x_i).
+pub fn weighted_sum(weights: &[f64], x: &[f64], f: impl Fn(f64) -> f64) -> f64 {
+    assert_eq!(x.len(), weights.len());
+    let mut lanes = [0.0; LANES];
+    let (x_chunks, x_rest) = x.as_chunks::<LANES>();
+    let (w_chunks, w_rest) = weights.as_chunks::<LANES>();
+    for (a, w) in x_chunks.iter().zip(w_chunks) {
+        for lane in 0..LANES {
+            lanes[lane] += w[lane] * f(a[lane]);
+        }
+    }
+    let rest: f64 = x_rest.iter().zip(w_rest).map(|(a, w)| w * f(*a)).sum();
+    fold(lanes) + rest
+}
+
 /// y ← y + a x.
 pub fn add_scaled(y: &mut [f64], a: f64, x: &[f64]) {
     assert_eq!(x.len(), y.len());

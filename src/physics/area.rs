@@ -9,14 +9,10 @@ use crate::fem::Space;
 use crate::scene::{self, Iteration};
 
 /// B(φ) = ∫ (ε/2 |∇φ|² + F(φ)/ε): 2√2/3 times the length of the membrane for a tanh profile.
-/// `scratch` holds a value for each point.
-pub fn surface_area(space: &Space, at: &Sample, width: f64, scratch: &mut [f64]) -> f64 {
-    for (density, phi) in scratch.iter_mut().zip(&at.phi) {
-        *density = double_well(*phi);
-    }
+pub fn surface_area(space: &Space, at: &Sample, width: f64) -> f64 {
     let gradients = at.phi_gradient.iter().zip(space.mesh().areas());
     let squares: f64 = gradients.map(|([x, y], area)| area * (x * x + y * y)).sum();
-    0.5 * width * squares + space.integrate(scratch) / width
+    0.5 * width * squares + space.integrate_of(&at.phi, double_well) / width
 }
 
 /// The penalty of the surface area.
@@ -37,14 +33,13 @@ pub struct Area {
 impl Area {
     /// η of a scene, and β as its fraction of B(φ⁰).
     pub fn new(area: &scene::Area, interface_width: f64, space: &Space, initial: &Sample) -> Self {
-        let mut scratch = vec![0.0; space.points()];
-        let initial_area = surface_area(space, initial, interface_width, &mut scratch);
+        let initial_area = surface_area(space, initial, interface_width);
         Self {
             interface_width,
             penalty: area.penalty,
             target: area.target * initial_area,
             old_area: initial_area,
-            scratch,
+            scratch: vec![0.0; space.points()],
             flux: vec![[0.0; 2]; space.elements()],
             rank_one: RankOne {
                 scale: 0.0,
@@ -56,8 +51,8 @@ impl Area {
     }
 
     /// (1/η)((B(φ) + B(φⁿ))/2 − β): the tension that the penalty puts on the membrane.
-    fn tension(&mut self, space: &Space, new: &Sample) -> f64 {
-        let area = surface_area(space, new, self.interface_width, &mut self.scratch);
+    fn tension(&self, space: &Space, new: &Sample) -> f64 {
+        let area = surface_area(space, new, self.interface_width);
         (0.5 * (area + self.old_area) - self.target) / self.penalty
     }
 }
@@ -68,12 +63,12 @@ impl Effect for Area {
     }
 
     fn energy(&mut self, space: &Space, at: &Sample) -> f64 {
-        let excess = surface_area(space, at, self.interface_width, &mut self.scratch) - self.target;
+        let excess = surface_area(space, at, self.interface_width) - self.target;
         excess * excess / (2.0 * self.penalty)
     }
 
     fn begin_membrane(&mut self, space: &Space, old: &Sample, _new: &Sample) {
-        self.old_area = surface_area(space, old, self.interface_width, &mut self.scratch);
+        self.old_area = surface_area(space, old, self.interface_width);
     }
 
     /// tension · [ε/2 (∇(φ + φⁿ), ∇ψ) + (1/ε)(F_sec, ψ)]: the bracket is an exact secant of B, so

@@ -59,18 +59,18 @@ impl Bending {
         self.interface_width
     }
 
-    /// out ← f(point, ε k).
+    /// Calls f(point, ε k, out) for every point.
     #[inline(always)]
-    fn at_points(curved: &Option<Vec<f64>>, out: &mut [f64], f: impl Fn(usize, f64) -> f64) {
+    fn at_points(curved: &Option<Vec<f64>>, out: &mut [f64], f: impl Fn(usize, f64, &mut f64)) {
         match curved {
             None => {
                 for (point, out) in out.iter_mut().enumerate() {
-                    *out = f(point, 0.0);
+                    f(point, 0.0, out);
                 }
             }
             Some(curved) => {
                 for (point, (out, curved)) in out.iter_mut().zip(curved).enumerate() {
-                    *out = f(point, *curved);
+                    f(point, *curved, out);
                 }
             }
         }
@@ -80,8 +80,8 @@ impl Bending {
     pub fn omega_load(&mut self, space: &Space, at: &Sample, load: &mut [f64]) {
         let scale = (self.interface_width * self.interface_width).recip();
         let phi = &at.phi[..self.scratch.len()];
-        Self::at_points(&self.curved, &mut self.scratch, |point, curved| {
-            scale * bending_slope(phi[point], curved)
+        Self::at_points(&self.curved, &mut self.scratch, |point, curved, out| {
+            *out = scale * bending_slope(phi[point], curved);
         });
         load.fill(0.0);
         space.add_flux(&at.phi_gradient, load);
@@ -92,13 +92,13 @@ impl Bending {
     pub fn secant(&self, old: &Sample, new: &Sample, out: &mut [f64]) {
         let scale = self.interface_width.recip();
         let (phi, phi_old) = (&new.phi[..out.len()], &old.phi[..out.len()]);
-        Self::at_points(&self.curved, out, |point, curved| {
-            scale * bending_secant(phi[point], phi_old[point], curved)
+        Self::at_points(&self.curved, out, |point, curved, out| {
+            *out = scale * bending_secant(phi[point], phi_old[point], curved);
         });
         #[cfg(test)]
         if let Some(wrong) = self.wrong_secant {
-            Self::at_points(&self.curved, out, |point, curved| {
-                scale * wrong(phi[point], phi_old[point], curved)
+            Self::at_points(&self.curved, out, |point, curved, out| {
+                *out = scale * wrong(phi[point], phi_old[point], curved);
             });
         }
     }
@@ -107,8 +107,8 @@ impl Bending {
     pub fn tangent(&self, new: &Sample, out: &mut [f64]) {
         let scale = self.interface_width.recip();
         let phi = &new.phi[..out.len()];
-        Self::at_points(&self.curved, out, |point, curved| {
-            scale * bending_tangent(phi[point], curved)
+        Self::at_points(&self.curved, out, |point, curved, out| {
+            *out = scale * bending_tangent(phi[point], curved);
         });
     }
 }
@@ -119,10 +119,7 @@ impl Effect for Bending {
     }
 
     fn energy(&mut self, space: &Space, at: &Sample) -> f64 {
-        for (density, omega) in self.scratch.iter_mut().zip(&at.omega) {
-            *density = omega * omega;
-        }
-        0.5 * self.interface_width * space.integrate(&self.scratch)
+        0.5 * self.interface_width * space.integrate_of(&at.omega, |omega| omega * omega)
     }
 
     fn add_membrane_force(
@@ -156,21 +153,14 @@ impl Effect for Bending {
             return;
         }
         let scale = self.interface_width.recip();
-        let (phi, phi_old) = (
-            &new.phi[..self.scratch.len()],
-            &old.phi[..self.scratch.len()],
-        );
-        Self::at_points(&self.curved, &mut self.scratch, |point, curved| {
-            scale * bending_secant_slope(phi[point], phi_old[point], curved)
+        let reaction = &mut linearisation.reaction;
+        let points = reaction.len();
+        let (phi, phi_old) = (&new.phi[..points], &old.phi[..points]);
+        let omega = &new.omega[..points];
+        Self::at_points(&self.curved, reaction, |point, curved, reaction| {
+            let slope = bending_secant_slope(phi[point], phi_old[point], curved);
+            *reaction += scale * slope * omega[point];
         });
-        let terms = linearisation
-            .reaction
-            .iter_mut()
-            .zip(&self.scratch)
-            .zip(&new.omega);
-        for ((reaction, slope), omega) in terms {
-            *reaction += slope * omega;
-        }
     }
 
     /// Δt ND_ω = ε/2 ‖ω − ωⁿ‖².

@@ -156,15 +156,18 @@ impl DirectorStep {
         space
             .mass()
             .add_to(inertia, &assembly.diagonal, &mut x_block.values);
+        space.assemble_mass(&self.form.reaction, &mut self.reaction);
+        self.reaction
+            .add_to(1.0, &assembly.diagonal, &mut x_block.values);
         y_block.values.copy_from_slice(&x_block.values);
         let [xx, xy, yy] = &self.form.tensor;
-        for (block, tensor) in [(x_block, xx), (y_block, yy)] {
-            space.assemble_mass(&self.form.reaction, &mut self.reaction);
-            if self.form.has_tensor {
+        if self.form.has_tensor {
+            for (block, tensor) in [(x_block, xx), (y_block, yy)] {
+                self.reaction.clear();
                 space.add_element_mass(tensor, &mut self.reaction);
+                self.reaction
+                    .add_to(1.0, &assembly.diagonal, &mut block.values);
             }
-            self.reaction
-                .add_to(1.0, &assembly.diagonal, &mut block.values);
         }
         self.system.coupled = self.form.has_tensor;
         if self.system.coupled {

@@ -52,7 +52,6 @@ pub struct Scheme {
     t: f64,
     report: StepReport,
     next_report: StepReport,
-    points: Vec<f64>,
 }
 
 impl Scheme {
@@ -97,7 +96,6 @@ impl Scheme {
             mu: zeros,
             director,
         };
-        let points = vec![0.0; space.points()];
         let mut scheme = Self {
             next: state.clone(),
             new: old.clone(),
@@ -112,7 +110,6 @@ impl Scheme {
             t: 0.0,
             report: StepReport::default(),
             next_report: StepReport::default(),
-            points,
         };
         scheme.start();
         Ok(scheme)
@@ -128,13 +125,7 @@ impl Scheme {
         }
         self.membrane
             .solve_mu(&self.space, &mut self.effects, &self.old, mu);
-        measure(
-            &self.space,
-            &mut self.effects,
-            &self.old,
-            &mut self.points,
-            &mut self.report,
-        );
+        measure(&self.space, &mut self.effects, &self.old, &mut self.report);
         self.report.phase_integral = self.space.integrate_nodal(&self.state.phi);
         self.history.push(self.t, &self.state);
     }
@@ -276,13 +267,7 @@ impl Scheme {
     /// The energies of the new state and every term of (3.26); refuses a step whose law is broken.
     fn close_books(&mut self, dt: f64, report: &mut StepReport) -> Result<(), StepError> {
         let space = &self.space;
-        measure(
-            space,
-            &mut self.effects,
-            &self.new,
-            &mut self.points,
-            report,
-        );
+        measure(space, &mut self.effects, &self.new, report);
         report.phase_integral = space.integrate_nodal(&self.next.phi);
         let ledger = &mut report.ledger;
         ledger.clear();
@@ -335,18 +320,12 @@ fn energy_scale(energies: &[NamedValue]) -> f64 {
 }
 
 /// The energies and B of a sampled state.
-fn measure(
-    space: &Space,
-    effects: &mut Effects,
-    at: &Sample,
-    points: &mut [f64],
-    report: &mut StepReport,
-) {
+fn measure(space: &Space, effects: &mut Effects, at: &Sample, report: &mut StepReport) {
     report.energies.clear();
     for effect in effects.iter_mut() {
         let (name, value) = (effect.name(), effect.energy(space, at));
         report.energies.push(NamedValue { name, value });
     }
     report.total_energy = report.energies.iter().map(|energy| energy.value).sum();
-    report.surface_area = surface_area(space, at, effects.bending.interface_width(), points);
+    report.surface_area = surface_area(space, at, effects.bending.interface_width());
 }
