@@ -4,61 +4,40 @@
 /// Lanes of a sum: one 512-bit register of f64, twice, to hide the latency of an addition.
 const LANES: usize = 16;
 
-/// Σ x_i y_i.
-pub fn dot(x: &[f64], y: &[f64]) -> f64 {
+/// Σ f(x_i, y_i): the loop that all sums share.
+#[inline(always)]
+fn sum_pairs(x: &[f64], y: &[f64], f: impl Fn(f64, f64) -> f64) -> f64 {
     assert_eq!(x.len(), y.len());
     let mut lanes = [0.0; LANES];
     let (x_chunks, x_rest) = x.as_chunks::<LANES>();
     let (y_chunks, y_rest) = y.as_chunks::<LANES>();
     for (a, b) in x_chunks.iter().zip(y_chunks) {
         for lane in 0..LANES {
-            lanes[lane] += a[lane] * b[lane];
+            lanes[lane] += f(a[lane], b[lane]);
         }
     }
-    let rest: f64 = x_rest.iter().zip(y_rest).map(|(a, b)| a * b).sum();
+    let rest: f64 = x_rest.iter().zip(y_rest).map(|(a, b)| f(*a, *b)).sum();
     fold(lanes) + rest
+}
+
+/// Σ x_i y_i.
+pub fn dot(x: &[f64], y: &[f64]) -> f64 {
+    sum_pairs(x, y, |x, y| x * y)
 }
 
 /// Σ x_i.
 pub fn sum(x: &[f64]) -> f64 {
-    let mut lanes = [0.0; LANES];
-    let (chunks, rest) = x.as_chunks::<LANES>();
-    for a in chunks {
-        for lane in 0..LANES {
-            lanes[lane] += a[lane];
-        }
-    }
-    fold(lanes) + rest.iter().sum::<f64>()
+    sum_pairs(x, x, |x, _| x)
 }
 
 /// Σ w_i x_i².
 pub fn weighted_square(x: &[f64], weights: &[f64]) -> f64 {
-    assert_eq!(x.len(), weights.len());
-    let mut lanes = [0.0; LANES];
-    let (x_chunks, x_rest) = x.as_chunks::<LANES>();
-    let (w_chunks, w_rest) = weights.as_chunks::<LANES>();
-    for (a, w) in x_chunks.iter().zip(w_chunks) {
-        for lane in 0..LANES {
-            lanes[lane] += w[lane] * a[lane] * a[lane];
-        }
-    }
-    let rest: f64 = x_rest.iter().zip(w_rest).map(|(a, w)| w * a * a).sum();
-    fold(lanes) + rest
+    sum_pairs(x, weights, |x, weight| weight * x * x)
 }
 
 /// Σ w_i f(x_i).
 pub fn weighted_sum(weights: &[f64], x: &[f64], f: impl Fn(f64) -> f64) -> f64 {
-    assert_eq!(x.len(), weights.len());
-    let mut lanes = [0.0; LANES];
-    let (x_chunks, x_rest) = x.as_chunks::<LANES>();
-    let (w_chunks, w_rest) = weights.as_chunks::<LANES>();
-    for (a, w) in x_chunks.iter().zip(w_chunks) {
-        for lane in 0..LANES {
-            lanes[lane] += w[lane] * f(a[lane]);
-        }
-    }
-    let rest: f64 = x_rest.iter().zip(w_rest).map(|(a, w)| w * f(*a)).sum();
-    fold(lanes) + rest
+    sum_pairs(weights, x, |weight, x| weight * f(x))
 }
 
 /// y ← y + a x.

@@ -31,7 +31,7 @@ pub use initial::{InitialError, initial_fields};
 pub use state::{State, StepReport};
 
 /// Degree of the polynomials by which the guess of a step is extrapolated. At Table 1 with lumped
-/// quadrature a step takes 31 Krylov iterations with degree 1, 21 with 2, 7 with 3 and 9 with 4, where
+/// quadrature the 50th step takes 31 Krylov iterations with degree 1, 21 with 2, 7 with 3 and 9 with 4, where
 /// what the tolerance leaves of earlier steps is amplified.
 const EXTRAPOLATION: usize = 3;
 
@@ -207,9 +207,7 @@ impl Scheme {
             &self.state.director,
             &mut self.next.director,
         ) {
-            // Relative to the force: its work is a small part of the energy, so that the energy law
-            // misses by far less than its tolerance.
-            let tolerance = self.solver.law_tolerance.clamp(1e-14, 1e-8);
+            let tolerance = director_tolerance(&self.solver);
             report.director_iterations = step.solve(
                 space,
                 &mut self.effects,
@@ -308,6 +306,12 @@ impl Scheme {
         }
         Ok(())
     }
+}
+
+/// The relative residual to which substep 1 is solved. It is relative to the force, whose work is a
+/// small part of the energy, so the energy law misses by far less than its tolerance.
+fn director_tolerance(solver: &Solver) -> f64 {
+    solver.law_tolerance.clamp(1e-14, 1e-8)
 }
 
 /// S: the sum of the absolute energies.

@@ -4,7 +4,7 @@
 use crate::scene::Iteration;
 
 use super::membrane::{MembraneStep, Places};
-use super::{Scheme, StepError, energy_scale};
+use super::{Scheme, StepError, director_tolerance, energy_scale};
 
 /// A scheme that stands at the guess of its next step.
 #[derive(Debug)]
@@ -67,7 +67,7 @@ impl Phases {
         } = &mut self.scheme;
         match (director, &state.director, &mut next.director) {
             (Some(step), Some(from), Some(to)) => {
-                let tolerance = solver.law_tolerance.clamp(1e-14, 1e-8);
+                let tolerance = director_tolerance(solver);
                 step.solve(space, effects, old, (self.dt, tolerance), from, to)
             }
             _ => Ok(0),
