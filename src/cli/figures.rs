@@ -12,7 +12,7 @@ use crate::figure::{
 use crate::record::{
     IfOccupied, Preparation, RecordError, RecordedRun, RunFolder, Settings, load_scene, read_run,
 };
-use crate::scene::Scene;
+use crate::scene::{Scene, preset};
 use crate::simulation::Simulation;
 use indicatif::MultiProgress;
 use std::ffi::{OsStr, OsString};
@@ -110,7 +110,7 @@ pub(super) fn figures(arguments: &Arguments) -> Result<(), CliError> {
     let mut runs = Vec::new();
     for source in sources {
         let run = match source {
-            Source::Run { name, run } => (name, run),
+            Source::Run { name, run } => (name, *run),
             Source::Scene { .. } => match jobs_left.next() {
                 // A run whose record does not reach to its first row has nothing to draw.
                 Some((job, Outcome::Failed(_))) => match read_run(job.folder.path()) {
@@ -161,13 +161,15 @@ enum Source {
     /// A scene that is to be simulated.
     Scene { name: String, scene: Box<Scene> },
     /// A run that was simulated.
-    Run { name: String, run: RecordedRun },
+    Run { name: String, run: Box<RecordedRun> },
 }
 
 impl Source {
     fn find(source: &OsStr, overrides: &[String]) -> Result<Source, CliError> {
         let path = Path::new(source);
-        if path.is_dir() {
+        // A preset's name is the preset, as everywhere; a folder of that name is `./NAME`.
+        let is_preset = source.to_str().is_some_and(|name| preset(name).is_some());
+        if !is_preset && path.is_dir() {
             if !overrides.is_empty() {
                 return Err(CliError::SetInRun {
                     folder: path.to_owned(),
@@ -178,7 +180,7 @@ impl Source {
             let name = whole.file_name().unwrap_or(OsStr::new("run"));
             return Ok(Source::Run {
                 name: name.to_string_lossy().into_owned(),
-                run: read_run(path)?,
+                run: Box::new(read_run(path)?),
             });
         }
         let loaded = load_scene(source, overrides)?;

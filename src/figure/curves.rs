@@ -14,6 +14,8 @@ const LEAST_WIDTH: f64 = 14.0;
 /// Plots beside each other.
 const MOST_COLUMNS: usize = 3;
 const TICK: f64 = 0.28;
+/// Between a tick and its number below, in sizes of the text: the lowest number at the left has room.
+const NUMBER_GAP: f64 = 0.42;
 
 /// A line in a plot.
 #[derive(Debug, Clone, PartialEq)]
@@ -82,17 +84,18 @@ pub(super) fn draw(
         .zip(&axes)
         .map(|(plot, axis)| {
             let name = axis.name(plot.name.clone()).and_label(plot.note.clone());
-            name.wrapped(size, cell)
+            name.wrapped(size, inner + overhang)
         })
         .collect();
     for first in (0..plots.len()).step_by(columns) {
         let row = first..(first + columns).min(plots.len());
         let lines = names[row.clone()].iter().map(Vec::len).max().unwrap_or(1);
-        let names_height = 1.1 * line_height(size) * lines as f64;
+        let names_height = line_height(size) * lines as f64;
         for (column, number) in row.enumerate() {
             let left = margin + column as f64 * (cell + gap);
             for (line, name) in names[number].iter().enumerate() {
-                let at = [left, top + 1.1 * line_height(size) * line as f64];
+                // Over the plot, where no number of an axis is in the way.
+                let at = [left + left_room, top + line_height(size) * line as f64];
                 drawing.label(name, size, at, Across::Left, Along::Top);
             }
             let place = Rectangle {
@@ -111,7 +114,7 @@ pub(super) fn draw(
         }
         top += names_height
             + ASPECT * cell
-            + (TICK + 0.4) * size
+            + (TICK + NUMBER_GAP + 0.25) * size
             + 2.0 * line_height(size)
             + 0.8 * size;
     }
@@ -133,9 +136,9 @@ fn draw_keys(drawing: &mut Drawing, keys: &[Key], top: f64, margin: f64, size: f
             .fold(0.0, f64::max);
         if x > margin && x + sample + space + widest > width - margin {
             x = margin;
-            y += 1.1 * line_height(size);
+            y += line_height(size);
         }
-        let middle = y + 0.44 * size;
+        let middle = y + 0.56 * size;
         drawing.line(
             vec![[x, middle], [x + sample, middle]],
             1.6 * stroke(size),
@@ -210,7 +213,7 @@ fn draw_plot(
             thin,
             Colour::BLACK,
         );
-        let at = [x, place.bottom + tick + 0.15 * size];
+        let at = [x, place.bottom + tick + NUMBER_GAP * size];
         drawing.label(&time.label(t), size, at, Across::Middle, Along::Top);
     }
     for &tick_value in &value.ticks {
@@ -231,7 +234,7 @@ fn draw_plot(
     }
     let at = [
         0.5 * (place.left + place.right),
-        place.bottom + tick + 0.4 * size + line_height(size),
+        place.bottom + tick + (NUMBER_GAP + 0.25) * size + line_height(size),
     ];
     drawing.label(
         &time.name(Label::symbol("t")),
@@ -319,6 +322,9 @@ fn dashes(points: &[[f64; 2]], on: f64, off: f64) -> Vec<Vec<[f64; 2]>> {
     if is_on && piece.len() > 1 {
         pieces.push(piece);
     }
+    // What rounding leaves at the end of a dash is none.
+    let length = |[x, y]: [f64; 2], to: &[f64; 2]| (to[0] - x).hypot(to[1] - y);
+    pieces.retain(|piece| length(piece[0], &piece[piece.len() - 1]) > 1e-6);
     pieces
 }
 

@@ -18,6 +18,8 @@ const LEAST_SAMPLES: f64 = 480.0;
 const ARROW: f64 = 0.82;
 /// No arrow is longer, in steps of its lattice.
 const LONGEST: f64 = 1.3;
+/// How much finer than the lattice the inside is known.
+const FINER: usize = 8;
 /// Shorter ones are not drawn: they have no direction to see.
 const SHORTEST: f64 = 0.05;
 
@@ -125,6 +127,14 @@ fn draw_director(
     let cells = (place.width() / (0.42 * style.size)).clamp(10.0, 34.0) as usize;
     let spacing = place.width() / cells as f64;
     let [x, y] = director;
+    let inside = sample(mesh, [phi], FINER * cells, FINER * cells);
+    // Whether φ > 0 there, to a fraction of the lattice's step.
+    let is_inside = |point: [f64; 2]| {
+        let steps = |offset: f64| (FINER as f64 * offset / spacing).max(0.0) as usize;
+        let (column, row) = (steps(point[0] - place.left), steps(point[1] - place.top));
+        let number = (FINER * cells * row + column).min(inside.len() - 1);
+        inside[number][0] > 0.0
+    };
     for (number, [phi, dx, dy]) in sample(mesh, [phi, x, y], cells, cells)
         .into_iter()
         .enumerate()
@@ -142,11 +152,15 @@ fn draw_director(
         let half = 0.5 * spacing * (ARROW * length).min(LONGEST) / length;
         // y points down in a picture.
         let step = [dx * half, -dy * half];
+        // What belongs to the inside does not reach over the membrane.
+        let ends = [-1.0, 1.0].map(|sign| [0, 1].map(|i| center[i] + sign * step[i]));
+        if !ends.into_iter().all(is_inside) {
+            continue;
+        }
         match style.director {
             Director::Arrows => draw_arrow(drawing, center, step, style),
             Director::Strokes | Director::Off => {
-                let [from, to] = [-1.0, 1.0].map(|sign| [0, 1].map(|i| center[i] + sign * step[i]));
-                drawing.line(vec![from, to], style.stroke(), Colour::BLACK);
+                drawing.line(ends.to_vec(), style.stroke(), Colour::BLACK);
             }
         }
     }
@@ -180,8 +194,10 @@ fn draw_arrow(drawing: &mut Drawing, center: [f64; 2], step: [f64; 2], style: &S
 
 /// How long ticks are, in sizes of the text.
 const TICK: f64 = 0.28;
-/// Between a tick and its number.
+/// Between a tick and its number at the side.
 const TICK_GAP: f64 = 0.25;
+/// Between a tick and its number below.
+const NUMBER_GAP: f64 = 0.1;
 
 /// The room that the numbers of the y axis take at the left of a picture.
 pub(super) fn left_room(size: f64) -> f64 {
@@ -190,7 +206,7 @@ pub(super) fn left_room(size: f64) -> f64 {
 
 /// The room that the numbers of the x axis take below a picture.
 pub(super) fn lower_room(size: f64) -> f64 {
-    super::text::line_height(size) + (TICK + 0.15) * size
+    super::text::line_height(size) + (TICK + NUMBER_GAP) * size
 }
 
 /// Ticks at the square's left and lower side, with numbers where they are asked for. Ω = [0,1]².
@@ -212,7 +228,7 @@ pub(super) fn draw_axes(drawing: &mut Drawing, place: Rectangle, size: f64, numb
             Colour::BLACK,
         );
         if numbers.below {
-            let at = [x, place.bottom + tick + 0.15 * size];
+            let at = [x, place.bottom + tick + NUMBER_GAP * size];
             drawing.label(&Label::text(name), size, at, Across::Middle, Along::Top);
         }
         if numbers.left {
@@ -224,7 +240,7 @@ pub(super) fn draw_axes(drawing: &mut Drawing, place: Rectangle, size: f64, numb
     if numbers.below {
         let at = [
             place.left + 0.75 * place.width(),
-            place.bottom + tick + 0.15 * size,
+            place.bottom + tick + NUMBER_GAP * size,
         ];
         drawing.label(&Label::symbol("x"), size, at, Across::Middle, Along::Top);
     }
@@ -246,19 +262,29 @@ pub(super) struct Numbers {
 
 /// The ticks of a colour bar that is `height` high.
 pub(super) fn bar_axis(scale: &Scale, height: f64, size: f64) -> Axis {
+    let most = (height / (2.2 * size)) as usize;
     Axis::new(
         scale.range(),
-        ((height / (2.2 * size)) as usize).clamp(2, 6),
+        most.clamp(*BAR_TICKS.start(), *BAR_TICKS.end()),
     )
 }
 
 /// The room that a colour bar takes, from its left side to the end of its numbers.
-pub(super) fn bar_room(scale: &Scale, height: f64, size: f64, name: &Label) -> f64 {
-    let axis = bar_axis(scale, height, size);
-    let widths = axis.ticks.iter().map(|tick| axis.label(*tick).width(size));
-    let numbers = widths.fold(0.0, f64::max) + (BAR + TICK + TICK_GAP) * size;
-    numbers.max(axis.name(name.clone()).width(size))
+///
+/// How high it is, and so which numbers it has, depends on the room for the pictures beside it: there
+/// is room for the numbers of any height.
+pub(super) fn bar_room(scale: &Scale, size: f64, name: &Label) -> f64 {
+    let room = |most: usize| {
+        let axis = Axis::new(scale.range(), most);
+        let widths = axis.ticks.iter().map(|tick| axis.label(*tick).width(size));
+        let numbers = widths.fold(0.0, f64::max) + (BAR + TICK + TICK_GAP) * size;
+        numbers.max(axis.name(name.clone()).width(size))
+    };
+    BAR_TICKS.map(room).fold(0.0, f64::max)
 }
+
+/// Ticks of a colour bar, at most.
+const BAR_TICKS: std::ops::RangeInclusive<usize> = 2..=6;
 
 /// The width of a colour bar, in sizes of the text.
 const BAR: f64 = 0.9;
@@ -319,7 +345,8 @@ pub(super) fn scale<'a>(
             bound = bound.max(value.abs());
         }
     }
-    if bound == 0.0 {
+    if bound == 0.0 || (field == Field::Phase && (0.5..1.0).contains(&bound)) {
+        // φ is about ±1 in a vesicle and around it: the bar reaches there.
         bound = 1.0;
     }
     match is_signed {

@@ -121,12 +121,12 @@ fn energy_symbol(column: &str) -> Label {
 /// ∫φ against its first value, and B with β.
 fn volume_and_area(runs: &[RunData]) -> Vec<Scalar> {
     let phase = Label::text("∫").and_symbol("φ");
-    let name = phase
-        .clone()
-        .and(" − (")
+    let start = phase.clone().above("0");
+    let name = Label::text("(")
         .and_label(phase)
-        .and(")")
-        .below("t=0");
+        .and(" − ")
+        .and_label(start)
+        .and(")");
     let mut drift = Scalar::new(runs, "A", name);
     drift.column = "A_drift".to_owned();
     for values in drift.values.iter_mut().flatten() {

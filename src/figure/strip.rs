@@ -41,8 +41,7 @@ pub(super) fn draw(strips: &[Strip], options: &FigureOptions) -> Drawing {
     };
     let name = Label::symbol("φ");
     let (width, margin, gap) = (f64::from(options.width), 0.7 * size, 1.3 * size);
-    // The height does not matter for numbers between −1 and 1.
-    let bar = panel::bar_room(&scale, 8.0 * size, size, &name);
+    let bar = panel::bar_room(&scale, size, &name);
     let left = margin + panel::left_room(size);
     let room = width - left - gap - bar - margin;
 

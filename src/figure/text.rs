@@ -8,9 +8,9 @@ use std::sync::LazyLock;
 use ttf_parser::{Face, GlyphId, OutlineBuilder};
 
 /// What a line of text takes above its base line, in sizes.
-const ASCENT: f64 = 0.80;
+const ASCENT: f64 = 0.94;
 /// What it takes below.
-const DESCENT: f64 = 0.26;
+const DESCENT: f64 = 0.30;
 /// The size of an index.
 const INDEX_SIZE: f64 = 0.72;
 /// How far an index below stands under the base line, in sizes of the text.
@@ -147,40 +147,59 @@ impl Label {
     }
 
     /// The lines of a label that is to be no wider than `width`: broken at spaces, and where a
-    /// word is too wide, within it. A label with symbols that is too wide is plain when broken.
+    /// word is too wide, within it.
     pub fn wrapped(&self, size: f64, width: f64) -> Vec<Label> {
-        if self.width(size) <= width {
+        let fits = |letters: &[Letter]| Label::of(letters).width(size) <= width;
+        let letters: Vec<Letter> = self
+            .pieces
+            .iter()
+            .flat_map(|(set, text)| text.chars().map(|character| (*set, character)))
+            .collect();
+        if fits(&letters) {
             return vec![self.clone()];
         }
-        let fits = |text: &str| Label::text(text).width(size) <= width;
-        let mut lines = Vec::new();
-        let mut line = String::new();
-        for word in self.plain().split_whitespace() {
-            let longer = match line.as_str() {
-                "" => word.to_owned(),
-                line => format!("{line} {word}"),
+        let mut lines: Vec<Vec<Letter>> = vec![Vec::new()];
+        for word in letters
+            .split(|letter| *letter == SPACE)
+            .filter(|word| !word.is_empty())
+        {
+            let last = lines.last().map_or(&[][..], Vec::as_slice);
+            let longer = match last {
+                [] => word.to_vec(),
+                line => [line, &[SPACE], word].concat(),
             };
             if fits(&longer) {
-                line = longer;
+                lines.pop();
+                lines.push(longer);
                 continue;
             }
-            if !line.is_empty() {
-                lines.push(std::mem::take(&mut line));
-            }
-            for character in word.chars() {
-                line.push(character);
-                if !fits(&line) && line.chars().count() > 1 {
+            let mut line = Vec::new();
+            for &letter in word {
+                line.push(letter);
+                if line.len() > 1 && !fits(&line) {
                     line.pop();
-                    lines.push(std::mem::replace(&mut line, character.to_string()));
+                    lines.push(std::mem::replace(&mut line, vec![letter]));
                 }
             }
-        }
-        if !line.is_empty() {
             lines.push(line);
         }
-        lines.iter().map(|line| Label::text(line)).collect()
+        lines.retain(|line| !line.is_empty());
+        lines.iter().map(|line| Label::of(line)).collect()
+    }
+
+    fn of(letters: &[Letter]) -> Label {
+        let same_set = letters.chunk_by(|(a, _), (b, _)| a == b);
+        let pieces = same_set.map(|piece| (piece[0].0, piece.iter().map(|(_, c)| c).collect()));
+        Label {
+            pieces: pieces.collect(),
+        }
     }
 }
+
+/// A character and how it is set.
+type Letter = (Set, char);
+
+const SPACE: Letter = (Set::Upright, ' ');
 
 /// The height of a line of text.
 pub(super) fn line_height(size: f64) -> f64 {
@@ -375,13 +394,17 @@ mod tests {
         let lines = long.wrapped(10.0, 80.0);
         assert!(lines.len() > 3);
         assert!(lines.iter().all(|line| line.width(10.0) <= 80.0));
-        let text: String = lines.iter().map(Label::plain).collect();
-        assert_eq!(
-            text,
-            long.plain().replace(' ', "").to_owned(),
-            "nothing is lost"
-        );
+        let without_spaces = |label: &Label| label.plain().replace(' ', "");
+        let text: String = lines.iter().map(without_spaces).collect();
+        assert_eq!(text, without_spaces(&long), "nothing is lost");
         assert_eq!(energy().wrapped(10.0, 500.0), [energy()]);
+        // What is set above stays there.
+        let lines = energy().wrapped(10.0, 60.0);
+        assert_eq!(
+            lines.last(),
+            Some(&Label::text("10").above("−4")),
+            "{lines:?}"
+        );
     }
 
     #[test]

@@ -20,9 +20,7 @@ pub(super) fn draw(view: &View, label: &RunLabel, options: &FigureOptions) -> Dr
     let name = panel::symbol(view.state, view.field);
     let (width, margin, gap) = (f64::from(options.width), 0.7 * size, 0.9 * size);
     let left = margin + panel::left_room(size);
-    // The numbers depend a little on the height of the bar, and that on their width.
-    let guess = width - left - gap - 5.0 * size;
-    let bar = panel::bar_room(&scale, guess, size, &name);
+    let bar = panel::bar_room(&scale, size, &name);
     let side = (width - left - gap - bar - margin).floor();
 
     let mut drawing = Drawing {
@@ -42,7 +40,7 @@ pub(super) fn draw(view: &View, label: &RunLabel, options: &FigureOptions) -> Dr
     for label in [Label::text(&label.title), time] {
         for line in label.wrapped(size, width - 2.0 * margin) {
             drawing.label(&line, size, [margin, top], Across::Left, Along::Top);
-            top += 1.1 * line_height(size);
+            top += line_height(size);
         }
     }
     // The name of the colour bar stands above it.

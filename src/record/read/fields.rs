@@ -225,7 +225,7 @@ mod tests {
     #[test]
     fn an_array_of_another_length_or_with_a_wrong_node_is_an_error() {
         let (_, _, text) = written(false);
-        let mut encode = |values: &[u64]| {
+        let encode = |values: &[u64]| {
             let mut bytes = (8 * values.len() as u64).to_le_bytes().to_vec();
             bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
             STANDARD.encode(bytes)
