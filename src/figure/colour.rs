@@ -35,8 +35,8 @@ pub enum ColourMap {
 /// The middle of a diverging map.
 const MIDDLE_LIGHTNESS: f64 = 0.975;
 /// Its ends, of the same lightness and strength both: light enough for black lines.
-const END_LIGHTNESS: f64 = 0.70;
-const END_CHROMA: f64 = 0.125;
+const END_LIGHTNESS: f64 = 0.73;
+const END_CHROMA: f64 = 0.105;
 /// Steps from the middle to either end: more than colours have.
 const STEPS: usize = 256;
 

@@ -1,7 +1,7 @@
 //! The pictures of a report, as PNG and SVG, with their data as CSV and VTU.
 //!
-//! A picture is composed once, in pixels ([`drawing`]); plotters draws it on pixels or into SVG
-//! ([`paint`]). Letters are outlines of a font in the program, so that a picture is the same on every
+//! A picture is composed once, in pixels (`drawing`); plotters draws it on pixels or into SVG
+//! (`paint`). Letters are outlines of a font in the program, so that a picture is the same on every
 //! machine. φ = 0 is the exact zero set of the P1 function, triangle by triangle; the colour of a
 //! pixel is that of the P1 function at the pixel's centre.
 //!

@@ -19,7 +19,7 @@ pub(super) fn encode(
     let mut encoder = Encoder::new(&mut file, width, height);
     encoder.set_color(ColorType::Rgb);
     encoder.set_depth(BitDepth::Eight);
-    encoder.set_compression(Compression::Fast);
+    encoder.set_compression(Compression::Balanced);
     encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
     let a_metre = (f64::from(dpi) * 1000.0 / MILLIMETRES_AN_INCH).round() as u32;
     encoder.set_pixel_dims(Some(PixelDimensions {
@@ -49,6 +49,7 @@ pub(super) fn encode_plain(pixels: &[u8], width: u32, height: u32) -> Result<Vec
     let mut encoder = Encoder::new(&mut file, width, height);
     encoder.set_color(ColorType::Rgb);
     encoder.set_depth(BitDepth::Eight);
+    encoder.set_compression(Compression::Fast);
     let mut writer = encoder.write_header()?;
     writer.write_image_data(pixels)?;
     writer.finish()?;

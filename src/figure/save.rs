@@ -5,7 +5,7 @@ use super::drawing::Drawing;
 use super::provenance::{Provenance, Shown};
 use super::scalars::{self, ScalarFigure};
 use super::strip::{self, Strip};
-use super::table::{add_snapshot, add_state, fields_table};
+use super::table::{Table, state_table, strip_rows, strip_table};
 use super::text::Label;
 use super::{Existing, FigureError, FigureOptions, curves, pixels, png, svg, view};
 use crate::record::{make_folder, write_fields, write_new, write_series, write_whole};
@@ -41,8 +41,7 @@ pub fn save_view(
         options,
         &provenance,
     )?;
-    let mut table = fields_table();
-    add_state(&mut table, &label.file, view.mesh, (step, t), view.state);
+    let table = state_table(&label.file, view.mesh, (step, t), view.state);
     files.text(&stem, "csv", table.text())?;
     let path = files.path(&stem, "vtu");
     write_fields(&path, view.mesh, view.state, t)?;
@@ -84,9 +83,18 @@ pub fn save_set(
     if runs.len() > 1 {
         groups.push((ALL.to_owned(), 0..runs.len()));
     }
+    // A run's rows stand in two tables, and making them takes longer than all drawing.
+    let rows: Vec<Table> = runs
+        .iter()
+        .zip(&labels)
+        .map(|(run, label)| strip_rows(&label.file, &run.mesh, &five(&run.snapshots)))
+        .collect();
     let sets: Vec<Set> = groups
         .into_iter()
-        .map(|(name, range)| Set::new(name, &runs[range.clone()], &labels[range]))
+        .map(|(name, range)| {
+            let (runs, labels) = (&runs[range.clone()], &labels[range.clone()]);
+            Set::new(name, runs, labels, &rows[range])
+        })
         .collect();
     let stems: Vec<String> = sets.iter().flat_map(Set::stems).collect();
     if stems.is_empty() {
@@ -137,13 +145,20 @@ struct Set<'a> {
     runs: &'a [RunData],
     labels: &'a [RunLabel],
     strips: Vec<Vec<&'a Snapshot>>,
+    strip_rows: &'a [Table],
     scalars: Vec<ScalarFigure>,
 }
 
 impl<'a> Set<'a> {
-    fn new(name: String, runs: &'a [RunData], labels: &'a [RunLabel]) -> Self {
+    fn new(
+        name: String,
+        runs: &'a [RunData],
+        labels: &'a [RunLabel],
+        strip_rows: &'a [Table],
+    ) -> Self {
         Set {
             name,
+            strip_rows,
             runs,
             labels,
             strips: runs.iter().map(|run| five(&run.snapshots)).collect(),
@@ -196,20 +211,17 @@ impl<'a> Set<'a> {
     }
 
     fn save_strip(&self, files: &mut Files, options: &FigureOptions) -> Result<(), FigureError> {
-        let mut table = fields_table();
+        let mut table = strip_table();
+        self.strip_rows.iter().for_each(|rows| table.append(rows));
         let mut strips = Vec::new();
         for ((run, label), snapshots) in self.runs.iter().zip(self.labels).zip(&self.strips) {
-            if snapshots.is_empty() {
-                continue;
+            if !snapshots.is_empty() {
+                strips.push(Strip {
+                    title: Label::text(&label.title),
+                    mesh: &run.mesh,
+                    snapshots: snapshots.clone(),
+                });
             }
-            for snapshot in snapshots {
-                add_snapshot(&mut table, &label.file, &run.mesh, snapshot);
-            }
-            strips.push(Strip {
-                title: Label::text(&label.title),
-                mesh: &run.mesh,
-                snapshots: snapshots.clone(),
-            });
         }
         let provenance = self.provenance("Snapshots", |number| {
             let times = self.strips[number].iter();

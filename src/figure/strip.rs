@@ -56,10 +56,12 @@ pub(super) fn draw(strips: &[Strip], options: &FigureOptions) -> Drawing {
         .unwrap_or(1)
         .max(1);
     let side_of = |columns: usize| (room - gap * (columns as f64 - 1.0)) / columns as f64;
-    let columns = (1..=most.min(5))
+    let columns = (1..=most)
         .rev()
         .find(|&columns| side_of(columns) >= least_side)
         .unwrap_or(1);
+    // Lines of much the same length: of five, three and two, not four and one.
+    let columns = most.div_ceil(most.div_ceil(columns));
     // Two or three pictures alone are not to fill the width.
     let side = side_of(columns.max(most.min(3))).floor();
 
@@ -106,7 +108,7 @@ pub(super) fn draw(strips: &[Strip], options: &FigureOptions) -> Drawing {
             }
             top += side;
             top += match numbers_below {
-                true => panel::lower_room(size) + if is_last { 0.0 } else { 0.2 * size },
+                true => panel::lower_room(size) + if is_last { 0.0 } else { 0.5 * size },
                 false => 0.5 * size,
             };
         }

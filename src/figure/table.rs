@@ -7,7 +7,7 @@ use crate::scheme::State;
 use std::fmt::Write;
 
 /// A table of numbers whose first column names the scene.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(super) struct Table {
     text: String,
 }
@@ -33,57 +33,64 @@ impl Table {
         self.text.push('\n');
     }
 
+    /// Appends the rows of a table without a header.
+    pub fn append(&mut self, rows: &Table) {
+        self.text.push_str(&rows.text);
+    }
+
     pub fn text(&self) -> &str {
         &self.text
     }
 }
 
-/// The columns of a table of fields: a node a row.
-pub(super) fn fields_table() -> Table {
+/// Everything of a state: a node a row.
+pub(super) fn state_table(scene: &str, mesh: &Mesh, (step, t): (u64, f64), state: &State) -> Table {
     let columns = [
-        "scene", "step", "t", "x", "y", "phi", "omega", "mu", "d_x", "d_y",
+        "scene", "step", "t", "x", "y", "phi", "d_x", "d_y", "omega", "mu",
     ];
+    let mut table = Table::new(&columns.map(str::to_owned));
+    for (node, &[x, y]) in mesh.nodes().iter().enumerate() {
+        let [dx, dy] = director_at(state, node);
+        let [phi, omega, mu] = [&state.phi, &state.omega, &state.mu].map(|field| Some(field[node]));
+        let place = [Some(step as f64), Some(t), Some(x), Some(y)];
+        table.row(scene, place.into_iter().chain([phi, dx, dy, omega, mu]));
+    }
+    table
+}
+
+/// What a strip shows of its snapshots, φ and d: a node a row.
+pub(super) fn strip_table() -> Table {
+    let columns = ["scene", "step", "t", "x", "y", "phi", "d_x", "d_y"];
     Table::new(&columns.map(str::to_owned))
 }
 
-/// Appends a state, node by node.
-pub(super) fn add_state(
-    table: &mut Table,
-    scene: &str,
-    mesh: &Mesh,
-    (step, t): (u64, f64),
-    state: &State,
-) {
-    for (node, &[x, y]) in mesh.nodes().iter().enumerate() {
-        let [dx, dy] = match &state.director {
-            Some(director) => [0, 1].map(|axis| Some(director[axis][node])),
-            None => [None, None],
-        };
-        let [phi, omega, mu] = [&state.phi, &state.omega, &state.mu].map(|field| Some(field[node]));
-        let cells = [
-            Some(step as f64),
-            Some(t),
-            Some(x),
-            Some(y),
-            phi,
-            omega,
-            mu,
-            dx,
-            dy,
-        ];
-        table.row(scene, cells);
+/// The rows of such a table for one scene.
+pub(super) fn strip_rows(scene: &str, mesh: &Mesh, snapshots: &[&Snapshot]) -> Table {
+    let mut table = Table::default();
+    for snapshot in snapshots {
+        let state = &snapshot.state;
+        for (node, &[x, y]) in mesh.nodes().iter().enumerate() {
+            let place = [
+                Some(snapshot.step as f64),
+                Some(snapshot.t),
+                Some(x),
+                Some(y),
+            ];
+            let [dx, dy] = director_at(state, node);
+            table.row(
+                scene,
+                place.into_iter().chain([Some(state.phi[node]), dx, dy]),
+            );
+        }
     }
+    table
 }
 
-/// Appends a snapshot, node by node.
-pub(super) fn add_snapshot(table: &mut Table, scene: &str, mesh: &Mesh, snapshot: &Snapshot) {
-    add_state(
-        table,
-        scene,
-        mesh,
-        (snapshot.step, snapshot.t),
-        &snapshot.state,
-    );
+fn director_at(state: &State, node: usize) -> [Option<f64>; 2] {
+    match &state.director {
+        Some(director) => [0, 1].map(|axis| Some(director[axis][node])),
+        None => [None, None],
+    }
 }
 
 #[cfg(test)]
