@@ -305,13 +305,15 @@ pub(super) fn draw_bar(
         bottom: corner[1] + height,
     }
     .on_pixels();
-    let rows = place.height() as usize;
+    let (columns, rows) = (place.width() as usize, place.height() as usize);
     let [low, high] = scale.range();
     let value = |row: usize| high - (high - low) * (row as f64 + 0.5) / rows as f64;
+    let row = |row: usize| std::iter::repeat_n(scale.at(value(row)), columns);
     drawing.images.push(Image {
         place,
-        size: [1, rows],
-        cells: (0..rows).map(|row| scale.at(value(row))).collect(),
+        // A single column would do, but some programs blur it to the sides when they show an SVG.
+        size: [columns, rows],
+        cells: (0..rows).flat_map(row).collect(),
     });
     let width = 0.8 * stroke(size);
     drawing.line(place.corners().to_vec(), width, Colour::BLACK);

@@ -18,6 +18,9 @@
 //! memory and appended, whole lines only, about once a second, so that the disk does not slow the
 //! solver and a killed run leaves readable tables. Their rest is written when a run ends, however
 //! it ends. A run that was killed is known by the status "running" in `run.json`.
+//!
+//! [`read_run`] reads a folder back, of a run that goes on too; [`Columns`] are the scalars of a run
+//! in memory, read back or collected while it goes.
 
 mod atomic;
 mod columns;
