@@ -7,6 +7,9 @@ use super::{
 use crate::fem::{Space, SymmetricTensor};
 use crate::scene::{self, AnchoringKind, Iteration};
 
+/// What the anchoring is called in a report.
+pub(super) const NAME: &str = "anchoring";
+
 /// The anchoring energy.
 #[derive(Debug)]
 pub struct Anchoring {
@@ -56,7 +59,7 @@ impl Anchoring {
 
 impl Effect for Anchoring {
     fn name(&self) -> &'static str {
-        "anchoring"
+        NAME
     }
 
     fn energy(&mut self, space: &Space, at: &Sample) -> f64 {

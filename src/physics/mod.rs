@@ -11,7 +11,9 @@ mod sample;
 mod tests;
 
 use crate::fem::Space;
-use crate::scene::{AnchoringKind, Scene};
+use crate::scene::{self, AnchoringKind, Scene};
+
+use anchoring::NAME as ANCHORING;
 
 pub use anchoring::Anchoring;
 pub use area::{Area, surface_area};
@@ -48,12 +50,18 @@ impl Effects {
         if let Some(nematic) = &scene.nematic {
             effects.add(Nematic::new(nematic, space));
         }
-        if let Some(anchoring) = &scene.anchoring
+        effects.set_anchoring(scene.anchoring.as_ref(), space);
+        effects
+    }
+
+    /// Puts an anchoring in the place of the present one; of the kind "none" it is no effect.
+    pub fn set_anchoring(&mut self, anchoring: Option<&scene::Anchoring>, space: &Space) {
+        self.others.retain(|effect| effect.name() != ANCHORING);
+        if let Some(anchoring) = anchoring
             && anchoring.kind != AnchoringKind::None
         {
-            effects.add(Anchoring::new(anchoring, space));
+            self.add(Anchoring::new(anchoring, space));
         }
-        effects
     }
 
     /// Adds an effect.

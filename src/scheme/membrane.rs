@@ -15,7 +15,7 @@ use crate::scene::Iteration;
 use super::factored::{FactoredPreconditioner, ThreeFieldOperator};
 use super::linearised::Linearised;
 use super::transform::{BulkPreconditioner, ReducedOperator};
-use super::{State, StepError};
+use super::{Phase, State, StepError};
 
 /// What the iteration may do.
 #[derive(Debug, Clone, Copy)]
@@ -109,6 +109,8 @@ pub(super) struct Places<'a> {
     pub(super) dt: f64,
     /// S, the sum of the absolute energies.
     pub(super) energy_scale: f64,
+    /// Told of every phase that ends.
+    pub(super) watch: &'a mut dyn FnMut(Phase),
 }
 
 impl MembraneStep {
@@ -255,9 +257,11 @@ impl MembraneStep {
                 .for_each(|((to, from), _)| *to = *from);
         }
         let mut norm = self.evaluate(places, 0)?;
+        (places.watch)(Phase::Residual);
         loop {
             work.newton += 1;
             self.linearise(places, limits.iteration);
+            (places.watch)(Phase::Linearisation);
             let goal = self.linear_goal(places, limits, norm);
             work.krylov +=
                 self.solve_linearised(places, goal)
@@ -269,9 +273,11 @@ impl MembraneStep {
             for (last, now) in self.last.iter_mut().zip(sources) {
                 last.copy_from_slice(now);
             }
+            (places.watch)(Phase::Krylov);
             norm = self.advance(places, limits, norm, work.newton)?;
             let changes = self.changes(places);
             let law = self.law_defect(places);
+            (places.watch)(Phase::Residual);
             let converged = changes.iter().all(|change| *change <= limits.tolerance)
                 && law.abs() <= limits.law_tolerance;
             if converged {

@@ -20,7 +20,7 @@ use std::sync::Arc;
 use crate::fem::{Mesh, Rule, Space};
 use crate::linalg::LinalgError;
 use crate::physics::{Effects, NamedValue, Sample, surface_area};
-use crate::scene::{Boundary, LinearMethod, Quadrature, Scene, Solver};
+use crate::scene::{self, Boundary, LinearMethod, Quadrature, Scene, Solver};
 
 use director::DirectorStep;
 use history::History;
@@ -28,7 +28,7 @@ use membrane::{Limits, MembraneStep, Places};
 
 pub use error::StepError;
 pub use initial::{InitialError, initial_fields};
-pub use state::{State, StepReport};
+pub use state::{Phase, State, StepReport};
 
 /// Degree of the polynomials by which the guess of a step is extrapolated. At Table 1 with lumped
 /// quadrature the 50th step takes 31 Krylov iterations with degree 1, 21 with 2, 7 with 3 and 9 with 4, where
@@ -150,6 +150,20 @@ impl Scheme {
         self.membrane.uses_transform()
     }
 
+    /// Another anchoring for the state as it is (`None`: none at all). The energies are measured
+    /// anew, so that the law of the next step starts from those that it ends with; the report has
+    /// no ledger, for no step was taken.
+    pub fn set_anchoring(&mut self, anchoring: Option<&scene::Anchoring>) {
+        self.effects.set_anchoring(anchoring, &self.space);
+        for effect in self.effects.iter_mut() {
+            effect.begin_membrane(&self.space, &self.old, &self.old);
+        }
+        measure(&self.space, &mut self.effects, &self.old, &mut self.report);
+        self.report.ledger.clear();
+        self.report.law_residual = 0.0;
+        self.forget();
+    }
+
     /// The effects.
     pub fn effects_mut(&mut self) -> &mut Effects {
         &mut self.effects
@@ -160,9 +174,21 @@ impl Scheme {
     /// # Errors
     /// [`StepError`]: the step was not solved.
     pub fn step(&mut self, dt: f64) -> Result<&StepReport, StepError> {
+        self.step_watched(dt, &mut |_| ())
+    }
+
+    /// [`step`](Self::step), telling `watch` of every phase that ends: the scheme knows no clock.
+    ///
+    /// # Errors
+    /// [`StepError`]: the step was not solved.
+    pub fn step_watched(
+        &mut self,
+        dt: f64,
+        watch: &mut dyn FnMut(Phase),
+    ) -> Result<&StepReport, StepError> {
         let energy_scale = energy_scale(&self.report.energies);
         let mut report = std::mem::take(&mut self.next_report);
-        let outcome = self.try_step(dt, energy_scale, &mut report);
+        let outcome = self.try_step(dt, energy_scale, &mut report, watch);
         self.next_report = report;
         match outcome {
             Ok(()) => {
@@ -199,6 +225,7 @@ impl Scheme {
         dt: f64,
         energy_scale: f64,
         report: &mut StepReport,
+        watch: &mut dyn FnMut(Phase),
     ) -> Result<(), StepError> {
         let space = &self.space;
         report.director_iterations = 0;
@@ -217,6 +244,7 @@ impl Scheme {
                 to,
             )?;
             self.new.set_director(space, to);
+            watch(Phase::Director);
         }
         for effect in self.effects.iter_mut() {
             effect.begin_membrane(space, &self.old, &self.new);
@@ -236,6 +264,7 @@ impl Scheme {
             to: &mut self.next,
             dt,
             energy_scale,
+            watch,
         };
         let mut outcome = self.membrane.solve(&mut places, limits);
         report.fallback = None;
@@ -259,7 +288,9 @@ impl Scheme {
         let work = outcome?;
         report.newton = work.newton;
         report.krylov = work.krylov;
-        self.close_books(dt, report)
+        let closed = self.close_books(dt, report);
+        watch(Phase::Ledger);
+        closed
     }
 
     /// The energies of the new state and every term of (3.26); refuses a step whose law is broken.

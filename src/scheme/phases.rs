@@ -113,6 +113,7 @@ impl Phases {
             to: &mut scheme.next,
             dt: self.dt,
             energy_scale: energy_scale(&scheme.report.energies),
+            watch: &mut |_| (),
         };
         phase(&mut scheme.membrane, &mut places)
     }

@@ -18,6 +18,9 @@ pub enum SimulationError {
     /// The sparse factor cannot be set up.
     #[error("the linear solver: {0}")]
     Factor(LinalgError),
+    /// Anchoring without anything to anchor.
+    #[error("the scene has no director to anchor: give it a table [nematic]")]
+    NoDirector,
     /// A step was not solved. The run stands at the step before.
     #[error("step {step} to t = {t:e} failed: {source}")]
     Step {

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::scene::AnchoringKind;
 use crate::scheme::StepError;
 
 /// Something that happened at a step.
@@ -26,6 +27,11 @@ pub enum EventKind {
     },
     /// φ became positive within ε of the wall.
     ReachedWall,
+    /// The anchoring became another one after this step: the energy jumped, not the state.
+    AnchoringSwitched {
+        /// The new kind.
+        kind: AnchoringKind,
+    },
 }
 
 impl EventKind {
@@ -34,6 +40,7 @@ impl EventKind {
         match self {
             Self::FellBackToFactor { .. } => "fell-back-to-factor",
             Self::ReachedWall => "reached-wall",
+            Self::AnchoringSwitched { .. } => "anchoring-switched",
         }
     }
 }
@@ -48,6 +55,9 @@ impl fmt::Display for EventKind {
             EventKind::ReachedWall => f.write_str(
                 "the vesicle has reached the wall, which now takes part in what happens",
             ),
+            EventKind::AnchoringSwitched { kind } => {
+                write!(f, "the anchoring is {kind} from here on")
+            }
         }
     }
 }

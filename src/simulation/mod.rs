@@ -3,18 +3,22 @@
 mod error;
 mod event;
 mod warnings;
+mod worker;
 
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use crate::fem::{Contour, FemError, Mesh};
-use crate::scene::{self, Scene, Shape, Warning};
-use crate::scheme::{Scheme, State, StepReport, initial_fields};
+use crate::scene::{self, AnchoringKind, Scene, Shape, Warning};
+use crate::scheme::{Scheme, StepReport, initial_fields};
 
 pub use crate::fem::OutlineMeasure;
 pub use crate::physics::NamedValue;
+pub use crate::scheme::{Phase, State};
 pub use error::SimulationError;
 pub use event::{Event, EventKind};
 pub use warnings::warnings;
+pub use worker::{Command, Message, News, Orders, Picture, RunId, Setting};
 
 use warnings::NearWall;
 
@@ -76,10 +80,30 @@ pub struct Report {
     pub newton: u32,
     /// Krylov iterations of substep 2.
     pub krylov: u32,
+    /// Iterations of substep 1.
+    pub director_iterations: u32,
+    /// What the parts of the step took.
+    pub costs: Costs,
     /// Every term of (3.26), times Δt.
     pub ledger: Vec<NamedValue>,
     /// The size of the vesicle.
     pub outline: Option<OutlineMeasure>,
+}
+
+/// What the parts of a step took, on the clock.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Costs([Duration; Phase::ALL.len()]);
+
+impl Costs {
+    /// What a part took.
+    pub fn of(&self, phase: Phase) -> Duration {
+        self.0[phase as usize]
+    }
+
+    /// What all parts took together.
+    pub fn total(&self) -> Duration {
+        self.0.iter().sum()
+    }
 }
 
 impl Report {
@@ -91,6 +115,7 @@ impl Report {
         self.law_residual = step.law_residual;
         self.newton = step.newton;
         self.krylov = step.krylov;
+        self.director_iterations = step.director_iterations;
         self.ledger.clone_from(&step.ledger);
     }
 }
@@ -138,9 +163,16 @@ impl Simulation {
         let step = self.report.step + 1;
         let dt = self.scene.time.step;
         let t = grid_time(step, dt);
+        let mut costs = Costs::default();
+        let mut begun = Instant::now();
+        let mut watch = |phase: Phase| {
+            let now = Instant::now();
+            costs.0[phase as usize] += now - begun;
+            begun = now;
+        };
         let solved = self
             .scheme
-            .step(dt)
+            .step_watched(dt, &mut watch)
             .map_err(|source| SimulationError::Step { step, t, source })?;
         if let Some(reason) = &solved.fallback {
             let kind = EventKind::FellBackToFactor {
@@ -152,7 +184,27 @@ impl Simulation {
         self.report.step = step;
         self.report.t = t;
         self.report.dt = dt;
+        self.report.costs = costs;
         self.look();
+        Ok(&self.report)
+    }
+
+    /// Another anchoring for the state as it is, with the scene's weight, or the scene's own default
+    /// where it has none. The report has the energies measured anew; the step stays what it is.
+    ///
+    /// # Errors
+    /// `NoDirector`: there is nothing to anchor.
+    pub fn set_anchoring(&mut self, kind: AnchoringKind) -> Result<&Report, SimulationError> {
+        if self.scene.nematic.is_none() {
+            return Err(SimulationError::NoDirector);
+        }
+        let anchoring = self.scene.anchoring.get_or_insert_default();
+        anchoring.kind = kind;
+        self.scheme.set_anchoring(Some(anchoring));
+        self.report.take(self.scheme.report());
+        let (step, t) = (self.report.step, self.report.t);
+        let kind = EventKind::AnchoringSwitched { kind };
+        self.events.push(Event { step, t, kind });
         Ok(&self.report)
     }
 
