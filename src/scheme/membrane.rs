@@ -316,6 +316,21 @@ impl MembraneStep {
         }
     }
 
+    /// A new factor of the linearised equations; nothing on the fast path.
+    pub(super) fn refactor(
+        &mut self,
+        space: &Space,
+        dt: f64,
+        width: f64,
+    ) -> Result<(), LinalgError> {
+        if let Path::Factor { preconditioner } = &mut self.path {
+            preconditioner.expire();
+            let mobility = dt * self.mobility;
+            preconditioner.prepare(space, &self.linearised, mobility, width, [1.0; 3])?;
+        }
+        Ok(())
+    }
+
     /// One application of the linearised operator of the fast path; nothing on the other one.
     pub(super) fn product(&mut self, space: &Space, dt: f64, x: &[f64], y: &mut [f64]) {
         if let Path::Transform { scratch, .. } = &mut self.path {

@@ -1,6 +1,7 @@
 //! The phases of a step, one at a time, for benchmarks. None of them moves the state, so each can be
 //! repeated.
 
+use crate::linalg::LinalgError;
 use crate::scene::Iteration;
 
 use super::membrane::{MembraneStep, Places};
@@ -100,6 +101,20 @@ impl Phases {
             space, membrane, ..
         } = &mut self.scheme;
         membrane.product(space, self.dt, x, y);
+    }
+
+    /// A new sparse factor of the three fields' system, where the factor is in use.
+    ///
+    /// # Errors
+    /// The system is singular.
+    pub fn refactor(&mut self) -> Result<(), LinalgError> {
+        let Scheme {
+            space,
+            membrane,
+            effects,
+            ..
+        } = &mut self.scheme;
+        membrane.refactor(space, self.dt, effects.bending.interface_width())
     }
 
     fn at_guess<R>(&mut self, phase: impl FnOnce(&mut MembraneStep, &mut Places<'_>) -> R) -> R {
