@@ -227,6 +227,7 @@ mod tests {
             krylov: 20,
             ledger: vec![],
             outline: None,
+            ..Report::default()
         }
     }
 

@@ -84,6 +84,8 @@ pub(super) struct MembraneStep {
     mass_inverse: MassInverse,
     linearised: Linearised,
     force: MembraneForce,
+    /// The integrals that forces need, at φⁿ and at the iterate.
+    integrals: [Vec<f64>; 2],
     gmres: Gmres,
     /// r₁ and r₂; r₂ stays zero with the natural boundary.
     residual: [Vec<f64>; 2],
@@ -98,12 +100,27 @@ pub(super) struct MembraneStep {
     largest_eigenvalue: f64,
 }
 
+/// Room for the old and the new state on a patch.
+#[derive(Debug)]
+pub(super) struct Samples {
+    pub(super) old: Sample,
+    pub(super) new: Sample,
+}
+
+impl Samples {
+    pub(super) fn new(with_director: bool) -> Self {
+        Self {
+            old: Sample::new(with_director),
+            new: Sample::new(with_director),
+        }
+    }
+}
+
 /// The places of a step: what it starts from, where it goes.
 pub(super) struct Places<'a> {
     pub(super) space: &'a Space,
     pub(super) effects: &'a mut Effects,
-    pub(super) old: &'a Sample,
-    pub(super) new: &'a mut Sample,
+    pub(super) samples: &'a mut Samples,
     pub(super) from: &'a State,
     pub(super) to: &'a mut State,
     pub(super) dt: f64,
@@ -151,7 +168,8 @@ impl MembraneStep {
             path,
             mass_inverse: MassInverse::new(space),
             linearised: Linearised::new(space),
-            force: MembraneForce::new(space),
+            force: MembraneForce::default(),
+            integrals: [Vec::new(), Vec::new()],
             gmres: Gmres::new(unknowns, RESTART),
             residual: [vector(), vector()],
             load: vector(),
@@ -194,7 +212,33 @@ impl MembraneStep {
         Ok(())
     }
 
-    /// ω(φ) from the third equation of (3.21), and the sample of φ and ω.
+    /// Prepares the effects for substep 2 from φⁿ with the new director.
+    pub(super) fn begin(
+        &mut self,
+        space: &Space,
+        effects: &mut Effects,
+        samples: &mut Samples,
+        phi: &[f64],
+        director: Option<&[Vec<f64>; 2]>,
+    ) {
+        let Samples { old, new } = samples;
+        let [integrals, _] = &mut self.integrals;
+        integrals.clear();
+        for patch in space.patches() {
+            old.begin();
+            old.set_phi(&patch, phi);
+            effects.add_integrals(&patch, old, integrals);
+            new.begin();
+            if let Some(director) = director {
+                new.set_director(&patch, director);
+            }
+            for effect in effects.iter_mut() {
+                effect.begin_membrane(&patch, old, new);
+            }
+        }
+    }
+
+    /// ω(φ) from the third equation of (3.21); tells the effects the integrals at φ.
     pub(super) fn solve_omega(
         &mut self,
         space: &Space,
@@ -203,33 +247,63 @@ impl MembraneStep {
         phi: &[f64],
         omega: &mut [f64],
     ) {
-        sample.set_phi(space, phi);
-        effects.bending.omega_load(space, sample, &mut self.load);
+        let [old_integrals, integrals] = &mut self.integrals;
+        integrals.clear();
+        self.load.fill(0.0);
+        for patch in space.patches() {
+            sample.begin();
+            sample.set_phi(&patch, phi);
+            effects.add_integrals(&patch, sample, integrals);
+            effects
+                .bending
+                .add_omega_load(&patch, sample, &mut self.load);
+        }
+        effects.set_integrals(old_integrals, integrals);
         self.mass_inverse
             .solve(space, &self.load, omega, self.mass_tolerance);
-        sample.set_omega(space, omega);
     }
 
-    /// The membrane force of all effects, as a load.
-    fn assemble_force(&mut self, space: &Space, effects: &mut Effects, old: &Sample, new: &Sample) {
-        self.force.clear();
-        for effect in effects.iter_mut() {
-            effect.add_membrane_force(space, old, new, &mut self.force);
-        }
-        self.load.fill(0.0);
-        space.add_flux(&self.force.flux, &mut self.load);
-        space.add_load(&self.force.load, &mut self.load);
-    }
-
-    /// μ of a state at rest: (μ, ψ) = ⟨δE/δφ, ψ⟩.
-    pub(super) fn solve_mu(
+    /// The membrane force of all effects from φⁿ to φ, as a load.
+    fn assemble_force(
         &mut self,
         space: &Space,
         effects: &mut Effects,
-        sample: &Sample,
-        mu: &mut [f64],
+        samples: &mut Samples,
+        [phi_old, phi, omega]: [&[f64]; 3],
     ) {
-        self.assemble_force(space, effects, sample, sample);
+        let Samples { old, new } = samples;
+        self.load.fill(0.0);
+        for patch in space.patches() {
+            old.begin();
+            old.set_phi(&patch, phi_old);
+            new.begin();
+            new.set_phi(&patch, phi);
+            new.set_omega(&patch, omega);
+            self.force.clear(&patch);
+            for effect in effects.iter_mut() {
+                effect.add_membrane_force(&patch, old, new, &mut self.force);
+            }
+            patch.add_load(&self.force.load, &self.force.flux, &mut self.load);
+        }
+    }
+
+    /// ω and μ of a state at rest: (μ, ψ) = ⟨δE/δφ, ψ⟩.
+    pub(super) fn solve_at_rest(
+        &mut self,
+        space: &Space,
+        effects: &mut Effects,
+        samples: &mut Samples,
+        state: &mut State,
+    ) {
+        let State {
+            phi,
+            omega,
+            mu,
+            director,
+        } = state;
+        self.begin(space, effects, samples, phi, director.as_ref());
+        self.solve_omega(space, effects, &mut samples.new, phi, omega);
+        self.assemble_force(space, effects, samples, [phi, phi, omega]);
         self.mass_inverse
             .solve(space, &self.load, mu, self.mass_tolerance);
     }
@@ -301,12 +375,18 @@ impl MembraneStep {
         let Places {
             space,
             effects,
-            old,
-            new,
+            samples,
+            from,
+            to,
             ..
         } = places;
-        self.linearised
-            .assemble(space, effects, old, new, iteration);
+        self.linearised.assemble(
+            space,
+            effects,
+            [&mut samples.old, &mut samples.new],
+            [&from.phi, &to.phi, &to.omega],
+            iteration,
+        );
     }
 
     /// One application of the preconditioner of the fast path; nothing on the other one.
@@ -355,8 +435,9 @@ impl MembraneStep {
     ) -> Result<f64, StepError> {
         let space = places.space;
         let State { phi, omega, mu, .. } = &mut *places.to;
-        self.solve_omega(space, places.effects, places.new, phi, omega);
-        self.assemble_force(space, places.effects, places.old, places.new);
+        let (effects, samples) = (&mut *places.effects, &mut *places.samples);
+        self.solve_omega(space, effects, &mut samples.new, phi, omega);
+        self.assemble_force(space, effects, samples, [&places.from.phi, phi, omega]);
         if !self.clamped {
             self.mass_inverse
                 .solve(space, &self.load, mu, self.mass_tolerance);

@@ -32,19 +32,15 @@ impl Phases {
         let Scheme {
             space,
             effects,
-            old,
-            new,
+            samples,
+            membrane,
+            state,
             next,
             history,
             t,
             ..
         } = &mut phases.scheme;
-        if let Some(director) = &next.director {
-            new.set_director(space, director);
-        }
-        for effect in effects.iter_mut() {
-            effect.begin_membrane(space, old, new);
-        }
+        membrane.begin(space, effects, samples, &state.phi, next.director.as_ref());
         history.extrapolate(*t + dt, next);
         phases.evaluate()?;
         phases.linearise();
@@ -61,7 +57,7 @@ impl Phases {
             effects,
             state,
             next,
-            old,
+            samples,
             director,
             solver,
             ..
@@ -69,6 +65,8 @@ impl Phases {
         match (director, &state.director, &mut next.director) {
             (Some(step), Some(from), Some(to)) => {
                 let tolerance = director_tolerance(solver);
+                let old = &mut samples.old;
+                let from = (&state.phi[..], from);
                 step.solve(space, effects, old, (self.dt, tolerance), from, to)
             }
             _ => Ok(0),
@@ -122,8 +120,7 @@ impl Phases {
         let mut places = Places {
             space: &scheme.space,
             effects: &mut scheme.effects,
-            old: &scheme.old,
-            new: &mut scheme.new,
+            samples: &mut scheme.samples,
             from: &scheme.state,
             to: &mut scheme.next,
             dt: self.dt,
