@@ -22,9 +22,7 @@ pub use error::SimulationError;
 pub use event::{Event, EventKind};
 pub use schedule::{Schedule, step_count};
 pub use warnings::warnings;
-pub use worker::{
-    Command, Mailbox, Message, News, Orders, Picture, RunId, Setting, Worker,
-};
+pub use worker::{Command, Mailbox, Message, News, Orders, Picture, RunId, Setting, Worker};
 
 use warnings::NearWall;
 

@@ -87,7 +87,7 @@ pub struct Run {
 }
 
 /// Every scalar over the whole run.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct History {
     /// E_tot.
     pub total_energy: Series,

@@ -7,7 +7,6 @@
 
 use std::fs::File;
 use std::io;
-use std::os::fd::AsFd;
 use std::panic::{self, PanicHookInfo};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -22,7 +21,7 @@ use crossterm::terminal::{
     Clear, ClearType, EndSynchronizedUpdate, EnterAlternateScreen, LeaveAlternateScreen,
     disable_raw_mode, enable_raw_mode,
 };
-use crossterm::{Command, queue};
+use crossterm::queue;
 use ratatui::Frame;
 
 use super::incoming::Incoming;
@@ -151,26 +150,20 @@ impl Terminal {
 
     /// Draws a frame of a size, if the terminal is free. Where nothing has changed, nothing is
     /// written.
-    ///
-    /// # Errors
-    /// None but those of the drawing: it is all in memory, and written later.
-    pub fn draw(
-        &mut self,
-        size: (u16, u16),
-        render: impl FnOnce(&mut Frame<'_>),
-    ) -> io::Result<()> {
+    pub fn draw(&mut self, size: (u16, u16), render: impl FnOnce(&mut Frame<'_>)) {
         if !self.is_ours() {
-            return Ok(());
+            return;
         }
         let Some(buffer) = self.buffer.take() else {
-            return Ok(());
+            return;
         };
         self.bytes.begin(buffer);
-        self.bytes.push(&std::mem::take(&mut self.unsent));
         {
             let _synchronized = Synchronized::begin(&self.bytes);
+            self.bytes.push(&std::mem::take(&mut self.unsent));
             self.frames.backend_mut().set_size(size);
-            self.frames.draw(render)?;
+            // Drawing into memory cannot fail.
+            let _ = self.frames.draw(render);
         }
         let frame = self.bytes.end();
         if frame.is_empty() {
@@ -178,7 +171,6 @@ impl Terminal {
         } else {
             self.modes.output.send(frame);
         }
-        Ok(())
     }
 
     /// Puts a text into the terminal's clipboard with the next frame (OSC 52).

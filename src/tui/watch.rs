@@ -8,9 +8,9 @@ use std::io;
 use std::os::unix::net::UnixStream;
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use rustix::event::{PollFd, PollFlags, poll};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
 use signal_hook::consts::{SIGCONT, SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGTSTP, SIGWINCH};
 use signal_hook::iterator::backend::{Handle, SignalDelivery};
@@ -32,8 +32,8 @@ pub(super) struct Watch {
 }
 
 impl Watch {
-    /// Starts to watch. Where the app does not end in time after a signal or a hang-up, the thread
-    /// ends the process, with the terminal restored by `modes`.
+    /// Starts to watch. Where the app does not end in time after the terminal has gone or SIGTERM
+    /// has come, the thread ends the process, with the terminal restored by `modes`.
     ///
     /// # Errors
     /// The system gives no handler, socket or thread.
@@ -43,11 +43,7 @@ impl Watch {
         let handle = signals.handle();
         let sink = incoming.clone();
         spawn("signals", incoming, move || {
-            let Some(signal) = watch(&mut signals, &sink) else {
-                return;
-            };
-            std::thread::sleep(PATIENCE);
-            if !signals.handle().is_closed() {
+            if let Some(signal) = watch(&mut signals, &sink) {
                 modes.restore();
                 std::process::exit(128 + signal);
             }
@@ -62,47 +58,58 @@ impl Drop for Watch {
     }
 }
 
-/// Watches until the process is to end: by which signal. `None` where the watch is closed before.
+/// Watches until it is closed, or until the app should have ended: by which signal.
 fn watch(
     signals: &mut SignalDelivery<UnixStream, SignalOnly>,
     sink: &Sender<Incoming>,
 ) -> Option<i32> {
     let terminal = rustix::stdio::stdin();
+    // Until when the app should end, and by which signal.
+    let mut doom: Option<(Instant, i32)> = None;
+    let mut is_there = true;
     loop {
-        let told = {
+        let wait = match doom {
+            None => None,
+            Some((until, signal)) => match until.checked_duration_since(Instant::now()) {
+                None => return Some(signal),
+                // A duration of seconds fits.
+                Some(left) => Timespec::try_from(left).ok(),
+            },
+        };
+        let hung_up = {
             let mut ready = [
                 PollFd::new(signals.get_read(), PollFlags::IN),
                 PollFd::new(&terminal, PollFlags::empty()),
             ];
-            match poll(&mut ready, None) {
+            // A terminal that has gone is always ready.
+            let count = if is_there { 2 } else { 1 };
+            match poll(&mut ready[..count], wait.as_ref()) {
                 Ok(_) => ready[1].revents(),
                 Err(Errno::INTR) => continue,
                 Err(_) => PollFlags::HUP,
             }
+            .intersects(PollFlags::HUP | PollFlags::ERR | PollFlags::NVAL)
         };
-        let mut last = None;
         for signal in signals.pending() {
             let incoming = match signal {
                 SIGWINCH => Incoming::SizeChanged,
                 SIGTSTP => Incoming::Stop,
                 SIGCONT => Incoming::Continued,
-                _ => {
-                    last = Some(signal);
-                    Incoming::Message(Message::Signal(signal))
-                }
+                _ => Incoming::Message(Message::Signal(signal)),
             };
             // If the loop has ended, so will the process.
             let _ = sink.send(incoming);
+            if matches!(signal, SIGHUP | SIGTERM) {
+                doom.get_or_insert((Instant::now() + PATIENCE, signal));
+            }
         }
         if signals.handle().is_closed() {
             return None;
         }
-        if last.is_some() {
-            return last;
-        }
-        if told.intersects(PollFlags::HUP | PollFlags::ERR | PollFlags::NVAL) {
+        if is_there && hung_up {
+            is_there = false;
             let _ = sink.send(Incoming::Message(Message::HungUp));
-            return Some(SIGHUP);
+            doom.get_or_insert((Instant::now() + PATIENCE, SIGHUP));
         }
     }
 }
