@@ -37,6 +37,6 @@ pub use history::HISTORY_COLUMNS;
 pub use number::Number;
 pub use recorder::{Preparation, Recorder, Settings};
 
-pub use source::{LoadError, LoadedScene, load_scene};
 pub use crate::simulation::{Schedule, step_count};
+pub use source::{LoadError, LoadedScene, load_scene};
 pub use summary::{Ending, EventRecord, OutlineChange, OutlineRecord, RunSummary, Status};

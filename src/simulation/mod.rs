@@ -22,9 +22,7 @@ pub use error::SimulationError;
 pub use event::{Event, EventKind};
 pub use schedule::{Schedule, step_count};
 pub use warnings::warnings;
-pub use worker::{
-    Command, Mailbox, Message, News, Orders, Picture, RunId, Setting, Worker,
-};
+pub use worker::{Command, Mailbox, Message, News, Orders, Picture, RunId, Setting, Worker};
 
 use warnings::NearWall;
 
@@ -106,6 +104,11 @@ impl Costs {
         self.0[phase as usize]
     }
 
+    /// Adds to what a part took.
+    pub fn add(&mut self, phase: Phase, time: Duration) {
+        self.0[phase as usize] += time;
+    }
+
     /// What all parts took together.
     pub fn total(&self) -> Duration {
         self.0.iter().sum()
@@ -173,7 +176,7 @@ impl Simulation {
         let mut begun = Instant::now();
         let mut watch = |phase: Phase| {
             let now = Instant::now();
-            costs.0[phase as usize] += now - begun;
+            costs.add(phase, now - begun);
             begun = now;
         };
         let solved = self

@@ -189,9 +189,10 @@ impl<Sink: Fn(Message)> Runner<Sink> {
     }
 
     fn anchor(&mut self, simulation: &mut Simulation, kind: AnchoringKind) {
-        let Ok(report) = simulation.set_anchoring(kind).cloned() else {
+        let Ok(report) = simulation.set_anchoring(kind) else {
             return;
         };
+        let report = Box::new(report.clone());
         for event in simulation.drain_events() {
             if !matches!(event.kind, EventKind::AnchoringSwitched { .. }) {
                 self.teller.tell(News::Event(event));
