@@ -63,8 +63,8 @@ impl Color {
 /// touched.
 pub(super) fn open(arguments: Arguments) -> Result<(), CliError> {
     let scene = arguments.scene.unwrap_or("case3".into());
-    let slot = tui::open(&scene, &arguments.set)?;
-    super::run::some_step(&slot.scene.time)?;
+    let (slots, active) = tui::open_with_cases(&scene, &arguments.set)?;
+    super::run::some_step(&slots[active].scene.time)?;
     for (stream, is_terminal) in [
         ("output", io::stdout().is_terminal()),
         ("input", io::stdin().is_terminal()),
@@ -74,7 +74,8 @@ pub(super) fn open(arguments: Arguments) -> Result<(), CliError> {
         }
     }
     let ended = tui::run(Options {
-        slot,
+        slots,
+        active,
         frames_per_second: arguments.fps,
         tier: arguments.color.tier(),
         save: save_states,

@@ -104,6 +104,11 @@ impl Costs {
         self.0[phase as usize]
     }
 
+    /// Adds to what a part took.
+    pub fn add(&mut self, phase: Phase, time: Duration) {
+        self.0[phase as usize] += time;
+    }
+
     /// What all parts took together.
     pub fn total(&self) -> Duration {
         self.0.iter().sum()
@@ -171,7 +176,7 @@ impl Simulation {
         let mut begun = Instant::now();
         let mut watch = |phase: Phase| {
             let now = Instant::now();
-            costs.0[phase as usize] += now - begun;
+            costs.add(phase, now - begun);
             begun = now;
         };
         let solved = self

@@ -24,8 +24,8 @@ pub(super) enum Incoming {
     Stop,
     /// The process goes on after a stop.
     Continued,
-    /// The editor of a slot's scene has ended; the file to load anew, or why there is none.
-    Edited(usize, Result<PathBuf, String>),
+    /// The editor of a scene has ended; the file to load anew, or why there is none.
+    Edited(Result<PathBuf, String>),
     /// A thread of the app's own has panicked: these were its words.
     Crashed(String),
 }

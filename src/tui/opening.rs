@@ -2,13 +2,38 @@
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
-use super::state::Slot;
+use super::state::{App, Slot};
 use crate::record::{LoadError, load_scene};
 
 /// The scene in a run's folder.
 const SCENE_FILE: &str = "scene.toml";
+
+/// The four cases of the paper's Table 2, each of them a preset.
+const CASES: [&str; App::CASES] = ["case1", "case2", "case3", "case4"];
+
+/// The slots that the app begins with, and which of them is looked at: the four cases, and the
+/// scene behind them where it is none of them. Overrides hold for the scene, and where it is a case
+/// for the other cases too: they are there to be compared.
+///
+/// # Errors
+/// Those of [`open`].
+pub fn open_with_cases(
+    source: &OsStr,
+    overrides: &[String],
+) -> Result<(Vec<Slot>, usize), LoadError> {
+    let place = CASES.iter().position(|case| source == OsStr::new(case));
+    let cases = if place.is_some() { overrides } else { &[] };
+    let mut slots = CASES
+        .iter()
+        .map(|case| open(OsStr::new(case), cases))
+        .collect::<Result<Vec<Slot>, LoadError>>()?;
+    if let Some(place) = place {
+        return Ok((slots, place));
+    }
+    slots.push(open(source, overrides)?);
+    Ok((slots, App::CASES))
+}
 
 /// Opens a scene, with overrides (`KEY=VALUE`).
 ///
@@ -55,12 +80,8 @@ pub(super) fn open_file(path: &Path, overrides: &[String]) -> Result<Slot, LoadE
 
 fn slot(source: &OsStr, file: Option<PathBuf>, overrides: &[String]) -> Result<Slot, LoadError> {
     let loaded = load_scene(source, overrides)?;
-    Ok(Slot {
-        name: loaded.name.to_string_lossy().into_owned(),
-        file,
-        scene: Arc::new(loaded.scene),
-        run: None,
-    })
+    let name = loaded.name.to_string_lossy().into_owned();
+    Ok(Slot::new(name, file, loaded.scene))
 }
 
 #[cfg(test)]
@@ -86,6 +107,20 @@ mod tests {
         let file = open(run.file.unwrap().as_os_str(), &[]).unwrap();
         assert_eq!(file.name, "scene");
         assert_eq!(*file.scene, *run.scene);
+    }
+
+    #[test]
+    fn the_cases_come_first_and_share_the_overrides_of_one_of_them() {
+        let overrides = ["time.end=5e-4".to_owned()];
+        let (slots, active) = open_with_cases(OsStr::new("case3"), &overrides).unwrap();
+        let names: Vec<&str> = slots.iter().map(|slot| slot.name.as_str()).collect();
+        assert_eq!((names, active), (CASES.to_vec(), 2));
+        assert!(slots.iter().all(|slot| slot.scene.time.end == 5e-4));
+
+        let (slots, active) = open_with_cases(OsStr::new("circle"), &overrides).unwrap();
+        assert_eq!((slots.len(), active), (5, 4));
+        assert_eq!(slots[4].scene.time.end, 5e-4);
+        assert_eq!(slots[2].scene.time.end, 1e-3);
     }
 
     #[test]

@@ -19,9 +19,10 @@ use super::input::Input;
 use super::message::{Effect, Message};
 use super::pacing::{Occasion, Pacing};
 use super::saving::{Job, PARENT, Save, Saver, What};
-use super::state::{App, Ending, Overlay, Slot};
+use super::state::{self, App, Ending, Overlay, Run, Slot};
 use super::terminal::{self, Terminal};
 use super::theme::{ColorTier, Theme};
+use super::update::update;
 use super::watch::Watch;
 use super::{editing, job_control, opening, panel};
 use crate::scene::Scene;
@@ -33,8 +34,10 @@ const LAST_SAVE: Duration = Duration::from_millis(1200);
 /// What the app is started with.
 #[derive(Debug)]
 pub struct Options {
-    /// The scene to begin with.
-    pub slot: Slot,
+    /// The scenes to begin with: those of the four cases, and perhaps more.
+    pub slots: Vec<Slot>,
+    /// Which of them is looked at.
+    pub active: usize,
     /// Frames a second at most, for what the solver tells.
     pub frames_per_second: u32,
     /// The colours to use, if not those that the environment tells.
@@ -92,7 +95,12 @@ pub fn run(options: Options) -> Result<Ended, AppError> {
     // In this order, so that the terminal is restored after all that use it are gone.
     let watch = Watch::start(incoming.clone(), terminal.modes()).map_err(AppError::Threads)?;
     let input = Input::start(incoming.clone()).map_err(AppError::Threads)?;
-    let (app, effects) = App::open(options.slot, terminal::size(), options.frames_per_second);
+    let app = App::new(
+        options.slots,
+        options.active,
+        terminal::size(),
+        options.frames_per_second,
+    );
     let session = Session {
         app,
         theme,
@@ -107,7 +115,7 @@ pub fn run(options: Options) -> Result<Ended, AppError> {
         queue,
         quitting: false,
     };
-    session.run(effects)
+    session.run()
 }
 
 struct Session {
@@ -128,10 +136,9 @@ struct Session {
 }
 
 impl Session {
-    fn run(mut self, effects: Vec<Effect>) -> Result<Ended, AppError> {
-        for effect in effects {
-            self.perform(effect)?;
-        }
+    fn run(mut self) -> Result<Ended, AppError> {
+        // The first message starts the run, whatever it is.
+        self.message(Message::Tick)?;
         self.draw();
         while !self.quitting {
             let next = match self.wait() {
@@ -152,11 +159,11 @@ impl Session {
                 }
             }
             if self.wait() == Some(Duration::ZERO) {
-                self.look();
+                self.look()?;
                 self.draw();
             }
         }
-        Ok(self.end())
+        self.end()
     }
 
     /// How long to wait at most: until a frame is due; `None`: until something happens.
@@ -193,35 +200,54 @@ impl Session {
             Incoming::Written(Err(_)) => self.message(Message::HungUp),
             Incoming::Stop => self.suspend(),
             Incoming::Continued => self.resume(),
-            Incoming::Edited(slot, edited) => self.edited(slot, edited),
+            Incoming::Edited(edited) => self.edited(edited),
             Incoming::Crashed(words) => Err(AppError::Crashed(words)),
         }
     }
 
     /// Takes a message into the state, and does what that wants done.
     fn message(&mut self, message: Message) -> Result<(), AppError> {
-        let occasion = match &message {
-            Message::Solver(_) | Message::Fields(_) | Message::Computing(..) | Message::Tick => {
-                Occasion::News
-            }
+        match &message {
             // Ctrl-C on a program that has the terminal is its affair.
             Message::Signal(SIGINT | SIGQUIT) if self.input.is_none() => return Ok(()),
+            // What will be saved is to be the latest.
+            Message::Signal(_) | Message::HungUp => self.look()?,
+            // Also where nothing of it shows: pictures are fetched when it is time.
+            Message::Solver(_) => self.ask(Occasion::News),
             Message::Saved(saved) => {
                 self.saver.answered();
                 self.saved.extend(saved.iter().cloned());
-                Occasion::Key
             }
-            _ => Occasion::Key,
-        };
-        let effects = super::update::update(&mut self.app, message);
-        // Also where nothing that is shown has changed: pictures are fetched when it is time.
-        if self.app.stale || occasion == Occasion::News {
-            self.ask(occasion);
+            _ => {}
         }
-        for effect in effects {
+        let is_news = matches!(message, Message::Solver(_));
+        self.update(message)?;
+        if self.app.stale && !is_news {
+            self.ask(Occasion::Key);
+        }
+        Ok(())
+    }
+
+    fn update(&mut self, message: Message) -> Result<(), AppError> {
+        for effect in update(&mut self.app, message) {
             self.perform(effect)?;
         }
-        self.quitting |= self.app.ending.is_some();
+        Ok(())
+    }
+
+    /// Fetches what the runs show at present.
+    fn look(&mut self) -> Result<(), AppError> {
+        let fetched: Vec<(RunId, Duration, Option<Arc<Picture>>)> = self
+            .workers
+            .iter()
+            .map(|(run, worker)| (*run, worker.computing(), worker.mailbox().fetch()))
+            .collect();
+        for (run, computing, picture) in fetched {
+            self.update(Message::Computing(run, computing))?;
+            if let Some(picture) = picture {
+                self.update(Message::Fields(picture))?;
+            }
+        }
         Ok(())
     }
 
@@ -244,21 +270,8 @@ impl Session {
                 self.load(move || opening::open(source.as_os_str(), &[]))?;
             }
             Effect::Edit(slot) => return self.edit(slot),
-            Effect::SaveView(picture, slot) => {
-                let view = self.app.view;
-                self.save(slot, |_| What::View(picture, view));
-            }
-            Effect::SaveSet(slot) => self.save(slot, |run| {
-                let mut pictures = run.snapshots.clone();
-                let last = pictures.last().map(|picture| picture.report.step);
-                pictures.extend(
-                    run.picture
-                        .iter()
-                        .filter(|now| last.is_none_or(|last| last < now.report.step))
-                        .cloned(),
-                );
-                What::Set(pictures, Box::new(run.history.clone()))
-            }),
+            Effect::SaveView(picture, slot) => return self.save_view(picture, slot),
+            Effect::SaveSet(slot) => return self.save_set(slot),
             Effect::Copy(text) => {
                 self.terminal.copy(&text);
                 self.ask(Occasion::Key);
@@ -298,16 +311,31 @@ impl Session {
         })
     }
 
-    fn save(&mut self, slot: usize, what: impl FnOnce(&super::state::Run) -> What) {
-        let Some(slot) = self.app.slots.get(slot) else {
-            return;
-        };
-        let Some((run, setting)) = slot
-            .run
-            .as_ref()
-            .and_then(|run| Some((run, run.setting.as_ref()?)))
-        else {
-            return;
+    fn save_view(&mut self, picture: Arc<Picture>, slot: usize) -> Result<(), AppError> {
+        let view = self.app.view;
+        self.save(slot, |_| What::View(picture, view))
+    }
+
+    /// Saves what the run has shown at the report's times, and what it shows now.
+    fn save_set(&mut self, slot: usize) -> Result<(), AppError> {
+        self.save(slot, |run| {
+            let mut pictures = run.snapshots.clone();
+            let last = pictures.last().map(|picture| picture.report.step);
+            let is_later = |now: &&Arc<Picture>| last.is_none_or(|last| last < now.report.step);
+            pictures.extend(run.picture.iter().filter(is_later).cloned());
+            What::Set(pictures, Box::new(run.history.clone()))
+        })
+    }
+
+    fn save(&mut self, slot: usize, what: impl FnOnce(&Run) -> What) -> Result<(), AppError> {
+        let slot = self.app.slots.get(slot);
+        let run = slot.and_then(|slot| {
+            let run = slot.run.as_ref()?;
+            Some((slot, run, run.setting.as_ref()?))
+        });
+        let Some((slot, run, setting)) = run else {
+            let reason = "the run has no state yet".to_owned();
+            return self.message(Message::Saved(Err(reason)));
         };
         self.saver.give(Job {
             name: slot.name.clone(),
@@ -315,21 +343,7 @@ impl Session {
             mesh: Arc::clone(&setting.mesh),
             what: what(run),
         });
-    }
-
-    /// Fetches what the runs show at present.
-    fn look(&mut self) {
-        let fetched: Vec<(RunId, Duration, Option<Arc<Picture>>)> = self
-            .workers
-            .iter()
-            .map(|(run, worker)| (*run, worker.computing(), worker.mailbox().fetch()))
-            .collect();
-        for (run, computing, picture) in fetched {
-            super::update::update(&mut self.app, Message::Computing(run, computing));
-            if let Some(picture) = picture {
-                super::update::update(&mut self.app, Message::Fields(picture));
-            }
-        }
+        Ok(())
     }
 
     fn draw(&mut self) {
@@ -392,11 +406,11 @@ impl Session {
         self.aside("editor", move || {
             let edited = editing::edit(&editor, &file).map(|()| file);
             // If the loop has ended, nobody wants it.
-            let _ = incoming.send(Incoming::Edited(slot, edited));
+            let _ = incoming.send(Incoming::Edited(edited));
         })
     }
 
-    fn edited(&mut self, _slot: usize, edited: Result<PathBuf, String>) -> Result<(), AppError> {
+    fn edited(&mut self, edited: Result<PathBuf, String>) -> Result<(), AppError> {
         self.input = Some(Input::start(self.incoming.clone()).map_err(AppError::Threads)?);
         self.resume()?;
         match edited {
@@ -405,24 +419,23 @@ impl Session {
         }
     }
 
-    /// Ends: the terminal is given back first, so that nobody waits before a dead screen.
-    fn end(mut self) -> Ended {
+    /// Ends: the terminal is given back first, so that nobody waits before a dead screen; then what
+    /// is being saved is waited for, within reason.
+    fn end(mut self) -> Result<Ended, AppError> {
         let ending = self.app.ending.clone().unwrap_or(Ending::Quit);
-        self.look();
         for worker in self.workers.values() {
             worker.tell(Command::End);
         }
         self.input = None;
         self.terminal.give_away();
-        let patience = match ending {
-            Ending::Quit => None,
-            Ending::Signal(_) | Ending::HungUp => {
-                self.save_all();
-                Some(Instant::now() + LAST_SAVE)
-            }
-        };
+        match self.app.saving_next.take() {
+            Some(state::Save::View(picture, slot)) => self.save_view(picture, slot)?,
+            Some(state::Save::Set { slot, .. }) => self.save_set(slot)?,
+            None => {}
+        }
+        let until = (ending != Ending::Quit).then(|| Instant::now() + LAST_SAVE);
         while self.saver.is_busy() {
-            let next = match patience {
+            let next = match until {
                 None => self.queue.recv().ok(),
                 Some(until) => {
                     let wait = until.saturating_duration_since(Instant::now());
@@ -434,10 +447,13 @@ impl Session {
                     self.saver.answered();
                     self.saved.extend(saved.ok());
                 }
-                Some(
-                    Incoming::Crashed(_) | Incoming::Message(Message::Signal(_) | Message::HungUp),
-                )
-                | None => break,
+                // A person who does not want to wait.
+                Some(Incoming::Message(Message::Signal(_) | Message::HungUp))
+                    if until.is_none() =>
+                {
+                    break;
+                }
+                Some(Incoming::Crashed(_)) | None => break,
                 Some(_) => {}
             }
         }
@@ -446,20 +462,6 @@ impl Session {
         std::mem::take(&mut self.workers)
             .into_values()
             .for_each(std::mem::forget);
-        Ended { ending, line }
-    }
-
-    /// Saves the present state of every run of which something was computed that is saved nowhere.
-    fn save_all(&mut self) {
-        for index in 0..self.app.slots.len() {
-            let run = self.app.slots[index].run.as_ref();
-            let picture = run
-                .filter(|run| run.unsaved && run.report.step > 0)
-                .and_then(|run| run.picture.clone());
-            if let Some(picture) = picture {
-                let view = self.app.view;
-                self.save(index, |_| What::View(picture, view));
-            }
-        }
+        Ok(Ended { ending, line })
     }
 }

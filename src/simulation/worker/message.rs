@@ -71,7 +71,7 @@ pub enum News {
         /// The new kind.
         kind: AnchoringKind,
         /// The scalars of the unchanged state, with the new energies and an empty ledger.
-        report: Report,
+        report: Box<Report>,
     },
     /// One of the evenly spaced states that were ordered.
     Snapshot(Arc<Picture>),

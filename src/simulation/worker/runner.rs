@@ -169,10 +169,10 @@ impl<Sink: Fn(Message)> Runner<Sink> {
             self.show(simulation);
             return Err(error);
         }
-        self.tell_step(simulation, schedule);
         if self.mailbox.is_empty() {
             self.show(simulation);
         }
+        self.tell_step(simulation, schedule);
         Ok(())
     }
 
@@ -189,9 +189,10 @@ impl<Sink: Fn(Message)> Runner<Sink> {
     }
 
     fn anchor(&mut self, simulation: &mut Simulation, kind: AnchoringKind) {
-        let Ok(report) = simulation.set_anchoring(kind).cloned() else {
+        let Ok(report) = simulation.set_anchoring(kind) else {
             return;
         };
+        let report = Box::new(report.clone());
         for event in simulation.drain_events() {
             if !matches!(event.kind, EventKind::AnchoringSwitched { .. }) {
                 self.teller.tell(News::Event(event));
