@@ -26,7 +26,6 @@ mod history;
 mod number;
 mod recorder;
 mod scene_file;
-mod schedule;
 mod source;
 mod summary;
 mod table;
@@ -37,6 +36,7 @@ pub use folder::{IfOccupied, RunFolder};
 pub use history::HISTORY_COLUMNS;
 pub use number::Number;
 pub use recorder::{Preparation, Recorder, Settings};
-pub use schedule::{Schedule, step_count};
+
+pub use crate::simulation::{Schedule, step_count};
 pub use source::{LoadError, LoadedScene, load_scene};
 pub use summary::{Ending, EventRecord, OutlineChange, OutlineRecord, RunSummary, Status};
