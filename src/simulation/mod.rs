@@ -92,6 +92,8 @@ pub struct Report {
     pub ledger: Vec<NamedValue>,
     /// The size of the vesicle.
     pub outline: Option<OutlineMeasure>,
+    /// 4π·area/length² of the zero set of φ: 1 for a circle.
+    pub isoperimetric_quotient: Option<f64>,
 }
 
 /// What the parts of a step took, on the clock; measuring the vesicle counts with the ledger.
@@ -223,6 +225,7 @@ impl Simulation {
         let phi = &self.scheme.state().phi;
         self.contour.trace(&self.mesh, phi);
         self.report.outline = self.contour.measure(self.axis);
+        self.report.isoperimetric_quotient = self.contour.isoperimetric_quotient();
         if self.near_wall.is_reached(phi) {
             let (step, t) = (self.report.step, self.report.t);
             self.events.push(Event {

@@ -13,6 +13,7 @@ use std::time::{Duration, Instant};
 
 use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT};
 
+use super::canvas::Canvas;
 use super::farewell;
 use super::incoming::{Incoming, spawn};
 use super::input::Input;
@@ -86,8 +87,9 @@ pub enum AppError {
 /// [`AppError`]; the terminal is as it was before.
 pub fn run(options: Options) -> Result<Ended, AppError> {
     let theme = Theme::detect(options.tier, |name| std::env::var(name).ok());
-    // What NO_COLOR says is decided by the theme, and may be overruled by a person.
-    crossterm::style::force_color_output(theme.tier != ColorTier::None);
+    // NO_COLOR is the theme's affair, and a person may overrule it. (crossterm, on its own, would
+    // send resets of all attributes in place of the colours.)
+    crossterm::style::force_color_output(true);
     let (incoming, queue) = mpsc::channel();
     let saver =
         Saver::start(options.save, PARENT.into(), incoming.clone()).map_err(AppError::Threads)?;
@@ -104,6 +106,7 @@ pub fn run(options: Options) -> Result<Ended, AppError> {
     let session = Session {
         app,
         theme,
+        canvas: Canvas::default(),
         input: Some(input),
         _watch: watch,
         terminal,
@@ -121,6 +124,7 @@ pub fn run(options: Options) -> Result<Ended, AppError> {
 struct Session {
     app: App,
     theme: Theme,
+    canvas: Canvas,
     /// `None` while an editor has the terminal.
     input: Option<Input>,
     _watch: Watch,
@@ -347,9 +351,9 @@ impl Session {
     }
 
     fn draw(&mut self) {
-        let (app, theme) = (&self.app, &self.theme);
+        let (app, theme, canvas) = (&self.app, &self.theme, &mut self.canvas);
         self.terminal
-            .draw(app.size, |frame| panel::draw(app, theme, frame));
+            .draw(app.size, |frame| panel::draw(app, theme, canvas, frame));
         self.app.stale = false;
         self.pacing.drawn(Instant::now());
     }
