@@ -4,6 +4,7 @@ use super::output;
 use crate::record::{LoadError, RecordError};
 use crate::scene::UnknownPreset;
 use crate::simulation::SimulationError;
+use crate::tui::AppError;
 use std::ffi::OsString;
 use std::io;
 use std::path::PathBuf;
@@ -45,14 +46,26 @@ pub(super) enum CliError {
          anew, into another folder or with --force"
     )]
     Resume,
-    /// There is no app yet.
+    /// The app has nowhere to be.
     #[error(
-        "this version of vesica has no terminal app yet; simulate the scene with `vesica run {}`",
+        "the standard {stream} is not a terminal, and the app needs one; without one simulate the \
+         scene with: vesica run {}",
         scene.display()
     )]
-    NoApp {
+    NoTerminal {
+        /// "input" or "output".
+        stream: &'static str,
         /// What it was to open.
         scene: OsString,
+    },
+    /// The app could not start or go on.
+    #[error(transparent)]
+    App(#[from] AppError),
+    /// A signal ended the app.
+    #[error("the app was ended by signal {number}")]
+    AppEnded {
+        /// The signal's number.
+        number: i32,
     },
     /// Scenes that were checked are wrong; each was told already.
     #[error("{wrong} of {checked} scenes cannot be run")]
@@ -117,16 +130,19 @@ impl CliError {
             | CliError::NoStep { .. }
             | CliError::Folder(_)
             | CliError::Resume
-            | CliError::NoApp { .. }
+            | CliError::NoTerminal { .. }
             | CliError::Check { .. }
             | CliError::SetUp(SimulationError::Mesh(_)) => CliError::USAGE,
             CliError::SetUp(_)
             | CliError::Run { .. }
             | CliError::Record(_)
+            | CliError::App(_)
             | CliError::Signals(_)
             | CliError::Output(_) => CliError::FAILED,
             // A signal's number is below 65.
-            CliError::Interrupted { number, .. } => 128_u8.saturating_add(*number as u8),
+            CliError::Interrupted { number, .. } | CliError::AppEnded { number } => {
+                128_u8.saturating_add(*number as u8)
+            }
         }
     }
 
@@ -134,6 +150,8 @@ impl CliError {
     pub fn tell(&self) {
         match self {
             CliError::Interrupted { .. } => output::note(self),
+            // The line that it left says how far it came.
+            CliError::AppEnded { .. } => {}
             _ => output::error(self),
         }
     }

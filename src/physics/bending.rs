@@ -12,6 +12,11 @@ use super::{Effect, MembraneForce, MembraneLinearisation, Sample, Terms};
 use crate::fem::{Patch, Space};
 use crate::scene::{Iteration, Membrane, ScalarField};
 
+/// ε/2 ω², whose integral is E_ben.
+pub fn bending_energy_density(interface_width: f64, omega: f64) -> f64 {
+    0.5 * interface_width * omega * omega
+}
+
 /// The bending energy of a membrane.
 #[derive(Debug)]
 pub struct Bending {

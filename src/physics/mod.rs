@@ -17,7 +17,7 @@ use anchoring::NAME as ANCHORING;
 
 pub use anchoring::Anchoring;
 pub use area::{Area, area_integral, surface_area};
-pub use bending::Bending;
+pub use bending::{Bending, bending_energy_density};
 pub use effect::{
     DirectorForm, Effect, MembraneForce, MembraneLinearisation, NamedValue, RankOne, Terms,
 };

@@ -2,6 +2,9 @@
 
 mod error;
 mod event;
+mod schedule;
+#[cfg(test)]
+mod tests;
 mod warnings;
 mod worker;
 
@@ -17,8 +20,9 @@ pub use crate::physics::NamedValue;
 pub use crate::scheme::{Phase, State};
 pub use error::SimulationError;
 pub use event::{Event, EventKind};
+pub use schedule::{Schedule, step_count};
 pub use warnings::warnings;
-pub use worker::{Command, Message, News, Orders, Picture, RunId, Setting};
+pub use worker::{Command, Mailbox, Message, News, Orders, Picture, RunId, Setting, Worker};
 
 use warnings::NearWall;
 
@@ -88,9 +92,11 @@ pub struct Report {
     pub ledger: Vec<NamedValue>,
     /// The size of the vesicle.
     pub outline: Option<OutlineMeasure>,
+    /// 4π·area/length² of the zero set of φ: 1 for a circle.
+    pub isoperimetric_quotient: Option<f64>,
 }
 
-/// What the parts of a step took, on the clock.
+/// What the parts of a step took, on the clock; measuring the vesicle counts with the ledger.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Costs([Duration; Phase::ALL.len()]);
 
@@ -98,6 +104,11 @@ impl Costs {
     /// What a part took.
     pub fn of(&self, phase: Phase) -> Duration {
         self.0[phase as usize]
+    }
+
+    /// Adds to what a part took.
+    pub fn add(&mut self, phase: Phase, time: Duration) {
+        self.0[phase as usize] += time;
     }
 
     /// What all parts took together.
@@ -167,7 +178,7 @@ impl Simulation {
         let mut begun = Instant::now();
         let mut watch = |phase: Phase| {
             let now = Instant::now();
-            costs.0[phase as usize] += now - begun;
+            costs.add(phase, now - begun);
             begun = now;
         };
         let solved = self
@@ -184,8 +195,9 @@ impl Simulation {
         self.report.step = step;
         self.report.t = t;
         self.report.dt = dt;
-        self.report.costs = costs;
         self.look();
+        watch(Phase::Ledger);
+        self.report.costs = costs;
         Ok(&self.report)
     }
 
@@ -213,6 +225,7 @@ impl Simulation {
         let phi = &self.scheme.state().phi;
         self.contour.trace(&self.mesh, phi);
         self.report.outline = self.contour.measure(self.axis);
+        self.report.isoperimetric_quotient = self.contour.isoperimetric_quotient();
         if self.near_wall.is_reached(phi) {
             let (step, t) = (self.report.step, self.report.t);
             self.events.push(Event {
@@ -271,18 +284,5 @@ fn grid_time(step: u64, dt: f64) -> f64 {
         step as f64 / steps_a_unit
     } else {
         step as f64 * dt
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn times_of_the_grid_are_the_nearest_numbers() {
-        assert_eq!(grid_time(150, 1e-7), 1.5e-5);
-        assert_eq!(grid_time(782, 1e-6), 7.82e-4);
-        assert_eq!(grid_time(3, 0.3), 3.0 * 0.3);
-        assert_eq!(grid_time(0, 1e-7), 0.0);
     }
 }

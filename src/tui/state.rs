@@ -3,12 +3,14 @@
 use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Duration;
 
 use super::past::Past;
-use super::series::Series;
+use super::reins::Reins;
 use crate::scene::{AnchoringKind, Scene};
 use crate::simulation::{Picture, Report, RunId, Setting};
+
+pub use super::history::History;
+pub use super::pace::Pace;
 
 /// The whole state of the app.
 #[derive(Debug)]
@@ -34,12 +36,22 @@ pub struct App {
     pub frames_per_second: u32,
     /// What was last saved, or could not be.
     pub saving: Saving,
+    /// What is being saved.
+    pub saving_now: Option<Save>,
+    /// What will be saved after that: one at most.
+    pub saving_next: Option<Save>,
     /// A passing remark (a key that does nothing here, a scene that was reloaded).
     pub remark: Option<String>,
     /// Set when something that is shown has changed.
     pub stale: bool,
     /// The next run's number.
     pub next_run: RunId,
+    /// How many runs of the gallery compute at the same time, at most.
+    pub cores: usize,
+    /// The time that no run of the gallery goes beyond at present; `None` outside the gallery.
+    pub clock: Option<f64>,
+    /// A slot and the scene that waits to replace it, while that is asked.
+    pub reloaded: Option<(usize, Box<Slot>)>,
     /// Where the app ends.
     pub ending: Option<Ending>,
 }
@@ -64,6 +76,8 @@ pub struct Run {
     pub id: RunId,
     /// Running, paused, ….
     pub status: Status,
+    /// What the user wants of it, what its worker was told, and what that has answered.
+    pub reins: Reins,
     /// Mesh and steps; `None` while the run is set up.
     pub setting: Option<Arc<Setting>>,
     /// The scalars of the last step.
@@ -84,31 +98,8 @@ pub struct Run {
     pub notices: VecDeque<Notice>,
     /// Whether anything was computed that is saved nowhere.
     pub unsaved: bool,
-}
-
-/// Every scalar over the whole run.
-#[derive(Debug, Default)]
-pub struct History {
-    /// E_tot.
-    pub total_energy: Series,
-    /// The energies of the effects that the scene has, by name.
-    pub energies: Vec<(&'static str, Series)>,
-    /// B.
-    pub surface_area: Series,
-    /// ∫φ − ∫φ⁰.
-    pub phase_drift: Series,
-    /// |law_residual|.
-    pub law_residual: Series,
-    /// Milliseconds a step.
-    pub cost: Series,
-    /// Length, waist and greatest width of the vesicle.
-    pub length: Series,
-    /// See `length`.
-    pub waist: Series,
-    /// See `length`.
-    pub width: Series,
-    /// Where the anchoring was switched: step and new kind.
-    pub marks: Vec<(u64, AnchoringKind)>,
+    /// Whether the energy rose in the last step: said once, when it begins.
+    pub rising: bool,
 }
 
 /// What a run is doing, as its worker has told it: a wish that is under way shows as such.
@@ -122,23 +113,12 @@ pub enum Status {
     Pausing,
     /// Stands still.
     Paused,
-    /// Waits for the other runs of the gallery.
+    /// Waits for the other runs of the gallery: for the common clock, or for a core.
     Waiting,
     /// T is reached.
     Done,
     /// Could not go on; the words are the error's.
     Failed(String),
-}
-
-/// How fast a run is, pauses left out.
-#[derive(Debug, Clone, Default)]
-pub struct Pace {
-    /// Steps a second over the last seconds.
-    pub steps_per_second: f64,
-    /// Seconds of computing so far.
-    pub computing: Duration,
-    /// Seconds of computing to T at this pace.
-    pub left: Option<Duration>,
 }
 
 /// Something that the user must see.
@@ -275,6 +255,22 @@ pub enum Saving {
     Saved(PathBuf),
     /// Why not.
     Failed(String),
+}
+
+/// Something to be saved.
+#[derive(Debug, Clone)]
+pub enum Save {
+    /// One view: the picture and its slot.
+    View(Arc<Picture>, usize),
+    /// The whole set of a slot, as far as its run was at this step.
+    Set {
+        /// The slot.
+        slot: usize,
+        /// Its run.
+        run: RunId,
+        /// The last step.
+        step: u64,
+    },
 }
 
 /// How the app ended, for the line that it leaves behind.

@@ -1,14 +1,9 @@
-//! A run on a thread of its own: commands in, scalars and life-cycle news out on a channel that
-//! loses nothing, fields through a mailbox in which the latest wins.
-//!
-//! The worker never waits for whoever watches: news go to a *sink* that must not block, and a field
-//! that nobody has fetched is overwritten. What a watched run computes is, bit for bit, what
-//! [`Simulation`](super::Simulation) computes without a worker.
+//! What is told to a worker, and what it tells.
 
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::{Event, Report};
+use super::super::{Event, Report};
 use crate::fem::Mesh;
 use crate::scene::{AnchoringKind, Scene, Warning};
 use crate::scheme::State;
@@ -33,16 +28,19 @@ pub struct Orders {
     pub snapshots: u64,
 }
 
-/// What can be asked of a worker. Each is carried out between two steps.
+/// What can be asked of a worker. Each is carried out between two steps, in the order in which they
+/// are told. When T is reached `Anchor` alone is still answered, for no step is left to be taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Command {
-    /// Stop after the step in hand.
+    /// Stop after the step in hand. Answered by [`News::Paused`], always, also when it stands still
+    /// already.
     Pause,
     /// Go on.
     Resume,
-    /// Take one step and pause.
+    /// Take one step, even beyond the horizon, and pause. Answered by [`News::Paused`].
     Step,
-    /// Another anchoring for the state as it is, from the next step on.
+    /// Another anchoring for the state as it is, from the next step on. Answered by
+    /// [`News::Anchored`]; where there is no director to anchor nothing happens.
     Anchor(AnchoringKind),
     /// Move the horizon (see [`Orders`]).
     Horizon(Option<f64>),
@@ -66,24 +64,25 @@ pub enum News {
     Ready(Arc<Setting>),
     /// The scalars of steps, in order, none left out; the first is step 0.
     Reports(Vec<Report>),
-    /// Something happened.
+    /// Something happened. (That the anchoring was switched is told as `Anchored`.)
     Event(Event),
     /// The anchoring is another one: the same state as in the last report, its energy measured anew.
     Anchored {
         /// The new kind.
         kind: AnchoringKind,
         /// The scalars of the unchanged state, with the new energies and an empty ledger.
-        report: Report,
+        report: Box<Report>,
     },
     /// One of the evenly spaced states that were ordered.
     Snapshot(Arc<Picture>),
-    /// The worker stands still, as asked.
+    /// The worker stands still, as asked: the answer to every `Pause` and every `Step`, and told at
+    /// the start where it was ordered to wait.
     Paused,
-    /// The worker computes again.
+    /// The worker computes again, after a pause or at a moved horizon.
     Resumed,
     /// The worker waits at its horizon.
     AtHorizon,
-    /// T is reached: the last of all reports was sent before.
+    /// T is reached: the last of all reports was sent before. Told once.
     Done,
     /// The run cannot start or go on, and why; the last good state stays what it is. After this the
     /// thread has ended. A panic of the thread arrives here too.
