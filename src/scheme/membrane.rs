@@ -7,7 +7,7 @@
 //! With the clamped boundary there is no second equation at the wall, μ is an unknown of its own and
 //! the residual is (r₁, r₂).
 
-use crate::fem::{MassInverse, Space};
+use crate::fem::{Grid, MassInverse, Space};
 use crate::linalg::{Gmres, LinalgError, LinearOperator, vector};
 use crate::physics::{Effects, MembraneForce, Sample};
 use crate::scene::Iteration;
@@ -63,6 +63,48 @@ enum Path {
     },
 }
 
+/// A way to solve the linear systems, with its vectors.
+#[derive(Debug)]
+struct LinearSolver {
+    path: Path,
+    gmres: Gmres,
+    right_side: Vec<f64>,
+    increment: Vec<f64>,
+}
+
+impl LinearSolver {
+    /// For so many unknowns.
+    fn new(path: Path, unknowns: usize) -> Self {
+        Self {
+            path,
+            gmres: Gmres::new(unknowns, RESTART),
+            right_side: vec![0.0; unknowns],
+            increment: vec![0.0; unknowns],
+        }
+    }
+
+    fn transform(space: &Space, grid: Grid) -> Self {
+        let vector = || vec![0.0; space.nodes()];
+        let path = Path::Transform {
+            preconditioner: Box::new(BulkPreconditioner::new(space, grid)),
+            scratch: [vector(), vector(), vector(), vector()],
+        };
+        Self::new(path, space.nodes())
+    }
+
+    fn factor(space: &Space, fixed: &[bool]) -> Result<Self, LinalgError> {
+        let preconditioner = Box::new(FactoredPreconditioner::new(space, fixed.to_vec())?);
+        Ok(Self::new(
+            Path::Factor { preconditioner },
+            3 * space.nodes(),
+        ))
+    }
+
+    fn is_transform(&self) -> bool {
+        matches!(self.path, Path::Transform { .. })
+    }
+}
+
 /// What a solved substep 2 took.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Work {
@@ -80,18 +122,17 @@ pub(super) struct MembraneStep {
     /// Nodes where φ is given (clamped boundary).
     fixed: Vec<bool>,
     clamped: bool,
-    path: Path,
+    linear: LinearSolver,
+    /// The other one, once both have been in use.
+    spare: Option<LinearSolver>,
     mass_inverse: MassInverse,
     linearised: Linearised,
     force: MembraneForce,
     /// The integrals that forces need, at φⁿ and at the iterate.
     integrals: [Vec<f64>; 2],
-    gmres: Gmres,
     /// r₁ and r₂; r₂ stays zero with the natural boundary.
     residual: [Vec<f64>; 2],
     load: Vec<f64>,
-    right_side: Vec<f64>,
-    increment: Vec<f64>,
     /// φ, ω, μ of the last iterate.
     last: [Vec<f64>; 3],
     scratch: Vec<f64>,
@@ -147,34 +188,22 @@ impl MembraneStep {
             .map(|on| clamped && *on)
             .collect();
         let vector = || vec![0.0; size];
-        let (path, unknowns) = match space.mesh().grid() {
-            Some(grid) if transform && !clamped => {
-                let preconditioner = Box::new(BulkPreconditioner::new(space, grid));
-                let scratch = [vector(), vector(), vector(), vector()];
-                (
-                    Path::Transform {
-                        preconditioner,
-                        scratch,
-                    },
-                    size,
-                )
-            }
-            _ => (Self::factor_path(space, &fixed)?, 3 * size),
+        let linear = match space.mesh().grid() {
+            Some(grid) if transform && !clamped => LinearSolver::transform(space, grid),
+            _ => LinearSolver::factor(space, &fixed)?,
         };
         Ok(Self {
             mobility,
             mass_tolerance: (MASS_ACCURACY * law_tolerance).clamp(1e-15, 1e-10),
             clamped,
-            path,
+            linear,
+            spare: None,
             mass_inverse: MassInverse::new(space),
             linearised: Linearised::new(space),
             force: MembraneForce::default(),
             integrals: [Vec::new(), Vec::new()],
-            gmres: Gmres::new(unknowns, RESTART),
             residual: [vector(), vector()],
             load: vector(),
-            right_side: vec![0.0; unknowns],
-            increment: vec![0.0; unknowns],
             last: [vector(), vector(), vector()],
             scratch: vector(),
             root_weights: space
@@ -192,24 +221,28 @@ impl MembraneStep {
         self.mobility
     }
 
-    fn factor_path(space: &Space, fixed: &[bool]) -> Result<Path, LinalgError> {
-        let preconditioner = Box::new(FactoredPreconditioner::new(space, fixed.to_vec())?);
-        Ok(Path::Factor { preconditioner })
-    }
-
     /// Whether the fast path is in use.
     pub(super) fn uses_transform(&self) -> bool {
-        matches!(self.path, Path::Transform { .. })
+        self.linear.is_transform()
     }
 
     /// Leaves the fast path for the factor.
     pub(super) fn fall_back(&mut self, space: &Space) -> Result<(), LinalgError> {
-        self.path = Self::factor_path(space, &self.fixed)?;
-        let unknowns = 3 * space.nodes();
-        self.gmres = Gmres::new(unknowns, RESTART);
-        self.right_side = vec![0.0; unknowns];
-        self.increment = vec![0.0; unknowns];
+        if self.uses_transform() {
+            let factor = match self.spare.take() {
+                Some(factor) => factor,
+                None => LinearSolver::factor(space, &self.fixed)?,
+            };
+            self.spare = Some(std::mem::replace(&mut self.linear, factor));
+        }
         Ok(())
+    }
+
+    /// Goes back to the fast path, if it was left.
+    pub(super) fn return_to_transform(&mut self) {
+        if let Some(spare) = self.spare.as_mut().filter(|spare| spare.is_transform()) {
+            std::mem::swap(spare, &mut self.linear);
+        }
     }
 
     /// Prepares the effects for substep 2 from φⁿ with the new director.
@@ -391,7 +424,7 @@ impl MembraneStep {
 
     /// One application of the preconditioner of the fast path; nothing on the other one.
     pub(super) fn precondition(&mut self, x: &[f64], y: &mut [f64]) {
-        if let Path::Transform { preconditioner, .. } = &mut self.path {
+        if let Path::Transform { preconditioner, .. } = &mut self.linear.path {
             preconditioner.apply(x, y);
         }
     }
@@ -403,7 +436,7 @@ impl MembraneStep {
         dt: f64,
         width: f64,
     ) -> Result<(), LinalgError> {
-        if let Path::Factor { preconditioner } = &mut self.path {
+        if let Path::Factor { preconditioner } = &mut self.linear.path {
             preconditioner.expire();
             let mobility = dt * self.mobility;
             preconditioner.prepare(space, &self.linearised, mobility, width, [1.0; 3])?;
@@ -413,7 +446,7 @@ impl MembraneStep {
 
     /// One application of the linearised operator of the fast path; nothing on the other one.
     pub(super) fn product(&mut self, space: &Space, dt: f64, x: &[f64], y: &mut [f64]) {
-        if let Path::Transform { scratch, .. } = &mut self.path {
+        if let Path::Transform { scratch, .. } = &mut self.linear.path {
             let mut operator = ReducedOperator {
                 space,
                 linearised: &self.linearised,
@@ -500,10 +533,10 @@ impl MembraneStep {
         let width = places.effects.bending.interface_width();
         let size = space.nodes();
         let floor = self.rounding_floor(places);
-        let (r1, rest) = self.right_side.split_at_mut(size);
+        let (r1, rest) = self.linear.right_side.split_at_mut(size);
         let rows = r1.iter_mut().zip(&self.residual[0]).zip(&self.root_weights);
         rows.for_each(|((b, r), root)| *b = -r / root);
-        let outcome = match &mut self.path {
+        let outcome = match &mut self.linear.path {
             Path::Transform {
                 preconditioner,
                 scratch,
@@ -517,8 +550,8 @@ impl MembraneStep {
                     root_weights: &self.root_weights,
                     scratch,
                 };
-                let (b, x) = (&self.right_side, &mut self.increment);
-                let outcome = self.gmres.solve(
+                let (b, x) = (&self.linear.right_side, &mut self.linear.increment);
+                let outcome = self.linear.gmres.solve(
                     &mut operator,
                     &mut **preconditioner,
                     b,
@@ -561,13 +594,13 @@ impl MembraneStep {
                     row_scales,
                     root_weights: &self.root_weights,
                 };
-                let (b, x) = (&self.right_side, &mut self.increment);
+                let (b, x) = (&self.linear.right_side, &mut self.linear.increment);
                 let goal = goal.min(1e-2 * vector::norm(b));
                 loop {
                     let linearised = &self.linearised;
                     let fresh =
                         preconditioner.prepare(space, linearised, mobility, width, row_scales)?;
-                    let outcome = self.gmres.solve(
+                    let outcome = self.linear.gmres.solve(
                         &mut operator,
                         &mut **preconditioner,
                         b,
@@ -584,7 +617,7 @@ impl MembraneStep {
                 }
             }
         };
-        if !self.increment.iter().all(|value| value.is_finite()) {
+        if !self.linear.increment.iter().all(|value| value.is_finite()) {
             return Err(LinalgError::NotFinite {
                 place: "GMRES",
                 iteration: outcome.iterations,
@@ -611,12 +644,12 @@ impl MembraneStep {
                 .phi
                 .iter_mut()
                 .zip(&self.last[0])
-                .zip(&self.increment[..size])
+                .zip(&self.linear.increment[..size])
             {
                 *phi = last + damping * step;
             }
             if self.clamped {
-                let steps = &self.increment[2 * size..];
+                let steps = &self.linear.increment[2 * size..];
                 for ((mu, last), step) in places.to.mu.iter_mut().zip(&self.last[2]).zip(steps) {
                     *mu = last + damping * step;
                 }
@@ -681,7 +714,7 @@ impl MembraneStep {
 
     /// Has the next step make a new factor.
     pub(super) fn forget(&mut self) {
-        if let Path::Factor { preconditioner } = &mut self.path {
+        if let Path::Factor { preconditioner } = &mut self.linear.path {
             preconditioner.expire();
         }
     }

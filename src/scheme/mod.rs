@@ -1,6 +1,7 @@
 //! One time step of the scheme (3.20)–(3.21): substep 1 (director), substep 2 (membrane), and the
 //! ledger of the energy law (3.26).
 
+mod detour;
 mod director;
 mod error;
 mod factored;
@@ -22,6 +23,7 @@ use crate::linalg::LinalgError;
 use crate::physics::{Effects, NamedValue, Sample, Terms, area_integral};
 use crate::scene::{self, Boundary, LinearMethod, Quadrature, Scene, Solver};
 
+use detour::Detour;
 use director::DirectorStep;
 use history::History;
 use membrane::{Limits, MembraneStep, Places, Samples};
@@ -48,6 +50,8 @@ pub struct Scheme {
     director: Option<DirectorStep>,
     membrane: MembraneStep,
     history: History,
+    /// The detour that the linear solver is on or was on last.
+    detour: Option<Detour>,
     /// The clock of the history: only differences matter.
     t: f64,
     report: StepReport,
@@ -102,6 +106,7 @@ impl Scheme {
             director: director_step,
             membrane,
             history: History::new(EXTRAPOLATION),
+            detour: None,
             t: 0.0,
             report: StepReport::default(),
             next_report: StepReport::default(),
@@ -247,6 +252,10 @@ impl Scheme {
             tolerance: self.solver.tolerance,
             law_tolerance: self.solver.law_tolerance,
         };
+        let fell_back = self.detour.is_some() && !self.membrane.uses_transform();
+        if fell_back && self.detour.is_some_and(|detour| detour.is_over(dt)) {
+            self.membrane.return_to_transform();
+        }
         let mut places = Places {
             space,
             effects: &mut self.effects,
@@ -264,6 +273,7 @@ impl Scheme {
             && let Err(reason) = outcome
         {
             report.fallback = Some(reason);
+            self.detour = Some(Detour::new(dt, self.detour));
             self.membrane
                 .fall_back(space)
                 .map_err(|source| StepError::Membrane {
@@ -277,6 +287,11 @@ impl Scheme {
             outcome = self.membrane.solve(&mut places, limits);
         }
         let work = outcome?;
+        if let Some(detour) = self.detour.as_mut()
+            && !self.membrane.uses_transform()
+        {
+            detour.advance();
+        }
         report.newton = work.newton;
         report.krylov = work.krylov;
         let closed = self.close_books(dt, report);

@@ -1,5 +1,6 @@
 //! A run in time: the fixed grid t_n = n Δt, what is reported of each step, and what happens on the way.
 
+mod division;
 mod error;
 mod event;
 mod schedule;
@@ -24,6 +25,7 @@ pub use schedule::{Schedule, step_count};
 pub use warnings::warnings;
 pub use worker::{Command, Mailbox, Message, News, Orders, Picture, RunId, Setting, Worker};
 
+use division::Division;
 use warnings::NearWall;
 
 /// What is allowed in a scene but probably not meant, told from its initial state, without the
@@ -59,6 +61,7 @@ pub struct Simulation {
     /// The long axis of the vesicle, in degrees to the x axis.
     axis: f64,
     near_wall: NearWall,
+    division: Division,
 }
 
 /// The scalars of one step.
@@ -129,6 +132,23 @@ impl Report {
         self.director_iterations = step.director_iterations;
         self.ledger.clone_from(&step.ledger);
     }
+
+    /// Takes a further part of the same step.
+    fn add(&mut self, part: &StepReport) {
+        let (newton, krylov, director) = (self.newton, self.krylov, self.director_iterations);
+        let law_residual = self.law_residual;
+        let ledger = std::mem::take(&mut self.ledger);
+        self.take(part);
+        self.newton += newton;
+        self.krylov += krylov;
+        self.director_iterations += director;
+        if law_residual.abs() > self.law_residual.abs() {
+            self.law_residual = law_residual;
+        }
+        for (sum, term) in self.ledger.iter_mut().zip(ledger) {
+            sum.value += term.value;
+        }
+    }
 }
 
 impl Simulation {
@@ -159,21 +179,24 @@ impl Simulation {
             warnings,
             events: Vec::new(),
             axis,
+            division: Division::default(),
         };
         simulation.report.take(simulation.scheme.report());
         simulation.look();
         Ok(simulation)
     }
 
-    /// Takes one step of the fixed grid. On an error the state and the report are those of the last
-    /// good step.
+    /// Takes one step of the fixed grid; in smaller ones that end at the same time, where it cannot be
+    /// solved whole. What the report says of a step is then said of all of them: the sum of their
+    /// ledgers and iterations, the largest law residual, the smallest Δt. On an error the state is the
+    /// last good one, and the report's t says when that was.
     ///
     /// # Errors
-    /// `Step`: the step was not solved.
+    /// `Step`: not even the smallest step was solved.
     pub fn advance(&mut self) -> Result<&Report, SimulationError> {
         let step = self.report.step + 1;
         let dt = self.scene.time.step;
-        let t = grid_time(step, dt);
+        let (begin, end) = (grid_time(step - 1, dt), grid_time(step, dt));
         let mut costs = Costs::default();
         let mut begun = Instant::now();
         let mut watch = |phase: Phase| {
@@ -181,20 +204,57 @@ impl Simulation {
             costs.add(phase, now - begun);
             begun = now;
         };
-        let solved = self
-            .scheme
-            .step_watched(dt, &mut watch)
-            .map_err(|source| SimulationError::Step { step, t, source })?;
-        if let Some(reason) = &solved.fallback {
-            let kind = EventKind::FellBackToFactor {
-                reason: reason.clone(),
-            };
-            self.events.push(Event { step, t, kind });
+        let was_fast = self.scheme.uses_transform();
+        let mut fallback = None;
+        let mut divided = None;
+        self.division.begin();
+        let mut first = true;
+        loop {
+            let piece = dt * self.division.piece();
+            match self.scheme.step_watched(piece, &mut watch) {
+                Ok(solved) => {
+                    if let Some(reason) = &solved.fallback {
+                        fallback.get_or_insert_with(|| reason.clone());
+                    }
+                    if std::mem::take(&mut first) {
+                        self.report.take(solved);
+                    } else {
+                        self.report.add(solved);
+                    }
+                    self.report.dt = dt * self.division.smallest();
+                    if self.division.accept() {
+                        break;
+                    }
+                    self.report.t = begin + dt * self.division.done();
+                }
+                Err(reason) => {
+                    if !self.division.refuse() {
+                        return Err(SimulationError::Step {
+                            step,
+                            t: end,
+                            smallest: dt * self.division.smallest(),
+                            source: reason,
+                        });
+                    }
+                    divided = Some(reason);
+                }
+            }
         }
-        self.report.take(solved);
         self.report.step = step;
-        self.report.t = t;
-        self.report.dt = dt;
+        self.report.t = end;
+        let event = |kind| Event { step, t: end, kind };
+        if let Some(reason) = divided {
+            let smallest = self.report.dt;
+            self.events
+                .push(event(EventKind::StepDivided { smallest, reason }));
+        }
+        match (was_fast, self.scheme.uses_transform(), fallback) {
+            (true, false, Some(reason)) => self
+                .events
+                .push(event(EventKind::FellBackToFactor { reason })),
+            (false, true, _) => self.events.push(event(EventKind::ReturnedToTransform)),
+            _ => {}
+        }
         self.look();
         watch(Phase::Ledger);
         self.report.costs = costs;
