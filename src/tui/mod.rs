@@ -1,5 +1,6 @@
 //! The terminal app.
 
+mod app;
 pub mod canvas;
 pub mod colour_map;
 pub mod curve;
