@@ -133,10 +133,7 @@ fn a_case_that_fails_frees_its_core() {
     rig.keys("g");
     rig.work(50);
     let run = rig.run(0).id;
-    let news = crate::simulation::News::Failed("it failed".to_owned());
-    let message = crate::simulation::Message { run, news };
-    rig.workers.remove(&run);
-    rig.tell(super::super::super::message::Message::Solver(message));
+    rig.fail(run);
     rig.work(200);
     assert!(rig.run(1).report.step > 20);
     assert!(matches!(rig.run(0).status, Status::Failed(_)));

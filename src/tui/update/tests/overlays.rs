@@ -90,8 +90,12 @@ fn releases_are_no_presses() {
 #[test]
 fn suspending_and_editing_are_effects() {
     let mut rig = Rig::new();
-    rig.press_control('z');
-    assert!(matches!(rig.effect(), Effect::Suspend));
+    for opening in ["", "?", "o"] {
+        rig.keys(opening);
+        rig.press_control('z');
+        assert!(matches!(rig.effect(), Effect::Suspend));
+        rig.press(KeyCode::Esc);
+    }
     rig.app.stale = false;
     rig.tell(Message::Continued);
     assert!(rig.app.stale);
@@ -190,6 +194,21 @@ fn an_edited_scene_replaces_its_run_when_that_is_wanted() {
     rig.work(2);
     assert_eq!(rig.run(4).steps(), Some(2000));
     assert_eq!(rig.app.slots.len(), 5);
+}
+
+#[test]
+fn a_preset_that_was_not_changed_in_the_editor_gets_no_slot() {
+    let mut rig = Rig::new();
+    rig.work(3);
+    rig.keys("ae");
+    rig.effects.clear();
+    rig.tell(Message::Loaded(Ok(file(&[]))));
+    assert_eq!((rig.app.slots.len(), rig.app.active), (4, 2));
+    assert!(rig.app.remark.clone().unwrap().contains("unchanged"));
+    rig.keys("e");
+    rig.tell(Message::Loaded(Ok(file(&["time.end=2e-3"]))));
+    assert_eq!((rig.app.slots.len(), rig.app.active), (5, 4));
+    assert!(rig.app.editing.is_none());
 }
 
 #[test]

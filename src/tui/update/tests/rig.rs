@@ -30,6 +30,8 @@ pub(super) struct Played {
     anchoring: AnchoringKind,
     /// Added to the energy of every step from now on: a mistake of the solver.
     pub(super) mistake: f64,
+    /// Whether it has failed: its thread has ended.
+    failed: bool,
 }
 
 impl Played {
@@ -46,6 +48,7 @@ impl Played {
                 .anchoring
                 .map_or(AnchoringKind::None, |anchoring| anchoring.kind),
             mistake: 0.0,
+            failed: false,
         };
         played.measure();
         played
@@ -84,7 +87,8 @@ impl Played {
 
     /// Whether it uses a core.
     pub(super) fn computes(&self) -> bool {
-        !self.ready || self.told.is_none() || self.commands.contains(&Command::Step)
+        let busy = !self.ready || self.rest().is_none() || self.commands.contains(&Command::Step);
+        busy && !self.failed
     }
 
     fn take_step(&mut self, news: &mut Vec<News>) {
@@ -97,6 +101,9 @@ impl Played {
     /// One turn of the worker's loop: a command or a step. Returns what it tells.
     fn turn(&mut self) -> Vec<News> {
         let mut news = Vec::new();
+        if self.failed {
+            return news;
+        }
         if !self.ready {
             self.ready = true;
             news.push(News::Ready(Arc::new(Setting {
@@ -141,7 +148,7 @@ impl Played {
 
     /// Whether there is anything to be done or told but the next step.
     fn is_pending(&self) -> bool {
-        !self.ready || !self.commands.is_empty() || self.told != self.rest()
+        !self.failed && (!self.ready || !self.commands.is_empty() || self.told != self.rest())
     }
 
     fn picture(&self) -> Arc<Picture> {
@@ -248,6 +255,18 @@ impl Rig {
             let news = worker.turn().into_iter();
             self.on_the_way
                 .extend(news.map(|news| WorkerMessage { run, news }));
+        }
+    }
+
+    /// A worker fails.
+    pub(super) fn fail(&mut self, run: RunId) {
+        if let Some(worker) = self.workers.get_mut(&run)
+            && !worker.failed
+            && worker.told != Some("done")
+        {
+            worker.failed = true;
+            let news = News::Failed("it did not converge".to_owned());
+            self.on_the_way.push_back(WorkerMessage { run, news });
         }
     }
 

@@ -137,7 +137,7 @@ fn a_case_that_was_paused_stays_paused() {
     assert_eq!(status(&rig, 2), Status::Paused);
     // And without waiting for anything.
     rig.keys("131313");
-    rig.work(4);
+    rig.settle();
     assert_eq!(status(&rig, 2), Status::Paused);
     assert_eq!(status(&rig, 0), Status::Paused);
     rig.keys("1");
@@ -327,13 +327,13 @@ fn a_run_that_fails_says_so_and_the_app_lives() {
     let mut rig = Rig::new();
     rig.work(5);
     let step = rig.run(2).report.step;
-    say(&mut rig, News::Failed("it did not converge".to_owned()));
     let id = rig.run(2).id;
+    rig.fail(id);
+    rig.deliver_all();
     let run = rig.run(2);
     assert_eq!(run.status, Status::Failed("it did not converge".to_owned()));
     let notice = run.notices.back().unwrap();
     assert_eq!((notice.severity, notice.step), (Severity::Error, step));
-    rig.workers.get_mut(&id).unwrap().report.step = 1000;
     rig.keys(" ");
     assert!(rig.app.remark.clone().unwrap().contains("has failed"));
     rig.keys("a");
@@ -423,12 +423,13 @@ fn signals_and_a_lost_terminal_save_what_there_is() {
     rig.work(3);
     rig.keys("1");
     rig.work(3);
+    rig.keys("3");
     rig.tell(Message::HungUp);
     let effects = std::mem::take(&mut rig.effects);
     assert!(
         matches!(
             effects[..],
-            [Effect::SaveSet(0), Effect::SaveSet(2), Effect::Quit]
+            [Effect::SaveSet(2), Effect::SaveSet(0), Effect::Quit]
         ),
         "{effects:?}"
     );
