@@ -11,6 +11,7 @@ use std::io::{self, IsTerminal};
 
 /// Arguments of the app.
 #[derive(Debug, clap::Args)]
+#[group(id = "app")]
 pub(super) struct Arguments {
     /// The scene that the terminal app opens: a preset's name, a TOML file or a run's folder
     /// [default: case3]

@@ -252,3 +252,114 @@ fn sequence(commands: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> Vec<u8> {
     let _ = commands(&mut bytes);
     bytes
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use portable_pty::{CommandBuilder, PtySize, native_pty_system};
+    use std::io::Read;
+    use std::sync::mpsc;
+
+    /// Set for the process in which the terminal is used.
+    const INSIDE: &str = "VESICA_TEST_INSIDE_TERMINAL";
+
+    /// What a test writes that runs in a terminal of its own: the test binary is started again in
+    /// one, to run that test alone.
+    fn in_a_terminal(test: &str) -> String {
+        let pair = native_pty_system().openpty(PtySize::default()).unwrap();
+        let mut command = CommandBuilder::new(std::env::current_exe().unwrap());
+        command.args(["--exact", test, "--nocapture", "--test-threads=1"]);
+        command.env(INSIDE, "1");
+        command.env("RUST_BACKTRACE", "0");
+        let mut child = pair.slave.spawn_command(command).unwrap();
+        drop(pair.slave);
+        let mut written = Vec::new();
+        // The end of the terminal may be told as an error.
+        let _ = pair
+            .master
+            .try_clone_reader()
+            .unwrap()
+            .read_to_end(&mut written);
+        child.wait().unwrap();
+        String::from_utf8_lossy(&written).into_owned()
+    }
+
+    fn is_inside() -> bool {
+        std::env::var_os(INSIDE).is_some()
+    }
+
+    fn open() -> (Terminal, mpsc::Receiver<Incoming>) {
+        let (incoming, news) = mpsc::channel();
+        (Terminal::open(incoming).unwrap(), news)
+    }
+
+    fn draw(terminal: &mut Terminal, news: &mpsc::Receiver<Incoming>, word: &'static str) {
+        terminal.draw((20, 2), |frame| {
+            frame.render_widget(ratatui::text::Line::raw(word), frame.area());
+        });
+        let Ok(Incoming::Written(Ok(buffer))) = news.recv() else {
+            panic!("the frame is written");
+        };
+        terminal.written(buffer);
+    }
+
+    const LEAVE: &str = "\x1b[?1049l";
+
+    #[test]
+    fn panics_restore_the_terminal_if_they_are_its_owners() {
+        if is_inside() {
+            let (mut terminal, news) = open();
+            let worker = thread::spawn(|| panic!("words of a worker"));
+            assert!(worker.join().is_err());
+            draw(&mut terminal, &news, "still here");
+            panic!("words of the owner");
+        }
+        let written = in_a_terminal(
+            "tui::terminal::tests::panics_restore_the_terminal_if_they_are_its_owners",
+        );
+        assert_eq!(written.matches(LEAVE).count(), 1, "{written}");
+        let (screen, after) = written.split_once(LEAVE).unwrap();
+        assert!(screen.contains("still here"), "{written}");
+        assert!(
+            after.contains("\x1b[?25h"),
+            "the cursor is shown: {written}"
+        );
+        assert!(after.contains("words of the owner"), "{written}");
+        // Restored first, then said; and the worker's was not said over the screen.
+        assert!(!screen.contains("words of"), "{written}");
+        assert!(!written.contains("words of a worker"), "{written}");
+    }
+
+    #[test]
+    fn what_is_given_away_is_taken_back_and_drawn_whole() {
+        if is_inside() {
+            let (mut terminal, news) = open();
+            draw(&mut terminal, &news, "one");
+            terminal.give_away();
+            terminal.give_away();
+            assert!(!terminal.is_ours() && !terminal.is_free());
+            terminal.draw((20, 2), |_| panic!("nothing is drawn on another's screen"));
+            println!("elsewhere");
+            terminal.take_back().unwrap();
+            draw(&mut terminal, &news, "one");
+            terminal.copy("path");
+            draw(&mut terminal, &news, "one");
+            drop(terminal);
+            let panicked = thread::spawn(|| panic!("words after the end")).join();
+            assert!(panicked.is_err());
+            return;
+        }
+        let written =
+            in_a_terminal("tui::terminal::tests::what_is_given_away_is_taken_back_and_drawn_whole");
+        let parts: Vec<&str> = written.split(LEAVE).collect();
+        assert_eq!(parts.len(), 3, "{written}");
+        assert!(parts[1].contains("elsewhere"), "{written}");
+        assert_eq!(written.matches("\x1b[?1049h").count(), 2, "{written}");
+        assert_eq!(parts[0].matches("one").count(), 1, "{written}");
+        assert_eq!(parts[1].matches("one").count(), 1, "drawn again: {written}");
+        assert!(parts[1].contains("\x1b]52;c;cGF0aA==\x07"), "{written}");
+        // The panic hook of before is back.
+        assert!(parts[2].contains("words after the end"), "{written}");
+        assert!(parts[2].contains("1 passed"), "{written}");
+    }
+}
