@@ -6,6 +6,7 @@
 
 pub mod cli;
 pub mod fem;
+pub mod figure;
 pub mod linalg;
 pub mod physics;
 pub mod record;

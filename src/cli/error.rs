@@ -1,7 +1,8 @@
 //! Why a command ends without success, and its exit status.
 
 use super::output;
-use crate::record::{LoadError, RecordError};
+use crate::figure::FigureError;
+use crate::record::{LoadError, ReadError, RecordError};
 use crate::scene::UnknownPreset;
 use crate::simulation::SimulationError;
 use crate::tui::AppError;
@@ -108,6 +109,43 @@ pub(super) enum CliError {
         /// The run's folder.
         folder: PathBuf,
     },
+    /// A signal ended the runs of a set of figures.
+    #[error(
+        "ended by {signal}; what was computed is saved. Draw it with `vesica figures {}`",
+        runs.iter().map(|run| run.display().to_string()).collect::<Vec<_>>().join(" ")
+    )]
+    FiguresInterrupted {
+        /// The signal's name.
+        signal: &'static str,
+        /// The signal's number.
+        number: i32,
+        /// The runs' folders.
+        runs: Vec<PathBuf>,
+    },
+    /// A run's folder cannot be read back.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// Values are to be set in a run that is done.
+    #[error(
+        "--set cannot change {}, whose run is done. To run its scene again, name {} instead",
+        folder.display(),
+        folder.join("scene.toml").display()
+    )]
+    SetInRun {
+        /// The run's folder.
+        folder: PathBuf,
+    },
+    /// The figures could not be made.
+    #[error(transparent)]
+    Figure(#[from] FigureError),
+    /// Some of the runs of a set of figures failed; each was told already.
+    #[error("{failed} of {all} runs failed; the figures show what there is")]
+    RunsFailed {
+        /// How many.
+        failed: usize,
+        /// Of how many.
+        all: usize,
+    },
     /// Signals cannot be received.
     #[error("cannot set up the handling of Ctrl-C: {0}")]
     Signals(#[source] io::Error),
@@ -132,15 +170,27 @@ impl CliError {
             | CliError::Resume
             | CliError::NoTerminal { .. }
             | CliError::Check { .. }
+            | CliError::Read(_)
+            | CliError::SetInRun { .. }
+            | CliError::Figure(
+                FigureError::Width { .. }
+                | FigureError::Resolution { .. }
+                | FigureError::Occupied { .. }
+                | FigureError::Nothing,
+            )
             | CliError::SetUp(SimulationError::Mesh(_)) => CliError::USAGE,
             CliError::SetUp(_)
             | CliError::Run { .. }
             | CliError::Record(_)
             | CliError::App(_)
+            | CliError::Figure(_)
+            | CliError::RunsFailed { .. }
             | CliError::Signals(_)
             | CliError::Output(_) => CliError::FAILED,
             // A signal's number is below 65.
-            CliError::Interrupted { number, .. } | CliError::AppEnded { number } => {
+            CliError::Interrupted { number, .. }
+            | CliError::FiguresInterrupted { number, .. }
+            | CliError::AppEnded { number } => {
                 128_u8.saturating_add(*number as u8)
             }
         }
@@ -149,7 +199,9 @@ impl CliError {
     /// Tells it on the standard error.
     pub fn tell(&self) {
         match self {
-            CliError::Interrupted { .. } => output::note(self),
+            CliError::Interrupted { .. } | CliError::FiguresInterrupted { .. } => {
+                output::note(self)
+            }
             // The line that it left says how far it came.
             CliError::AppEnded { .. } => {}
             _ => output::error(self),

@@ -6,6 +6,7 @@
 mod app;
 mod check;
 mod error;
+mod figures;
 mod numbers;
 mod output;
 mod presets;
@@ -43,6 +44,8 @@ struct Arguments {
 enum Command {
     /// Simulate a scene and record it in a folder
     Run(run::Arguments),
+    /// Draw the figures of a report
+    Figures(figures::Arguments),
     /// List the built-in scenes
     Presets,
     /// Print a built-in scene as TOML
@@ -59,6 +62,7 @@ pub fn main() -> ExitCode {
     };
     let result = match arguments.command {
         Some(Command::Run(arguments)) => run::run(&arguments),
+        Some(Command::Figures(arguments)) => figures::figures(&arguments),
         Some(Command::Presets) => presets::list(),
         Some(Command::Preset(arguments)) => presets::print(&arguments),
         Some(Command::Check(arguments)) => check::check(&arguments),

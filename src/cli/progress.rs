@@ -1,7 +1,7 @@
 //! The bar that shows how far a run is.
 
 use crate::simulation::Report;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use std::fmt;
 use std::time::{Duration, Instant};
 
@@ -24,8 +24,18 @@ impl Progress {
             // Hidden as well where the standard error is no terminal.
             ProgressDrawTarget::stderr()
         };
-        let bar = ProgressBar::with_draw_target(Some(steps), target);
-        let template = "{bar:24} {pos}/{len}  {rate}  {eta} left  {msg}";
+        Progress::with(ProgressBar::with_draw_target(Some(steps), target))
+    }
+
+    /// A bar among others, for the run of this name.
+    pub fn among(bars: &MultiProgress, name: &str, steps: u64) -> Progress {
+        let bar = bars.add(ProgressBar::new(steps));
+        bar.set_prefix(format!("{name}  "));
+        Progress::with(bar)
+    }
+
+    fn with(bar: ProgressBar) -> Progress {
+        let template = "{prefix}{bar:24} {pos}/{len}  {rate}  {eta} left  {msg}";
         // The template is right; if it ever were not, the plain bar serves.
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style.with_key("rate", rate));

@@ -97,16 +97,17 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         simulation.warnings().iter().for_each(output::warning);
     }
 
-    let stop = simulate(&mut simulation, &mut recorder, &signal, arguments.quiet);
+    let progress = Progress::new(recorder.schedule().steps, arguments.quiet);
+    let stop = simulate(
+        &mut simulation,
+        &mut recorder,
+        &signal,
+        progress,
+        arguments.quiet,
+    );
 
     let steps = recorder.schedule().steps;
-    let ending = match &stop {
-        Stop::Done => Ending::Done,
-        Stop::Signal(_) => Ending::Interrupted,
-        Stop::Failed(error) => Ending::Failed(error.to_string()),
-        Stop::Unrecorded(error) => Ending::Failed(error.to_string()),
-    };
-    let finished = recorder.finish(&mut simulation, ending);
+    let finished = recorder.finish(&mut simulation, stop.ending());
     match stop {
         Stop::Unrecorded(error) => Err(error.into()),
         Stop::Failed(error) => {
@@ -139,21 +140,33 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
 }
 
 /// Why the loop over the steps ended.
-enum Stop {
+pub(super) enum Stop {
     Done,
     Signal(Signal),
     Failed(SimulationError),
     Unrecorded(RecordError),
 }
 
+impl Stop {
+    /// How the record is to end.
+    pub fn ending(&self) -> Ending {
+        match self {
+            Stop::Done => Ending::Done,
+            Stop::Signal(_) => Ending::Interrupted,
+            Stop::Failed(error) => Ending::Failed(error.to_string()),
+            Stop::Unrecorded(error) => Ending::Failed(error.to_string()),
+        }
+    }
+}
+
 /// Makes the steps, recording each, until one of them is the last.
-fn simulate(
+pub(super) fn simulate(
     simulation: &mut Simulation,
     recorder: &mut Recorder,
     signal: &EndSignal,
+    mut progress: Progress,
     quiet: bool,
 ) -> Stop {
-    let mut progress = Progress::new(recorder.schedule().steps, quiet);
     let mut computing = Duration::ZERO;
     let mut told = 0;
     for _ in 0..recorder.schedule().steps {

@@ -3,6 +3,7 @@
 use super::RecordError;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
+use tempfile::NamedTempFile;
 
 /// Writes a file whole: beside its place, to the disk, and only then under its name.
 ///
@@ -11,17 +12,36 @@ use std::path::Path;
 ///
 /// # Errors
 /// [`RecordError::Write`] with the path and the system's reason.
-pub(super) fn write_whole(
+pub(crate) fn write_whole(
     path: &Path,
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), RecordError> {
-    write_whole_io(path, content).map_err(RecordError::write(path))
+    write_beside(path, content)
+        .and_then(|file| file.persist(path).map_err(|error| error.error))
+        .map(|_| ())
+        .map_err(RecordError::write(path))
 }
 
-fn write_whole_io(
+/// As [`write_whole`], but never replaces a file: not even one that another program made a moment
+/// ago.
+///
+/// # Errors
+/// [`RecordError::Write`] with the path and the system's reason, such as that it exists.
+pub(crate) fn write_new(
     path: &Path,
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> io::Result<()> {
+) -> Result<(), RecordError> {
+    write_beside(path, content)
+        .and_then(|file| file.persist_noclobber(path).map_err(|error| error.error))
+        .map(|_| ())
+        .map_err(RecordError::write(path))
+}
+
+/// Writes a file beside its place, and to the disk.
+fn write_beside(
+    path: &Path,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<NamedTempFile> {
     // A name without a folder in front of it has the empty path as its parent.
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
@@ -39,8 +59,7 @@ fn write_whole_io(
     content(&mut writer)?;
     let file = writer.into_inner().map_err(|error| error.into_error())?;
     file.as_file().sync_all()?;
-    file.persist(path).map_err(|error| error.error)?;
-    Ok(())
+    Ok(file)
 }
 
 #[cfg(test)]
@@ -81,6 +100,17 @@ mod tests {
         assert!(error.to_string().contains("a.txt"), "{error}");
         assert!(error.to_string().contains("no storage space"), "{error}");
         assert_eq!(fs::read_to_string(&path).unwrap(), "whole");
+        assert_eq!(names(folder.path()), ["a.txt"]);
+    }
+
+    #[test]
+    fn what_is_there_is_not_replaced_by_what_is_new() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        write_new(&path, |file| file.write_all(b"first")).unwrap();
+        let error = write_new(&path, |file| file.write_all(b"second")).unwrap_err();
+        assert!(error.to_string().contains("exists"), "{error}");
+        assert_eq!(fs::read_to_string(&path).unwrap(), "first");
         assert_eq!(names(folder.path()), ["a.txt"]);
     }
 

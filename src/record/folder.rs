@@ -108,7 +108,11 @@ impl RunFolder {
     }
 }
 
-fn make(path: &Path) -> Result<(), RecordError> {
+/// Makes a folder, and those that it is in, if they are not there.
+///
+/// # Errors
+/// [`RecordError::MakeFolder`].
+pub(crate) fn make(path: &Path) -> Result<(), RecordError> {
     fs::create_dir_all(path).map_err(|reason| RecordError::MakeFolder {
         path: path.to_owned(),
         reason,

@@ -20,10 +20,12 @@
 //! it ends. A run that was killed is known by the status "running" in `run.json`.
 
 mod atomic;
+mod columns;
 mod error;
 mod folder;
 mod history;
 mod number;
+mod read;
 mod recorder;
 mod scene_file;
 mod source;
@@ -32,13 +34,20 @@ mod summary;
 mod table;
 mod vtu;
 
+pub(crate) use atomic::{write_new, write_whole};
+pub use columns::Columns;
 pub use error::RecordError;
+pub(crate) use folder::make as make_folder;
 pub use folder::{IfOccupied, RunFolder};
 pub use history::HISTORY_COLUMNS;
 pub use number::{Brief, Number};
+pub use read::{
+    ReadError, RecordedFields, RecordedRun, StoredFields, WrongArray, read_fields, read_run,
+};
 pub use recorder::{Preparation, Recorder, Settings};
 
 pub use crate::simulation::{Schedule, step_count};
 pub use source::{LoadError, LoadedScene, load_scene};
 pub use states::write_states;
 pub use summary::{Ending, EventRecord, OutlineChange, OutlineRecord, RunSummary, Status};
+pub use vtu::{write_fields, write_series};

@@ -25,12 +25,7 @@ const TRIANGLE: u8 = 5;
 ///
 /// # Errors
 /// [`RecordError::Write`].
-pub(super) fn write_fields(
-    path: &Path,
-    mesh: &Mesh,
-    state: &State,
-    t: f64,
-) -> Result<(), RecordError> {
+pub fn write_fields(path: &Path, mesh: &Mesh, state: &State, t: f64) -> Result<(), RecordError> {
     write_whole(path, |file| fields(file, mesh, state, t))
 }
 
@@ -38,7 +33,7 @@ pub(super) fn write_fields(
 ///
 /// # Errors
 /// [`RecordError::Write`].
-pub(super) fn write_series(path: &Path, snapshots: &[(f64, String)]) -> Result<(), RecordError> {
+pub fn write_series(path: &Path, snapshots: &[(f64, String)]) -> Result<(), RecordError> {
     write_whole(path, |file| {
         writeln!(file, r#"<?xml version="1.0"?>"#)?;
         writeln!(

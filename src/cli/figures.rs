@@ -1,0 +1,401 @@
+//! `vesica figures SCENE...`: the figures of a report.
+
+use super::error::CliError;
+use super::output;
+use super::progress::Progress;
+use super::run::{Stop, simulate, some_step};
+use super::signals::{EndSignal, Signal};
+use crate::figure::{
+    Director, Existing, FigureOptions, LARGEST_WIDTH, LEAST_WIDTH, RunData, Snapshot, check_free,
+    save_set,
+};
+use crate::record::{
+    IfOccupied, Preparation, RecordError, RecordedRun, RunFolder, Settings, load_scene, read_run,
+};
+use crate::scene::{Scene, preset};
+use crate::simulation::Simulation;
+use indicatif::MultiProgress;
+use std::ffi::{OsStr, OsString};
+use std::fmt;
+use std::num::NonZero;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+use std::time::Instant;
+
+/// Where figures go that are given no folder.
+const FIGURES: &str = "figures";
+/// Where their runs go, below.
+const RUNS: &str = "runs";
+/// A folder's name from several scenes is at most so long.
+const LONGEST_NAME: usize = 60;
+
+/// Arguments of `vesica figures`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Of each scene: snapshots at t = 0, T/4, T/2, 3T/4, T; the energies; the drift of the volume and the \
+surface area; the size of the vesicle. Of several scenes also the same together. Each as PNG, SVG \
+and CSV. A scene is simulated first, and its run is kept below the figures' folder; a run's folder \
+is drawn as it is.")]
+pub(super) struct Arguments {
+    /// Presets (see `vesica presets`), TOML files, or folders of runs
+    #[arg(required = true, value_name = "SCENE")]
+    scenes: Vec<OsString>,
+
+    /// The figures' folder [default: figures/NAMES, then figures/NAMES-2, …]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    /// Override a value of each scene, such as anchoring.kind=parallel
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+
+    /// The width of each figure in pixels
+    #[arg(long, value_name = "PX", default_value_t = 2000,
+          value_parser = clap::value_parser!(u32).range(i64::from(LEAST_WIDTH)..=i64::from(LARGEST_WIDTH)))]
+    width: u32,
+
+    /// The resolution in dots an inch, for print
+    #[arg(long, value_name = "N", default_value_t = 300,
+          value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    dpi: u32,
+
+    /// Draw the director without heads: d and −d mean the same physics
+    #[arg(long)]
+    headless: bool,
+
+    /// Replace figures and runs that the folder holds
+    #[arg(long)]
+    force: bool,
+}
+
+/// Simulates what is not simulated yet, and draws.
+pub(super) fn figures(arguments: &Arguments) -> Result<(), CliError> {
+    let sources: Vec<Source> = arguments
+        .scenes
+        .iter()
+        .map(|source| Source::find(source, &arguments.set))
+        .collect::<Result<_, _>>()?;
+    let signal = EndSignal::listen()?;
+    let folder = folder(arguments, &sources)?;
+    let jobs = jobs(&sources, &folder, arguments.force)?;
+    let outcomes = compute(&jobs, &signal);
+
+    let mut failed = 0;
+    for (job, outcome) in jobs.iter().zip(&outcomes) {
+        if let Outcome::Failed(error) = outcome {
+            failed += 1;
+            output::error(format_args!("{}: {error}", job.name));
+        }
+    }
+    let stopped = outcomes.iter().find_map(|outcome| match outcome {
+        Outcome::Stopped(signal) => Some(*signal),
+        _ => None,
+    });
+    if let Some(Signal { name, number }) = stopped {
+        return Err(CliError::FiguresInterrupted {
+            signal: name,
+            number,
+            runs: jobs
+                .iter()
+                .map(|job| job.folder.path().to_owned())
+                .collect(),
+        });
+    }
+
+    let command = Command(arguments).to_string();
+    let mut jobs_left = jobs.iter().zip(&outcomes);
+    let mut runs = Vec::new();
+    for source in sources {
+        let run = match source {
+            Source::Run { name, run } => (name, *run),
+            Source::Scene { .. } => match jobs_left.next() {
+                // A run whose record does not reach to its first row has nothing to draw.
+                Some((job, Outcome::Failed(_))) => match read_run(job.folder.path()) {
+                    Ok(run) => (job.name.clone(), run),
+                    Err(_) => continue,
+                },
+                Some((job, _)) => (job.name.clone(), read_run(job.folder.path())?),
+                None => continue,
+            },
+        };
+        runs.extend(data(run, &command));
+    }
+    let options = FigureOptions {
+        width: arguments.width,
+        dpi: arguments.dpi,
+        director: if arguments.headless {
+            Director::Strokes
+        } else {
+            Director::Arrows
+        },
+        existing: if arguments.force {
+            Existing::Replace
+        } else {
+            Existing::Refuse
+        },
+        ..FigureOptions::default()
+    };
+    let files = save_set(&runs, &options, &folder)?;
+    let pictures = files
+        .iter()
+        .filter(|file| file.extension() == Some(OsStr::new("png")))
+        .count();
+    output::line(format_args!(
+        "{pictures} figures, each as PNG, SVG and CSV, in {}",
+        folder.display()
+    ))?;
+    match failed {
+        0 => Ok(()),
+        _ => Err(CliError::RunsFailed {
+            failed,
+            all: jobs.len(),
+        }),
+    }
+}
+
+/// What a SCENE stands for.
+enum Source {
+    /// A scene that is to be simulated.
+    Scene { name: String, scene: Box<Scene> },
+    /// A run that was simulated.
+    Run { name: String, run: Box<RecordedRun> },
+}
+
+impl Source {
+    fn find(source: &OsStr, overrides: &[String]) -> Result<Source, CliError> {
+        let path = Path::new(source);
+        // A preset's name is the preset, as everywhere; a folder of that name is `./NAME`.
+        let is_preset = source.to_str().is_some_and(|name| preset(name).is_some());
+        if !is_preset && path.is_dir() {
+            if !overrides.is_empty() {
+                return Err(CliError::SetInRun {
+                    folder: path.to_owned(),
+                });
+            }
+            // Of `.` and `..` the name is that of the folder behind them.
+            let whole = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+            let name = whole.file_name().unwrap_or(OsStr::new("run"));
+            return Ok(Source::Run {
+                name: name.to_string_lossy().into_owned(),
+                run: Box::new(read_run(path)?),
+            });
+        }
+        let loaded = load_scene(source, overrides)?;
+        some_step(&loaded.scene.time)?;
+        Ok(Source::Scene {
+            name: loaded.name.to_string_lossy().into_owned(),
+            scene: Box::new(loaded.scene),
+        })
+    }
+
+    fn name(&self) -> &str {
+        match self {
+            Source::Scene { name, .. } | Source::Run { name, .. } => name,
+        }
+    }
+
+    fn scene(&self) -> &Scene {
+        match self {
+            Source::Scene { scene, .. } => scene,
+            Source::Run { run, .. } => &run.scene,
+        }
+    }
+}
+
+/// The figures' folder: the given one, or a new one; with `--force` and no name, the first.
+fn folder(arguments: &Arguments, sources: &[Source]) -> Result<PathBuf, CliError> {
+    let folder = match (&arguments.out, arguments.force) {
+        (Some(folder), _) => folder.clone(),
+        (None, true) => Path::new(FIGURES).join(names(sources)),
+        (None, false) => {
+            let name = OsString::from(names(sources));
+            let numbered = RunFolder::numbered(Path::new(FIGURES), &name);
+            return Ok(numbered.map_err(CliError::Folder)?.path().to_owned());
+        }
+    };
+    if !arguments.force {
+        let runs: Vec<(&str, &Scene)> = sources.iter().map(|s| (s.name(), s.scene())).collect();
+        check_free(&runs, &folder)?;
+    }
+    Ok(folder)
+}
+
+/// The names of all sources, or as many as make a name of reasonable length.
+fn names(sources: &[Source]) -> String {
+    let mut name = String::new();
+    for (number, source) in sources.iter().enumerate() {
+        let longer = match number {
+            0 => source.name().to_owned(),
+            _ => format!("{name}-{}", source.name()),
+        };
+        if number > 0 && longer.len() > LONGEST_NAME {
+            return format!("{name}-and-{}-more", sources.len() - number);
+        }
+        name = longer;
+    }
+    name
+}
+
+/// A scene that is to be simulated, and where.
+struct Job {
+    name: String,
+    scene: Scene,
+    folder: RunFolder,
+}
+
+/// The jobs of all scenes, with their folders claimed.
+fn jobs(sources: &[Source], folder: &Path, force: bool) -> Result<Vec<Job>, CliError> {
+    let if_occupied = match force {
+        true => IfOccupied::Replace,
+        false => IfOccupied::Refuse,
+    };
+    let mut jobs: Vec<Job> = Vec::new();
+    for source in sources {
+        let Source::Scene { name, scene } = source else {
+            continue;
+        };
+        let same = jobs.iter().filter(|job| job.name == *name).count();
+        let own = match same {
+            0 => name.clone(),
+            _ => format!("{name}-{}", same + 1),
+        };
+        let path = folder.join(RUNS).join(own);
+        jobs.push(Job {
+            name: name.clone(),
+            scene: Scene::clone(scene),
+            folder: RunFolder::at(&path, if_occupied).map_err(CliError::Folder)?,
+        });
+    }
+    Ok(jobs)
+}
+
+/// How a run went.
+enum Outcome {
+    Done,
+    Stopped(Signal),
+    Failed(String),
+}
+
+/// Simulates the jobs side by side, as many at a time as there are processors.
+fn compute(jobs: &[Job], signal: &EndSignal) -> Vec<Outcome> {
+    let threads = thread::available_parallelism().map_or(1, NonZero::get);
+    let bars = MultiProgress::new();
+    let next = AtomicUsize::new(0);
+    let outcomes: Vec<Mutex<Option<Outcome>>> = jobs.iter().map(|_| Mutex::new(None)).collect();
+    thread::scope(|scope| {
+        for _ in 0..threads.min(jobs.len()) {
+            scope.spawn(|| {
+                while let Some(job) = jobs.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    let outcome = compute_one(job, signal, &bars)
+                        .unwrap_or_else(|error| Outcome::Failed(error.to_string()));
+                    let place = jobs.iter().position(|other| std::ptr::eq(other, job));
+                    if let Some(place) = place
+                        && let Ok(mut place) = outcomes[place].lock()
+                    {
+                        *place = Some(outcome);
+                    }
+                }
+            });
+        }
+    });
+    let outcome = |outcome: Mutex<Option<Outcome>>| outcome.into_inner().ok().flatten();
+    let unknown = || Outcome::Failed("its thread ended too early".to_owned());
+    outcomes
+        .into_iter()
+        .map(|result| outcome(result).unwrap_or_else(unknown))
+        .collect()
+}
+
+fn compute_one(
+    job: &Job,
+    signal: &EndSignal,
+    bars: &MultiProgress,
+) -> Result<Outcome, RecordError> {
+    let preparation = Preparation::begin(job.folder.clone(), &job.scene, Settings::default())?;
+    let begun = Instant::now();
+    let mut simulation = match Simulation::new(&job.scene) {
+        Ok(simulation) => simulation,
+        Err(error) => {
+            preparation.fail(error.to_string())?;
+            return Ok(Outcome::Failed(error.to_string()));
+        }
+    };
+    let mut recorder = preparation.start(&simulation, begun.elapsed())?;
+    let progress = Progress::among(bars, &job.name, recorder.schedule().steps);
+    progress.above(|| {
+        for warning in simulation.warnings() {
+            output::warning(format_args!("{}: {warning}", job.name));
+        }
+    });
+    let stop = simulate(&mut simulation, &mut recorder, signal, progress, true);
+    let finished = recorder.finish(&mut simulation, stop.ending());
+    match stop {
+        Stop::Unrecorded(error) => Err(error),
+        Stop::Failed(error) => Ok(Outcome::Failed(error.to_string())),
+        Stop::Signal(signal) => finished.map(|_| Outcome::Stopped(signal)),
+        Stop::Done => finished.map(|_| Outcome::Done),
+    }
+}
+
+/// What is drawn of a run; nothing, if no fields were saved.
+fn data((name, run): (String, RecordedRun), command: &str) -> Option<RunData> {
+    let snapshots = run.fields.into_iter().map(|fields| Snapshot {
+        step: fields.step,
+        t: fields.t,
+        state: fields.state,
+    });
+    Some(RunData {
+        name,
+        scene: Arc::new(run.scene),
+        mesh: run.mesh?,
+        history: run.history,
+        snapshots: snapshots.collect(),
+        command: command.to_owned(),
+    })
+}
+
+/// The command that draws the same figures.
+struct Command<'a>(&'a Arguments);
+
+impl fmt::Display for Command<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Command(arguments) = self;
+        f.write_str("vesica figures")?;
+        for scene in &arguments.scenes {
+            write!(f, " {}", quoted(&scene.to_string_lossy()))?;
+        }
+        for set in &arguments.set {
+            write!(f, " --set {}", quoted(set))?;
+        }
+        write!(f, " --width {} --dpi {}", arguments.width, arguments.dpi)?;
+        if arguments.headless {
+            f.write_str(" --headless")?;
+        }
+        Ok(())
+    }
+}
+
+/// An argument as a shell takes it.
+fn quoted(argument: &str) -> String {
+    let harmless = |c: char| c.is_ascii_alphanumeric() || "-_./=+:,@%".contains(c);
+    match !argument.is_empty() && argument.chars().all(harmless) {
+        true => argument.to_owned(),
+        false => format!("'{}'", argument.replace('\'', r"'\''")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn arguments_are_quoted_as_a_shell_takes_them() {
+        assert_eq!(quoted("anchoring.kind=parallel"), "anchoring.kind=parallel");
+        assert_eq!(quoted("my scene.toml"), "'my scene.toml'");
+        assert_eq!(quoted("it's"), r"'it'\''s'");
+        assert_eq!(quoted(""), "''");
+    }
+}

@@ -1,0 +1,185 @@
+//! Colours, and the maps from values to them.
+
+use colorous::Color;
+
+/// A colour of the screen: red, green, blue.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Colour(pub [u8; 3]);
+
+impl Colour {
+    pub const BLACK: Colour = Colour([0, 0, 0]);
+    pub const GREY: Colour = Colour([110, 110, 110]);
+}
+
+/// The colours of lines, by Okabe and Ito, which people tell apart however they see colours.
+pub(super) const LINE_COLOURS: [Colour; 6] = [
+    Colour([0, 114, 178]),
+    Colour([213, 94, 0]),
+    Colour([0, 158, 115]),
+    Colour([204, 121, 167]),
+    Colour([86, 180, 233]),
+    Colour([230, 159, 0]),
+];
+
+/// How the values of a field become colours: perceptually uniform to both sides of zero, which is
+/// nearly white, and with two hues that the colour-blind tell apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ColourMap {
+    /// Blue below, red above.
+    #[default]
+    BlueRed,
+    /// Purple below, orange above.
+    PurpleOrange,
+}
+
+/// The middle of a diverging map.
+const MIDDLE_LIGHTNESS: f64 = 0.975;
+/// Its ends, of the same lightness and strength both: light enough for black lines.
+const END_LIGHTNESS: f64 = 0.70;
+const END_CHROMA: f64 = 0.125;
+/// Steps from the middle to either end: more than colours have.
+const STEPS: usize = 256;
+
+impl ColourMap {
+    /// The hues below and above zero, in degrees.
+    fn hues(self) -> [f64; 2] {
+        match self {
+            ColourMap::BlueRed => [245.0, 35.0],
+            ColourMap::PurpleOrange => [305.0, 65.0],
+        }
+    }
+}
+
+/// The colour of a lightness, a strength and a hue in Oklab, where equal steps look equal
+/// (B. Ottosson, "A perceptual color space for image processing", 2020).
+fn perceptual(lightness: f64, chroma: f64, hue: f64) -> Colour {
+    let (sin, cos) = hue.to_radians().sin_cos();
+    let (a, b) = (chroma * cos, chroma * sin);
+    let cone = |of_a: f64, of_b: f64| (lightness + of_a * a + of_b * b).powi(3);
+    let l = cone(0.396_337_777_4, 0.215_803_757_3);
+    let m = cone(-0.105_561_345_8, -0.063_854_172_8);
+    let s = cone(-0.089_484_177_5, -1.291_485_548_0);
+    let linear = [
+        4.076_741_662_1 * l - 3.307_711_591_3 * m + 0.230_969_929_2 * s,
+        -1.268_438_004_6 * l + 2.609_757_401_1 * m - 0.341_319_396_5 * s,
+        -0.004_196_086_3 * l - 0.703_418_614_7 * m + 1.707_614_701_0 * s,
+    ];
+    // The curve of sRGB; what the screen cannot show is cut off.
+    let encoded = |value: f64| match value {
+        value if value <= 0.003_130_8 => 12.92 * value,
+        value => 1.055 * value.powf(1.0 / 2.4) - 0.055,
+    };
+    Colour(linear.map(|value| (255.0 * encoded(value)).round().clamp(0.0, 255.0) as u8))
+}
+
+/// Colours for the values from −`bound` to `bound`, or from 0 where nothing can be negative.
+#[derive(Debug, Clone)]
+pub(super) struct Scale {
+    low: f64,
+    high: f64,
+    colours: Vec<Colour>,
+}
+
+impl Scale {
+    /// Diverging, its middle at 0.
+    pub fn signed(map: ColourMap, bound: f64) -> Scale {
+        let [below, above] = map.hues();
+        let colours = (0..=2 * STEPS)
+            .map(|step| {
+                let share = step as f64 / STEPS as f64 - 1.0;
+                let hue = if share < 0.0 { below } else { above };
+                let lightness = MIDDLE_LIGHTNESS + share.abs() * (END_LIGHTNESS - MIDDLE_LIGHTNESS);
+                perceptual(lightness, END_CHROMA * share.abs(), hue)
+            })
+            .collect();
+        Scale {
+            low: -bound,
+            high: bound,
+            colours,
+        }
+    }
+
+    /// From 0 up, growing brighter.
+    pub fn unsigned(bound: f64) -> Scale {
+        let colours = (0..=2 * STEPS)
+            .map(|step| {
+                let share = step as f64 / (2 * STEPS) as f64;
+                // Not from its dark end, on which black lines are lost.
+                let Color { r, g, b } = colorous::VIRIDIS.eval_continuous(0.25 + 0.75 * share);
+                Colour([r, g, b])
+            })
+            .collect();
+        Scale {
+            low: 0.0,
+            high: bound,
+            colours,
+        }
+    }
+
+    /// The values at its ends.
+    pub fn range(&self) -> [f64; 2] {
+        [self.low, self.high]
+    }
+
+    /// The colour of a value; what lies beyond an end has that end's, what is no number is grey.
+    pub fn at(&self, value: f64) -> Colour {
+        if value.is_nan() {
+            return Colour::GREY;
+        }
+        let share = ((value - self.low) / (self.high - self.low)).clamp(0.0, 1.0);
+        let last = self.colours.len() - 1;
+        // Within the table: the share is in [0, 1].
+        self.colours[(share * last as f64).round() as usize]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn luminance(Colour([r, g, b]): Colour) -> f64 {
+        let linear = |channel: u8| (f64::from(channel) / 255.0).powf(2.2);
+        0.2126 * linear(r) + 0.7152 * linear(g) + 0.0722 * linear(b)
+    }
+
+    #[test]
+    fn zero_is_nearly_white_and_either_side_grows_darker() {
+        for map in [ColourMap::BlueRed, ColourMap::PurpleOrange] {
+            let scale = Scale::signed(map, 2.0);
+            let at = |value: f64| luminance(scale.at(value));
+            assert!(at(0.0) > 0.9, "{}", at(0.0));
+            for step in 0..20 {
+                let (near, far) = (0.1 * f64::from(step), 0.1 * f64::from(step + 1));
+                assert!(at(near) > at(far) && at(-near) > at(-far), "{near}");
+                // What is as far from zero looks as far.
+                assert!(
+                    (at(far) - at(-far)).abs() < 0.06,
+                    "{far}: {} {}",
+                    at(far),
+                    at(-far)
+                );
+            }
+            // Black lines are legible on the ends: contrast of at least 4.5 to 1.
+            for end in [-2.0, 2.0] {
+                assert!((at(end) + 0.05) / 0.05 > 4.5, "{}", at(end));
+            }
+        }
+    }
+
+    #[test]
+    fn signs_differ_in_blue_against_red() {
+        let scale = Scale::signed(ColourMap::BlueRed, 1.0);
+        let (Colour([r, _, b]), Colour([red, _, blue])) = (scale.at(-1.0), scale.at(1.0));
+        assert!(b > r && red > blue);
+    }
+
+    #[test]
+    fn beyond_the_ends_the_colour_stays_and_no_number_is_grey() {
+        let scale = Scale::signed(ColourMap::BlueRed, 1.0);
+        assert_eq!(scale.at(1e300), scale.at(1.0));
+        assert_eq!(scale.at(f64::NEG_INFINITY), scale.at(-1.0));
+        assert_eq!(scale.at(f64::NAN), Colour::GREY);
+        let scale = Scale::unsigned(1.0);
+        assert!(luminance(scale.at(0.0)) < luminance(scale.at(1.0)));
+    }
+}

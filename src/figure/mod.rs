@@ -1,0 +1,136 @@
+//! The pictures of a report, as PNG and SVG, with their data as CSV and VTU.
+//!
+//! A picture is composed once, in pixels ([`drawing`]); plotters draws it on pixels or into SVG
+//! ([`paint`]). Letters are outlines of a font in the program, so that a picture is the same on every
+//! machine. φ = 0 is the exact zero set of the P1 function, triangle by triangle; the colour of a
+//! pixel is that of the P1 function at the pixel's centre.
+//!
+//! Every PNG holds its physical size and, in text chunks, what it takes to make it again: the
+//! complete scene, step, t, the version and the command; every SVG has the same in its metadata.
+//!
+//! Nothing here knows a thread: call it where neither the solver nor the screen has to wait.
+
+mod colour;
+mod curves;
+mod data;
+mod drawing;
+mod error;
+mod number;
+mod outline;
+mod paint;
+mod panel;
+mod pixels;
+mod png;
+mod provenance;
+mod sampling;
+mod save;
+mod scalars;
+mod strip;
+mod svg;
+mod table;
+#[cfg(test)]
+mod tests;
+mod text;
+mod view;
+
+pub use colour::ColourMap;
+pub use data::{Field, RunData, Snapshot, View};
+pub use error::FigureError;
+pub use save::{check_free, save_set, save_view};
+
+/// The least width of a figure, in pixels: below it there is no room for its numbers.
+pub const LEAST_WIDTH: u32 = 400;
+/// The largest width of a figure, in pixels.
+pub const LARGEST_WIDTH: u32 = 10_000;
+
+const MILLIMETRES_AN_INCH: f64 = 25.4;
+
+/// The width of a set's figures, in sizes of their text: at 170 mm, two columns of a journal, the
+/// text has 7.5 points.
+const TEXT_SIZES_A_WIDTH: f64 = 64.0;
+/// The width of a view, in sizes of its text.
+const VIEW_TEXT_SIZES_A_WIDTH: f64 = 38.0;
+/// Smaller text cannot be read on a screen.
+const LEAST_TEXT_SIZE: f64 = 9.0;
+
+fn text_size(width: u32, sizes_a_width: f64) -> f64 {
+    (f64::from(width) / sizes_a_width).max(LEAST_TEXT_SIZE)
+}
+
+/// How the director is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Director {
+    /// As arrows.
+    #[default]
+    Arrows,
+    /// As strokes without heads: d and −d mean the same physics.
+    Strokes,
+    /// Not at all.
+    Off,
+}
+
+/// What to do where a file of a figure's name is there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Existing {
+    /// Take another name: `…-2`, `…-3`, ….
+    #[default]
+    Number,
+    /// Save nothing.
+    Refuse,
+    /// Replace the file.
+    Replace,
+}
+
+/// How figures look and where they may go.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FigureOptions {
+    /// In pixels, from [`LEAST_WIDTH`] to [`LARGEST_WIDTH`]. The height follows.
+    pub width: u32,
+    /// Dots an inch: with the width, how large it prints.
+    pub dpi: u32,
+    /// How the director is drawn.
+    pub director: Director,
+    /// The colours of the fields.
+    pub colours: ColourMap,
+    /// What to do where a file of a figure's name is there.
+    pub existing: Existing,
+    /// Whether a set has the snapshots as VTU files and the whole history as well.
+    pub fields: bool,
+}
+
+impl Default for FigureOptions {
+    /// 2000 pixels at 300 dots an inch: 169 mm, two columns of a journal.
+    fn default() -> Self {
+        FigureOptions {
+            width: 2000,
+            dpi: 300,
+            director: Director::default(),
+            colours: ColourMap::default(),
+            existing: Existing::default(),
+            fields: false,
+        }
+    }
+}
+
+impl FigureOptions {
+    /// For a view: 1200 pixels at 300 dots an inch, 102 mm.
+    pub fn view() -> Self {
+        FigureOptions {
+            width: 1200,
+            ..FigureOptions::default()
+        }
+    }
+
+    /// # Errors
+    /// [`FigureError::Width`], [`FigureError::Resolution`].
+    fn check(&self) -> Result<(), FigureError> {
+        let FigureOptions { width, dpi, .. } = *self;
+        if !(LEAST_WIDTH..=LARGEST_WIDTH).contains(&width) {
+            return Err(FigureError::Width { width });
+        }
+        if !(1..=10_000).contains(&dpi) {
+            return Err(FigureError::Resolution { dpi });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,235 @@
+//! Numbers on pictures: where ticks stand, and how they are written.
+
+use super::text::Label;
+
+/// The least part of a value that ticks resolve: below it is rounding.
+const LEAST_SPAN: f64 = 1e-9;
+
+/// An axis: its ends, and a tick at every multiple of a round step between them.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Axis {
+    /// The values at its ends.
+    pub range: [f64; 2],
+    /// The ticks' values.
+    pub ticks: Vec<f64>,
+    /// The power of ten that the ticks' numbers leave out.
+    pub exponent: i32,
+    decimals: usize,
+}
+
+impl Axis {
+    /// An axis that holds `low` and `high`, with at most so many ticks.
+    pub fn new([low, high]: [f64; 2], most_ticks: usize) -> Axis {
+        let size = low.abs().max(high.abs());
+        // Not the shortest form of the number but its logarithm: 1e-3 is a power of ten exactly.
+        let order = decimal_order(size);
+        let exponent = if (-2..5).contains(&order) { 0 } else { order };
+        let step = round_step((high - low) / most_ticks.max(1) as f64);
+        let (first, last) = ((low / step).ceil(), (high / step).floor());
+        // By counting, so that no tick is lost to rounding; the casts saturate.
+        let count = (last - first).max(0.0) as usize;
+        let ticks = (0..=count.min(most_ticks))
+            .map(|number| (first + number as f64) * step)
+            .filter(|tick| *tick <= high * (1.0 + f64::EPSILON) || *tick <= high)
+            // Not −0.
+            .map(|tick| tick + 0.0)
+            .collect();
+        let decimals = (exponent - decimal_order(step)).max(0);
+        Axis {
+            range: [low, high],
+            ticks,
+            exponent,
+            decimals: decimals as usize,
+        }
+    }
+
+    /// The number at a tick.
+    pub fn label(&self, tick: f64) -> Label {
+        let decimals = self.decimals;
+        let value = tick / 10_f64.powi(self.exponent);
+        Label::text(&with_minus(&format!("{value:.decimals$}")))
+    }
+
+    /// The name of what the axis shows, with what its numbers leave out.
+    pub fn name(&self, symbol: Label) -> Label {
+        match self.exponent {
+            0 => symbol,
+            exponent => symbol
+                .and(" / 10")
+                .above(&with_minus(&exponent.to_string())),
+        }
+    }
+
+    /// Where a value is, from 0 at the low end to 1 at the high end.
+    pub fn place(&self, value: f64) -> f64 {
+        let [low, high] = self.range;
+        (value - low) / (high - low)
+    }
+}
+
+/// A range that shows all values with a little room on both sides; not less than their rounding.
+pub(super) fn roomy_range(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    let (low, high) = values
+        .filter(|value| value.is_finite())
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+            (low.min(value), high.max(value))
+        });
+    if low > high {
+        return [0.0, 1.0];
+    }
+    let size = low.abs().max(high.abs());
+    let span = high - low;
+    if span <= LEAST_SPAN * size || span == 0.0 {
+        let room = if size == 0.0 { 1.0 } else { 0.1 * size };
+        return [low - room, high + room];
+    }
+    [low - 0.05 * span, high + 0.05 * span]
+}
+
+/// The least of 1, 2, 5, 10, 20, … times a power of ten that is not below `least`.
+fn round_step(least: f64) -> f64 {
+    if !(least.is_finite() && least > 0.0) {
+        return 1.0;
+    }
+    let order = decimal_order(least);
+    [1.0, 2.0, 5.0, 10.0]
+        .into_iter()
+        .map(|factor| factor * 10_f64.powi(order))
+        .find(|step| *step >= least * (1.0 - 1e-12))
+        .unwrap_or(10_f64.powi(order + 1))
+}
+
+/// n with 10ⁿ ≤ size < 10ⁿ⁺¹; 0 for no size.
+fn decimal_order(size: f64) -> i32 {
+    if size == 0.0 || !size.is_finite() {
+        return 0;
+    }
+    // The digits are those that print: no rounding of a logarithm.
+    let text = format!("{:e}", size.abs());
+    text.rsplit('e')
+        .next()
+        .and_then(|order| order.parse().ok())
+        .unwrap_or(0)
+}
+
+/// A number as print has it, to `digits` digits: 2.5×10⁻⁴.
+pub(super) fn number(value: f64, digits: usize) -> Label {
+    if !value.is_finite() || value == 0.0 {
+        return Label::text(if value == 0.0 { "0" } else { "no number" });
+    }
+    let scientific = format!("{value:.*e}", digits.saturating_sub(1));
+    let (mantissa, order) = scientific.split_once('e').unwrap_or((&scientific, "0"));
+    let order: i32 = order.parse().unwrap_or(0);
+    if (-2..5).contains(&order) {
+        let decimals = (digits as i32 - 1 - order).max(0) as usize;
+        return Label::text(&with_minus(trimmed(&format!("{value:.decimals$}"))));
+    }
+    let power = |label: Label| label.above(&with_minus(&order.to_string()));
+    match trimmed(mantissa) {
+        "1" => power(Label::text("10")),
+        "-1" => power(Label::text("−10")),
+        mantissa => power(Label::text(&with_minus(mantissa)).and("×10")),
+    }
+}
+
+/// Without zeros at the end of what follows the point.
+fn trimmed(text: &str) -> &str {
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.'),
+        false => text,
+    }
+}
+
+fn with_minus(text: &str) -> String {
+    text.replace('-', "−")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn written(low: f64, high: f64, most: usize) -> Vec<String> {
+        let axis = Axis::new([low, high], most);
+        axis.ticks
+            .iter()
+            .map(|tick| axis.label(*tick).plain())
+            .collect()
+    }
+
+    #[test]
+    fn ticks_stand_at_round_numbers() {
+        assert_eq!(written(0.0, 1.0, 2), ["0.0", "0.5", "1.0"]);
+        assert_eq!(
+            written(-1.03, 1.03, 5),
+            ["−1.0", "−0.5", "0.0", "0.5", "1.0"]
+        );
+        assert_eq!(written(36.25, 36.98, 4), ["36.4", "36.6", "36.8"]);
+        assert_eq!(written(98.0, 512.0, 5), ["100", "200", "300", "400", "500"]);
+        assert_eq!(
+            written(0.0, 1e-3, 5),
+            ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]
+        );
+        assert_eq!(Axis::new([0.0, 1e-3], 5).exponent, -3);
+    }
+
+    #[test]
+    fn a_factor_that_is_left_out_is_told() {
+        let axis = Axis::new([-2e-15, 3e-15], 4);
+        assert_eq!(axis.name(Label::symbol("A")).plain(), "A / 10−15");
+        assert_eq!(axis.label(axis.ticks[0]).plain(), "−2");
+        let axis = Axis::new([0.1, 0.9], 4);
+        assert_eq!(axis.name(Label::symbol("A")).plain(), "A");
+    }
+
+    #[test]
+    fn numbers_are_written_as_print_has_them() {
+        for (value, text) in [
+            (0.0, "0"),
+            (2.5e-4, "2.5×10−4"),
+            (1e-3, "10−3"),
+            (7.5e-4 + 1e-19, "7.5×10−4"),
+            (0.25, "0.25"),
+            (104.146419, "104.1"),
+            (-3.0, "−3"),
+            (12345.6, "12346"),
+            (1.5e7, "1.5×107"),
+            (f64::NAN, "no number"),
+        ] {
+            assert_eq!(number(value, 4).plain(), text);
+        }
+    }
+
+    #[test]
+    fn a_constant_has_room_around_it() {
+        assert_eq!(roomy_range([0.0, 0.0].into_iter()), [-1.0, 1.0]);
+        assert_eq!(roomy_range([2.0].into_iter()), [1.8, 2.2]);
+        assert_eq!(roomy_range([f64::NAN].into_iter()), [0.0, 1.0]);
+        let [low, high] = roomy_range([1.0, f64::NAN, 2.0].into_iter());
+        assert!((low - 0.95).abs() < 1e-12 && (high - 2.05).abs() < 1e-12);
+    }
+
+    proptest! {
+        #[test]
+        fn ticks_are_on_the_axis_and_differ(
+            low in -1e6..1e6_f64, span in 1e-3..1e6_f64, power in -12..6_i32, most in 1..9_usize,
+        ) {
+            let scale = 10_f64.powi(power);
+            let [low, high] = [low * scale, (low + span) * scale];
+            let axis = Axis::new([low, high], most);
+            prop_assert!(axis.ticks.len() <= most + 1);
+            let slack = 1e-9 * (high - low) + 4.0 * f64::EPSILON * low.abs().max(high.abs());
+            prop_assert!(axis.ticks.iter().all(|t| *t >= low - slack && *t <= high + slack));
+            let labels: Vec<_> = axis.ticks.iter().map(|t| axis.label(*t).plain()).collect();
+            for pair in labels.windows(2) {
+                prop_assert_ne!(&pair[0], &pair[1]);
+            }
+            // What is written is where it stands.
+            for (tick, label) in axis.ticks.iter().zip(&labels) {
+                let read: f64 = label.replace('−', "-").parse().unwrap();
+                let read = read * 10_f64.powi(axis.exponent);
+                prop_assert!((read - tick).abs() <= slack, "{label} at {tick}");
+            }
+        }
+    }
+}

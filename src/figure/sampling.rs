@@ -1,0 +1,89 @@
+//! P1 functions at the points of a lattice, exactly.
+
+use crate::fem::Mesh;
+
+/// Points within this of a triangle's edge, in barycentric coordinates, count as inside: no point
+/// may fall between two triangles by rounding.
+const SLACK: f64 = 1e-9;
+
+/// The values of P1 functions at the centres of `columns` × `rows` equal cells of the unit square,
+/// row by row from above; NaN where the mesh has no triangle.
+pub(super) fn sample<const N: usize>(
+    mesh: &Mesh,
+    fields: [&[f64]; N],
+    columns: usize,
+    rows: usize,
+) -> Vec<[f64; N]> {
+    let mut values = vec![[f64::NAN; N]; columns * rows];
+    let center = |cell: usize, cells: usize| (cell as f64 + 0.5) / cells as f64;
+    for (corners, gradients) in mesh.triangles().iter().zip(mesh.gradients()) {
+        let places = corners.map(|node| mesh.nodes()[node as usize]);
+        let nodal = corners.map(|node| fields.map(|field| field[node as usize]));
+        let across = cells_between(places.map(|[x, _]| x), columns);
+        let up = cells_between(places.map(|[_, y]| y), rows);
+        for from_below in up {
+            let y = center(from_below, rows);
+            let row = rows - 1 - from_below;
+            for column in across.clone() {
+                let x = center(column, columns);
+                // ψ_a(x) = 1 + ∇ψ_a·(x − x_a).
+                let shares = [0, 1, 2].map(|a: usize| {
+                    let ([gx, gy], [px, py]) = (gradients[a], places[a]);
+                    1.0 + gx * (x - px) + gy * (y - py)
+                });
+                if shares.iter().any(|share| *share < -SLACK) {
+                    continue;
+                }
+                values[row * columns + column] =
+                    std::array::from_fn(|field| (0..3).map(|a| shares[a] * nodal[a][field]).sum());
+            }
+        }
+    }
+    values
+}
+
+/// The cells whose centres lie between the least and the greatest of three coordinates.
+fn cells_between(coordinates: [f64; 3], cells: usize) -> std::ops::Range<usize> {
+    let least = coordinates.into_iter().fold(f64::INFINITY, f64::min);
+    let greatest = coordinates.into_iter().fold(f64::NEG_INFINITY, f64::max);
+    let scale = cells as f64;
+    // A cast from f64 saturates: what lies outside of the square is cut off.
+    let first = (least * scale - 0.5 - SLACK * scale).ceil().max(0.0) as usize;
+    let last = (greatest * scale - 0.5 + SLACK * scale).floor();
+    let end = if last < 0.0 { 0 } else { last as usize + 1 };
+    first..end.min(cells)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_affine_function_is_exact_everywhere() {
+        for jitter in [0.0, 0.2] {
+            let mesh = Mesh::structured(7, jitter, 3).expect("a fair mesh");
+            let affine = |x: f64, y: f64| 2.0 * x - 3.0 * y + 0.25;
+            let values: Vec<f64> = mesh.nodes().iter().map(|&[x, y]| affine(x, y)).collect();
+            let ones = vec![1.0; values.len()];
+            let (columns, rows) = (31, 14);
+            let sampled = sample(&mesh, [&values, &ones], columns, rows);
+            for (cell, [value, one]) in sampled.into_iter().enumerate() {
+                let x = (f64::from((cell % columns) as u32) + 0.5) / columns as f64;
+                let y = 1.0 - (f64::from((cell / columns) as u32) + 0.5) / rows as f64;
+                assert!((value - affine(x, y)).abs() < 1e-12, "({x}, {y})");
+                assert!((one - 1.0).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn the_points_of_the_mesh_itself_are_covered() {
+        // Centres that fall on nodes and edges.
+        let mesh = Mesh::structured(8, 0.0, 1).expect("a fair mesh");
+        let ones = vec![1.0; mesh.nodes().len()];
+        for cells in [1, 4, 8, 16, 24, 100] {
+            let sampled = sample(&mesh, [&ones], cells, cells);
+            assert!(sampled.iter().all(|[one]| (one - 1.0).abs() < 1e-12));
+        }
+    }
+}

@@ -1,0 +1,216 @@
+//! Which scalars of a run are plotted, and how they are called.
+
+use super::colour::{Colour, LINE_COLOURS};
+use super::curves::{Curve, Key, Plot};
+use super::data::{RunData, RunLabel};
+use super::table::Table;
+use super::text::Label;
+
+/// A figure of scalars: its plots, and the same as a table.
+pub(super) struct ScalarFigure {
+    /// In the name of its files.
+    pub file: &'static str,
+    /// In its title.
+    pub what: &'static str,
+    pub plots: Vec<Plot>,
+    pub table: Table,
+}
+
+/// A scalar of each run, in the order of the runs; `None` where a run does not have it.
+struct Scalar {
+    /// In the table.
+    column: String,
+    name: Label,
+    note: Label,
+    values: Vec<Option<Vec<f64>>>,
+    /// A second value of each run, dashed, with its column.
+    target: Option<(String, Vec<Option<f64>>)>,
+}
+
+impl Scalar {
+    fn new(runs: &[RunData], column: &str, name: Label) -> Scalar {
+        let values = |run: &RunData| run.history.known(column).map(<[f64]>::to_vec);
+        Scalar {
+            column: column.to_owned(),
+            name,
+            note: Label::default(),
+            values: runs.iter().map(values).collect(),
+            target: None,
+        }
+    }
+
+    fn is_known(&self) -> bool {
+        self.values.iter().any(Option::is_some)
+    }
+}
+
+/// What the colours of several runs stand for.
+pub(super) fn keys(labels: &[RunLabel]) -> Vec<Key> {
+    let key = |(label, colour): (&RunLabel, Colour)| (Label::text(&label.title), colour);
+    labels.iter().zip(colours()).map(key).collect()
+}
+
+fn colours() -> impl Iterator<Item = Colour> {
+    LINE_COLOURS.into_iter().cycle()
+}
+
+/// What the files of these figures are called by.
+pub(super) const FILES: [&str; 3] = ["energies", "volume-area", "outline"];
+
+/// The figures of scalars that the runs have data for.
+pub(super) fn figures(runs: &[RunData], labels: &[RunLabel]) -> Vec<ScalarFigure> {
+    let titles = ["Energies", "Volume and surface area", "Size of the vesicle"];
+    let scalars = [energies(runs), volume_and_area(runs), outline(runs)];
+    FILES
+        .into_iter()
+        .zip(titles)
+        .zip(scalars)
+        .filter_map(|((file, what), scalars)| figure(file, what, scalars, runs, labels))
+        .collect()
+}
+
+fn figure(
+    file: &'static str,
+    what: &'static str,
+    scalars: Vec<Scalar>,
+    runs: &[RunData],
+    labels: &[RunLabel],
+) -> Option<ScalarFigure> {
+    let scalars: Vec<Scalar> = scalars.into_iter().filter(Scalar::is_known).collect();
+    if scalars.is_empty() {
+        return None;
+    }
+    Some(ScalarFigure {
+        file,
+        what,
+        table: table(&scalars, runs, labels),
+        plots: scalars
+            .into_iter()
+            .map(|scalar| plot(scalar, runs))
+            .collect(),
+    })
+}
+
+/// E_total, and every part that a run has.
+fn energies(runs: &[RunData]) -> Vec<Scalar> {
+    let mut columns: Vec<&str> = vec!["E_total"];
+    for name in runs.iter().flat_map(|run| run.history.names()) {
+        if name.starts_with("E_") && !columns.contains(&name) {
+            columns.push(name);
+        }
+    }
+    let scalar = |column: &str| Scalar::new(runs, column, energy_symbol(column));
+    columns.into_iter().map(scalar).collect()
+}
+
+/// The symbol of a part of the energy as the paper has it. Parts are weighted as in E_total.
+fn energy_symbol(column: &str) -> Label {
+    let weighted = |index: &str| {
+        let weight = Label::symbol("λ").below(index);
+        weight.and(" ").and_symbol("E").below(index)
+    };
+    match column {
+        "E_bending" => Label::symbol("E").below("ben"),
+        "E_area" => Label::symbol("E").below("pen"),
+        "E_nematic" => weighted("nem"),
+        "E_anchoring" => weighted("anch"),
+        other => Label::symbol("E").below(other.trim_start_matches("E_")),
+    }
+}
+
+/// ∫φ against its first value, and B with β.
+fn volume_and_area(runs: &[RunData]) -> Vec<Scalar> {
+    let phase = Label::text("∫").and_symbol("φ");
+    let start = phase.clone().above("0");
+    let name = Label::text("(")
+        .and_label(phase)
+        .and(" − ")
+        .and_label(start)
+        .and(")");
+    let mut drift = Scalar::new(runs, "A", name);
+    drift.column = "A_drift".to_owned();
+    for values in drift.values.iter_mut().flatten() {
+        let start = values.first().copied().unwrap_or(0.0);
+        values.iter_mut().for_each(|value| *value -= start);
+    }
+    let mut area = Scalar::new(runs, "B", Label::symbol("B"));
+    let targets: Vec<Option<f64>> = runs.iter().map(target_area).collect();
+    if targets.iter().any(Option::is_some) {
+        area.note = Label::text("  (dashed: ").and_symbol("β").and(")");
+        area.target = Some(("beta".to_owned(), targets));
+    }
+    vec![drift, area]
+}
+
+/// β = area.target·B(φ⁰), if the run's history begins at φ⁰.
+fn target_area(run: &RunData) -> Option<f64> {
+    let is_whole = run.history.column("step")?.first() == Some(&0.0);
+    let start = *run.history.known("B")?.first().filter(|_| is_whole)?;
+    Some(run.scene.area.as_ref()?.target * start)
+}
+
+/// Length, waist and greatest width of the vesicle.
+fn outline(runs: &[RunData]) -> Vec<Scalar> {
+    ["length", "waist", "width"]
+        .map(|column| Scalar::new(runs, column, Label::text(column)))
+        .into()
+}
+
+fn plot(scalar: Scalar, runs: &[RunData]) -> Plot {
+    let mut curves = Vec::new();
+    let empty = Vec::new();
+    let targets = match &scalar.target {
+        Some((_, targets)) => targets,
+        None => &empty,
+    };
+    for (number, (run, colour)) in runs.iter().zip(colours()).enumerate() {
+        let times = run.history.column("t").unwrap_or_default();
+        let ends = [times.first(), times.last()].into_iter().flatten();
+        if let Some(&Some(target)) = targets.get(number) {
+            curves.push(Curve {
+                points: ends.map(|t| [*t, target]).collect(),
+                colour,
+                is_dashed: true,
+            });
+        }
+        if let Some(values) = &scalar.values[number] {
+            let points = times.iter().zip(values).map(|(t, value)| [*t, *value]);
+            curves.push(Curve {
+                points: points.collect(),
+                colour,
+                is_dashed: false,
+            });
+        }
+    }
+    Plot {
+        name: scalar.name,
+        note: scalar.note,
+        curves,
+    }
+}
+
+fn table(scalars: &[Scalar], runs: &[RunData], labels: &[RunLabel]) -> Table {
+    let mut columns = vec!["scene".to_owned(), "step".to_owned(), "t".to_owned()];
+    for scalar in scalars {
+        columns.push(scalar.column.clone());
+        columns.extend(scalar.target.iter().map(|(column, _)| column.clone()));
+    }
+    let mut table = Table::new(&columns);
+    for (number, (run, label)) in runs.iter().zip(labels).enumerate() {
+        let [steps, times] =
+            ["step", "t"].map(|column| run.history.column(column).unwrap_or_default());
+        for (row, (step, t)) in steps.iter().zip(times).enumerate() {
+            let mut cells = vec![Some(*step), Some(*t)];
+            for scalar in scalars {
+                cells.push(
+                    scalar.values[number]
+                        .as_ref()
+                        .and_then(|values| values.get(row).copied()),
+                );
+                cells.extend(scalar.target.iter().map(|(_, targets)| targets[number]));
+            }
+            table.row(&label.file, cells);
+        }
+    }
+    table
+}

@@ -1,0 +1,644 @@
+//! Pictures as a whole: their text, their pixels, their files.
+
+use super::colour::Scale;
+use super::data::RunLabel;
+use super::drawing::{Drawing, Shape};
+use super::provenance::{Provenance, Shown};
+use super::strip::Strip;
+use super::text::Label;
+use super::*;
+use crate::fem::Mesh;
+use crate::record::Columns;
+use crate::scene::{Anchoring, AnchoringKind, Area, Scene};
+use crate::scheme::State;
+use crate::simulation::{NamedValue, OutlineMeasure, Report};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+const WIDTHS: [u32; 6] = [400, 555, 800, 1200, 2000, 4000];
+
+fn scene(name: &str) -> Scene {
+    Scene {
+        name: name.to_owned(),
+        area: Some(Area::default()),
+        nematic: Some(crate::scene::Nematic::default()),
+        anchoring: Some(Anchoring {
+            kind: AnchoringKind::Homeotropic,
+            weight: 10.1,
+        }),
+        ..Scene::default()
+    }
+}
+
+/// A circle of this radius with a director that turns.
+fn state(mesh: &Mesh, radius: f64) -> State {
+    let phi = |&[x, y]: &[f64; 2]| ((radius - (x - 0.5).hypot(y - 0.5)) / 0.06).tanh();
+    let phi: Vec<f64> = mesh.nodes().iter().map(phi).collect();
+    let angle = |&[x, y]: &[f64; 2]| 3.0 * x - 2.0 * y;
+    let part = |turn: fn(f64) -> f64| mesh.nodes().iter().map(|p| turn(angle(p))).collect();
+    State {
+        omega: phi.iter().map(|phi| 400.0 * phi).collect(),
+        mu: phi.iter().map(|phi| -1e5 * phi).collect(),
+        director: Some([part(f64::cos), part(f64::sin)]),
+        phi,
+    }
+}
+
+fn report(step: u64) -> Report {
+    let t = step as f64 * 2.5e-7;
+    let decay = (-(step as f64) / 300.0).exp();
+    let energies = [
+        ("bending", 36.0 + decay),
+        ("area", 1e-5 * decay),
+        ("nematic", 55.0 * (1.0 - decay)),
+        ("anchoring", 500.0 * decay),
+    ];
+    Report {
+        step,
+        t,
+        energies: energies
+            .map(|(name, value)| NamedValue { name, value })
+            .into(),
+        total_energy: energies.iter().map(|(_, value)| value).sum(),
+        phase_integral: -0.75 + 1e-16 * (step % 7) as f64,
+        surface_area: 1.5 + 0.2 * (1.0 - decay),
+        outline: Some(OutlineMeasure {
+            length: 0.64,
+            waist: 0.18 * decay,
+            width: 0.25,
+        }),
+        ..Report::default()
+    }
+}
+
+fn run(name: &str, title: &str, snapshots: u64) -> RunData {
+    let mesh = Arc::new(Mesh::structured(24, 0.0, 1).expect("a fair mesh"));
+    let mut history = Columns::default();
+    for step in 0..=1000 {
+        history.push(&report(step));
+    }
+    let snapshot = |number: u64| Snapshot {
+        step: 250 * number,
+        t: report(250 * number).t,
+        state: Arc::new(state(&mesh, 0.2 + 0.05 * number as f64)),
+    };
+    RunData {
+        name: name.to_owned(),
+        scene: Arc::new(scene(title)),
+        snapshots: (0..snapshots).map(snapshot).collect(),
+        mesh: mesh.clone(),
+        history,
+        command: format!("vesica figures {name}"),
+    }
+}
+
+fn options(width: u32) -> FigureOptions {
+    FigureOptions {
+        width,
+        ..FigureOptions::default()
+    }
+}
+
+/// Every drawing of these runs at this width.
+fn drawings(runs: &[RunData], width: u32) -> Vec<(&'static str, Drawing)> {
+    let options = options(width);
+    let labels = RunLabel::of_all(runs.iter().map(|run| (&*run.name, &*run.scene)));
+    let strip = |(run, label): (&'static RunData, &RunLabel)| Strip {
+        title: Label::text(&label.title),
+        mesh: &run.mesh,
+        snapshots: data::five(&run.snapshots),
+    };
+    // Leaked: a test's runs are few.
+    let kept: &'static [RunData] = Vec::leak(runs.to_vec());
+    let strips: Vec<Strip> = kept.iter().zip(&labels).map(strip).collect();
+    let mut drawings = vec![("strip", strip::draw(&strips, &options))];
+    let keys = scalars::keys(&labels);
+    for figure in scalars::figures(runs, &labels) {
+        let title = Label::text(&labels[0].title);
+        drawings.push((
+            figure.file,
+            curves::draw(&title, &keys, &figure.plots, &options),
+        ));
+    }
+    for (field, name) in [
+        (Field::Phase, "view of φ"),
+        (Field::DirectorLength, "view of |d|"),
+        (Field::Bending, "view of ω"),
+        (Field::Potential, "view of μ"),
+    ] {
+        let run = &kept[0];
+        let report = report(run.snapshots[0].step);
+        let view = View {
+            name: &run.name,
+            scene: &run.scene,
+            mesh: &run.mesh,
+            state: &run.snapshots[0].state,
+            report: &report,
+            field,
+            command: "",
+        };
+        drawings.push((name, view::draw(&view, &labels[0], &options)));
+    }
+    drawings
+}
+
+/// All text is inside of the picture, no text is on another or on an image, nothing is outside.
+#[track_caller]
+fn assert_tidy(name: &str, drawing: &Drawing) {
+    let (width, height) = (f64::from(drawing.width), f64::from(drawing.height));
+    let place = format!("{name} at {width} × {height}");
+    assert!(!drawing.texts.is_empty(), "{place} has no text");
+    for (number, text) in drawing.texts.iter().enumerate() {
+        let frame = text.frame;
+        assert!(
+            frame.left >= 0.0 && frame.top >= 0.0 && frame.right <= width && frame.bottom <= height,
+            "{place}: '{}' leaves the picture: {frame:?}",
+            text.text
+        );
+        let meets = |other: &drawing::Rectangle| {
+            // Lines under each other touch, to rounding.
+            frame.left + 1e-6 < other.right
+                && other.left + 1e-6 < frame.right
+                && frame.top + 1e-6 < other.bottom
+                && other.top + 1e-6 < frame.bottom
+        };
+        for other in &drawing.texts[number + 1..] {
+            assert!(
+                !meets(&other.frame),
+                "{place}: '{}' {frame:?} and '{}' {:?} overlap",
+                text.text,
+                other.text,
+                other.frame
+            );
+        }
+        for image in &drawing.images {
+            assert!(
+                !meets(&image.place),
+                "{place}: '{}' is on an image",
+                text.text
+            );
+        }
+    }
+    for shape in &drawing.shapes {
+        let (points, half): (Vec<[f64; 2]>, f64) = match shape {
+            Shape::Line { points, width, .. } => (points.clone(), 0.5 * width),
+            Shape::Area { curves, .. } => (curves.concat(), 0.0),
+        };
+        for [x, y] in points {
+            assert!(
+                x - half >= 0.0 && x + half <= width && y - half >= 0.0 && y + half <= height,
+                "{place}: something is drawn at ({x}, {y})"
+            );
+        }
+    }
+}
+
+#[test]
+fn text_is_whole_and_apart_at_every_size() {
+    let long = "A vesicle whose name is far too long for one line of any picture of a small size, \
+                and which goes onwithoutanyspaceforquiteawhileasnamesthatmachinesmakeoftendo";
+    for width in WIDTHS {
+        for snapshots in [1, 2, 3, 5] {
+            let runs = [run("a", "Case 3", snapshots)];
+            for (name, drawing) in drawings(&runs, width) {
+                assert_tidy(name, &drawing);
+            }
+        }
+        let runs = [
+            run("a", long, 5),
+            run("b", "Case 2", 3),
+            run("c", "c", 5),
+            run("d", long, 4),
+        ];
+        for (name, drawing) in drawings(&runs, width) {
+            assert_tidy(name, &drawing);
+        }
+    }
+}
+
+#[test]
+fn the_check_of_text_finds_what_is_wrong() {
+    let outcome = |at: [f64; 2]| {
+        std::panic::catch_unwind(|| {
+            let mut drawing = Drawing {
+                width: 400,
+                height: 100,
+                ..Drawing::default()
+            };
+            let place = (text::Across::Left, text::Along::Top);
+            drawing.label(&Label::text("one"), 20.0, [10.0, 10.0], place.0, place.1);
+            drawing.label(&Label::text("two"), 20.0, at, place.0, place.1);
+            assert_tidy("test", &drawing);
+        })
+    };
+    assert!(outcome([100.0, 10.0]).is_ok());
+    assert!(outcome([30.0, 15.0]).is_err(), "on each other");
+    assert!(outcome([380.0, 10.0]).is_err(), "cut off at the right");
+    assert!(outcome([100.0, 90.0]).is_err(), "cut off below");
+}
+
+#[test]
+fn a_scene_has_only_the_energies_of_its_effects() {
+    let mut bare = run("a", "Bare", 1);
+    bare.history = Columns::default();
+    bare.history.push(&Report {
+        energies: vec![NamedValue {
+            name: "bending",
+            value: 1.0,
+        }],
+        ..Report::default()
+    });
+    let labels = [RunLabel::new("a", &bare.scene)];
+    let figures = scalars::figures(std::slice::from_ref(&bare), &labels);
+    let names: Vec<String> = figures[0]
+        .plots
+        .iter()
+        .map(|plot| plot.name.plain())
+        .collect();
+    assert_eq!(names, ["Etotal", "Eben"]);
+    let files: Vec<&str> = figures.iter().map(|figure| figure.file).collect();
+    assert_eq!(files, ["energies", "volume-area"], "it has no outline");
+}
+
+#[test]
+fn beta_is_the_target_times_the_first_area() {
+    let runs = [run("a", "Case 3", 1)];
+    let labels = [RunLabel::new("a", &runs[0].scene)];
+    let figure = &scalars::figures(&runs, &labels)[1];
+    let plot = &figure.plots[1];
+    let dashed = plot.curves.iter().find(|curve| curve.is_dashed).expect("β");
+    assert_eq!(
+        dashed.points,
+        [[0.0, 1.25 * 1.5], [report(1000).t, 1.25 * 1.5]]
+    );
+    let mut lines = figure.table.text().lines();
+    assert_eq!(lines.next(), Some("scene,step,t,A_drift,B,beta"));
+    assert_eq!(lines.next(), Some("a-homeotropic,0,0,0,1.5,1.875"));
+}
+
+/// A PNG file's pixels, and its width.
+fn decoded(file: &[u8]) -> (Vec<u8>, usize, ::png::Info<'static>) {
+    let decoder = ::png::Decoder::new(std::io::Cursor::new(file));
+    let mut reader = decoder.read_info().expect("a PNG");
+    let mut pixels = vec![0; reader.output_buffer_size().expect("of this size")];
+    reader.next_frame(&mut pixels).expect("whole");
+    reader.finish().expect("whole");
+    let info = reader.info().clone();
+    (pixels, info.width as usize, info)
+}
+
+fn provenance(run: &RunData) -> Provenance {
+    let label = RunLabel::new(&run.name, &run.scene);
+    let shown = Shown {
+        label: &label,
+        scene: &run.scene,
+        times: vec![(7, 1.5e-6)],
+    };
+    Provenance::new("View", "vesica figures 'å'", &[shown])
+}
+
+#[test]
+fn a_pixel_has_the_colour_of_the_value_at_its_centre() {
+    let mesh = Mesh::structured(5, 0.0, 1).expect("a fair mesh");
+    // φ from −1 at the left to 1 at the right, and above that in y: no contour but x + y/4 = ½.
+    let value = |x: f64, y: f64| 2.0 * x - 1.0 + 0.5 * y;
+    let nodal: Vec<f64> = mesh.nodes().iter().map(|&[x, y]| value(x, y)).collect();
+    let state = State {
+        omega: nodal.clone(),
+        mu: nodal.clone(),
+        phi: nodal,
+        director: None,
+    };
+    let scene = scene("Ramp");
+    let report = report(0);
+    let view = View {
+        name: "ramp",
+        scene: &scene,
+        mesh: &mesh,
+        state: &state,
+        report: &report,
+        field: Field::Phase,
+        command: "",
+    };
+    let options = options(600);
+    let drawing = view::draw(&view, &RunLabel::new("ramp", &scene), &options);
+    let pixels = pixels::pixels(&drawing).expect("it is drawn");
+    let file = png::encode(
+        &pixels,
+        drawing.width,
+        drawing.height,
+        300,
+        &provenance(&run("a", "a", 1)),
+    );
+    let (pixels, width, _) = decoded(&file.expect("it is encoded"));
+    let scale = Scale::signed(ColourMap::BlueRed, 1.5);
+    let place = drawing.images[0].place;
+    let mut seen = 0;
+    for column in (8..place.width() as usize - 8).step_by(23) {
+        for row in (8..place.height() as usize - 8).step_by(31) {
+            let x = (column as f64 + 0.5) / place.width();
+            let y = 1.0 - (row as f64 + 0.5) / place.height();
+            if value(x, y).abs() < 0.1 {
+                continue;
+            }
+            let at = 3 * ((place.top as usize + row) * width + place.left as usize + column);
+            assert_eq!(pixels[at..at + 3], scale.at(value(x, y)).0, "at ({x}, {y})");
+            seen += 1;
+        }
+    }
+    assert!(seen > 100, "{seen}");
+    // On the contour it is black, outside of the picture white.
+    let row = place.height() as usize / 2;
+    let column = (0.375 * place.width()) as usize;
+    let at = 3 * ((place.top as usize + row) * width + place.left as usize + column);
+    assert!(pixels[at] < 60, "{:?}", &pixels[at..at + 3]);
+    assert_eq!(pixels[..3], [255; 3]);
+}
+
+#[test]
+fn the_origin_of_a_picture_reads_back_from_png_and_svg() {
+    let run = run("case3", "Case 3 \"<&>\" ü ∫", 1);
+    let provenance = provenance(&run);
+    let mut drawing = Drawing {
+        width: 400,
+        height: 10,
+        ..Drawing::default()
+    };
+    drawing.label(
+        &Label::text("<a & b>"),
+        9.0,
+        [0.0; 2],
+        text::Across::Left,
+        text::Along::Top,
+    );
+    let pixels = pixels::pixels(&drawing).expect("it is drawn");
+    let file = png::encode(&pixels, 400, 10, 300, &provenance).expect("it is encoded");
+    let (_, _, info) = decoded(&file);
+    let size = info.pixel_dims.expect("its size");
+    assert_eq!(
+        (size.xppu, size.yppu, size.unit),
+        (11811, 11811, ::png::Unit::Meter)
+    );
+
+    let latin = info
+        .uncompressed_latin1_text
+        .iter()
+        .map(|c| (c.keyword.clone(), c.text.clone()));
+    let unicode = info.utf8_text.iter().map(|chunk| {
+        let text = chunk.get_text().expect("a text");
+        (chunk.keyword.clone(), text)
+    });
+    let mut in_png: Vec<(String, String)> = latin.chain(unicode).collect();
+    in_png.sort();
+
+    let text = svg::encode(&drawing, 300, &provenance).expect("it is encoded");
+    let document = roxmltree::Document::parse(&text).expect("it is XML");
+    let entries = document
+        .descendants()
+        .filter(|node| node.tag_name().name() == "entry");
+    let mut in_svg: Vec<(String, String)> = entries
+        .map(|node| {
+            let name = node.attribute("name").expect("a name").to_owned();
+            (name, node.text().expect("a text").to_owned())
+        })
+        .collect();
+    in_svg.sort();
+    assert_eq!(in_png, in_svg);
+
+    let entry = |name: &str| &in_png.iter().find(|(key, _)| key == name).expect(name).1;
+    assert_eq!(entry("Command"), "vesica figures 'å'");
+    assert_eq!(entry("Step"), "7");
+    assert_eq!(entry("Time"), "1.5e-6");
+    assert_eq!(
+        entry("Software"),
+        &format!("vesica {}", env!("CARGO_PKG_VERSION"))
+    );
+    let again = Scene::parse(entry("Scene"), "a picture", &[], &mut |_| unreachable!());
+    assert_eq!(again.expect("a scene"), *run.scene);
+}
+
+#[test]
+fn an_svg_needs_no_font_and_has_the_size_of_the_png() {
+    let run = run("a", "Case 3", 5);
+    for (name, drawing) in drawings(std::slice::from_ref(&run), 1200) {
+        let text = svg::encode(&drawing, 300, &provenance(&run)).expect("it is encoded");
+        let document = roxmltree::Document::parse(&text).expect("it is XML");
+        let root = document.root_element();
+        assert_eq!(root.attribute("width"), Some("101.600mm"), "{name}");
+        assert!(!text.contains("font") && !text.contains("<text"), "{name}");
+        // The words are there all the same.
+        assert!(text.contains("<desc>") && text.contains("Case 3"), "{name}");
+        let images = document
+            .descendants()
+            .filter(|node| node.has_tag_name(("http://www.w3.org/2000/svg", "image")));
+        assert_eq!(images.count(), drawing.images.len(), "{name}");
+    }
+}
+
+/// The picture that the committed one is compared to.
+fn golden_drawing() -> Drawing {
+    let run = run("golden", "Golden", 1);
+    let report = report(0);
+    let view = View {
+        name: &run.name,
+        scene: &run.scene,
+        mesh: &run.mesh,
+        state: &run.snapshots[0].state,
+        report: &report,
+        field: Field::Phase,
+        command: "",
+    };
+    view::draw(&view, &RunLabel::new("golden", &run.scene), &options(400))
+}
+
+fn golden_path() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/view.png")
+}
+
+/// Pixels may differ a little: rounding differs between processors.
+#[test]
+fn the_picture_is_the_golden_one() {
+    let drawing = golden_drawing();
+    let pixels = pixels::pixels(&drawing).expect("it is drawn");
+    let file = fs::read(golden_path()).expect("tests/golden/view.png");
+    let (golden, width, info) = decoded(&file);
+    assert_eq!((width, info.height), (400, drawing.height));
+    let far = |(a, b): &(&u8, &u8)| a.abs_diff(**b) > 8;
+    let differing = pixels.iter().zip(&golden).filter(far).count();
+    let share = differing as f64 / golden.len() as f64;
+    assert!(
+        share < 1e-3,
+        "{differing} of {} values differ",
+        golden.len()
+    );
+    // So small a tolerance sees a change as small as a label's.
+    let mut other = drawing;
+    other
+        .shapes
+        .retain(|shape| !matches!(shape, Shape::Area { curves, .. } if curves.len() > 8));
+    let changed = pixels::pixels(&other).expect("it is drawn");
+    let differing = changed.iter().zip(&golden).filter(far).count();
+    assert!(differing as f64 / golden.len() as f64 > 1e-3, "{differing}");
+}
+
+/// Makes the golden picture anew: `cargo test --lib golden_anew -- --ignored`. Look at it before you
+/// commit it.
+#[test]
+#[ignore = "changes what another test compares to"]
+fn golden_anew() {
+    let drawing = golden_drawing();
+    let pixels = pixels::pixels(&drawing).expect("it is drawn");
+    let file = png::encode_plain(&pixels, drawing.width, drawing.height).expect("it is encoded");
+    fs::create_dir_all(golden_path().parent().expect("a folder")).expect("it can be made");
+    fs::write(golden_path(), file).expect("it is written");
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).expect("a folder");
+    let mut names: Vec<String> = entries
+        .map(|entry| {
+            entry
+                .expect("an entry")
+                .file_name()
+                .into_string()
+                .expect("a name")
+        })
+        .collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_set_has_the_files_that_it_tells_of() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let runs = [run("case3", "Case 3", 5), run("case4", "Case 4", 2)];
+    let options = FigureOptions {
+        fields: true,
+        ..options(400)
+    };
+    let files = save_set(&runs, &options, folder.path()).expect("it is saved");
+    assert!(files.iter().all(|file| file.is_file()));
+    let mut expected: Vec<String> = Vec::new();
+    for name in ["all", "case3-homeotropic", "case4-homeotropic"] {
+        for figure in ["energies", "outline", "snapshots", "volume-area"] {
+            expected.extend(["csv", "png", "svg"].map(|end| format!("{name}-{figure}.{end}")));
+        }
+        if name != "all" {
+            expected.extend(
+                ["-fields", "-fields.pvd", "-history.csv"].map(|end| format!("{name}{end}")),
+            );
+        }
+    }
+    expected.sort();
+    assert_eq!(names(folder.path()), expected);
+    let fields = folder.path().join("case4-homeotropic-fields");
+    assert_eq!(names(&fields), ["step-0000000.vtu", "step-0000250.vtu"]);
+    let series = fs::read_to_string(folder.path().join("case4-homeotropic-fields.pvd"));
+    let series = series.expect("the list");
+    assert!(
+        series.contains("case4-homeotropic-fields/step-0000250.vtu"),
+        "{series}"
+    );
+    let table = fs::read_to_string(folder.path().join("case3-homeotropic-snapshots.csv"));
+    let table = table.expect("the table");
+    assert_eq!(table.lines().count(), 1 + 5 * 625);
+    assert!(table.starts_with("scene,step,t,x,y,phi,omega,mu,d_x,d_y\ncase3-homeotropic,0,0,0,0,"));
+}
+
+#[test]
+fn nothing_is_overwritten_unless_it_is_wanted() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = run("a", "Case 3", 1);
+    let report = report(0);
+    let view = View {
+        name: &run.name,
+        scene: &run.scene,
+        mesh: &run.mesh,
+        state: &run.snapshots[0].state,
+        report: &report,
+        field: Field::Phase,
+        command: "",
+    };
+    let save = |existing| {
+        let options = FigureOptions {
+            existing,
+            ..options(400)
+        };
+        save_view(&view, &options, folder.path())
+    };
+    let first = folder.path().join("a-homeotropic-step-0000000.svg");
+    save(Existing::Refuse).expect("it is saved");
+    fs::write(&first, "mine").expect("it is written");
+    let error = save(Existing::Refuse).expect_err("it is there").to_string();
+    assert!(
+        error.contains("a-homeotropic-step-0000000.png is there already"),
+        "{error}"
+    );
+    let files = save(Existing::Number).expect("it is saved");
+    assert!(
+        files[0].ends_with("a-homeotropic-step-0000000-2.png"),
+        "{files:?}"
+    );
+    assert_eq!(fs::read_to_string(&first).expect("it is there"), "mine");
+    assert_eq!(names(folder.path()).len(), 8);
+    save(Existing::Replace).expect("it is saved");
+    assert_ne!(fs::read_to_string(&first).expect("it is there"), "mine");
+    assert_eq!(names(folder.path()).len(), 8);
+}
+
+#[test]
+fn what_cannot_be_drawn_or_saved_is_an_error_with_its_reason() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path();
+    let save = |run: &RunData, width| {
+        save_set(std::slice::from_ref(run), &options(width), path).map_err(|e| e.to_string())
+    };
+    let mut run = run("a", "Case 3", 2);
+    assert!(
+        save(&run, 399)
+            .expect_err("too small")
+            .contains("399 px wide")
+    );
+    let file = path.join("file");
+    fs::write(&file, "").expect("it is written");
+    let error = save_set(&[run.clone()], &options(400), &file).expect_err("a file");
+    assert!(
+        error.to_string().contains("there is a file of this name"),
+        "{error}"
+    );
+    run.mesh = Arc::new(Mesh::structured(7, 0.0, 1).expect("a fair mesh"));
+    let error = save(&run, 400).expect_err("another mesh");
+    assert!(
+        error.contains("625 values of φ, its mesh has 64 nodes"),
+        "{error}"
+    );
+    run.snapshots.clear();
+    run.history = Columns::default();
+    assert!(
+        save(&run, 400)
+            .expect_err("no data")
+            .contains("nothing to draw")
+    );
+    assert_eq!(names(path), ["file"]);
+}
+
+#[test]
+fn what_is_no_number_does_no_harm() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut run = run("a", "Case 3", 1);
+    let mut broken = state(&run.mesh, 0.3);
+    broken.phi[300] = f64::NAN;
+    broken.mu[2] = f64::INFINITY;
+    if let Some([x, _]) = &mut broken.director {
+        x[310] = f64::NAN;
+    }
+    run.snapshots[0].state = Arc::new(broken);
+    run.history.push(&Report {
+        step: 1001,
+        t: f64::NAN,
+        total_energy: f64::INFINITY,
+        ..Report::default()
+    });
+    save_set(&[run], &options(400), folder.path()).expect("it is saved");
+}

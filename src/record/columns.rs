@@ -1,0 +1,191 @@
+//! The scalars of a run in memory: columns over the rows of its tables.
+
+use super::read::{ReadError, read_table};
+use super::{HISTORY_COLUMNS, Number};
+use crate::simulation::Report;
+use std::collections::HashSet;
+use std::fmt::Write;
+use std::path::Path;
+
+/// The columns of `shape.csv` beyond step and t.
+const SHAPE: [&str; 3] = ["length", "waist", "width"];
+
+/// Columns of scalars, each with a value a row; NaN where there is none.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Columns {
+    columns: Vec<(String, Vec<f64>)>,
+    rows: usize,
+}
+
+impl Columns {
+    /// Appends a step. `wall` is left out: a report knows no clock.
+    pub fn push(&mut self, report: &Report) {
+        let outline = report.outline;
+        let mut cells: Vec<(String, f64)> = vec![
+            ("step".to_owned(), report.step as f64),
+            ("t".to_owned(), report.t),
+            ("dt".to_owned(), report.dt),
+            ("E_total".to_owned(), report.total_energy),
+        ];
+        let energies = report.energies.iter();
+        cells.extend(energies.map(|energy| (format!("E_{}", energy.name), energy.value)));
+        cells.extend([
+            ("A".to_owned(), report.phase_integral),
+            ("B".to_owned(), report.surface_area),
+            ("law_residual".to_owned(), report.law_residual),
+            ("newton".to_owned(), f64::from(report.newton)),
+            ("krylov".to_owned(), f64::from(report.krylov)),
+        ]);
+        if let Some(outline) = outline {
+            let sizes = [outline.length, outline.waist, outline.width];
+            cells.extend(SHAPE.map(str::to_owned).into_iter().zip(sizes));
+        }
+        self.append(cells);
+    }
+
+    fn append(&mut self, cells: Vec<(String, f64)>) {
+        for (name, value) in cells {
+            let column = match self.columns.iter().position(|(known, _)| *known == name) {
+                Some(number) => number,
+                None => {
+                    self.columns.push((name, vec![f64::NAN; self.rows]));
+                    self.columns.len() - 1
+                }
+            };
+            self.columns[column].1.push(value);
+        }
+        self.rows += 1;
+        for (_, values) in &mut self.columns {
+            values.resize(self.rows, f64::NAN);
+        }
+    }
+
+    /// Reads `history.csv`, and `shape.csv` where it is there, of a run's folder.
+    ///
+    /// # Errors
+    /// [`ReadError`]: what cannot be read, or is damaged, with file, line and column.
+    pub fn read(folder: &Path) -> Result<Columns, ReadError> {
+        let path = folder.join("history.csv");
+        let mut columns = read_table(&path)?;
+        for name in HISTORY_COLUMNS {
+            if columns.column(name).is_none() {
+                return Err(ReadError::NoColumn { path, name });
+            }
+        }
+        let shape = folder.join("shape.csv");
+        if shape.is_file() {
+            columns.join(read_table(&shape)?);
+        }
+        Ok(columns)
+    }
+
+    /// Columns with their values, all of the same length.
+    pub(super) fn from_parts(names: Vec<String>, values: Vec<Vec<f64>>) -> Columns {
+        Columns {
+            rows: values.first().map_or(0, Vec::len),
+            columns: names.into_iter().zip(values).collect(),
+        }
+    }
+
+    /// Takes over the columns of another table that are not here, for the steps that are.
+    fn join(&mut self, other: Columns) {
+        let (Some(steps), Some(other_steps)) = (self.column("step"), other.column("step")) else {
+            return;
+        };
+        // Both are in order; a table that was written a moment later has some rows more.
+        let mut row_of = other_steps.iter().enumerate().peekable();
+        let rows: Vec<Option<usize>> = steps
+            .iter()
+            .map(|step| {
+                while row_of.next_if(|(_, other)| *other < step).is_some() {}
+                row_of
+                    .next_if(|(_, other)| *other == step)
+                    .map(|(row, _)| row)
+            })
+            .collect();
+        let known: HashSet<String> = self.names().map(str::to_owned).collect();
+        for (name, values) in other.columns {
+            if !known.contains(&name) {
+                let value = |row: &Option<usize>| row.map_or(f64::NAN, |row| values[row]);
+                self.columns.push((name, rows.iter().map(value).collect()));
+            }
+        }
+    }
+
+    /// How many rows there are.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// The names of the columns, in order.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.columns.iter().map(|(name, _)| name.as_str())
+    }
+
+    /// The values of a column.
+    pub fn column(&self, name: &str) -> Option<&[f64]> {
+        let (_, values) = self.columns.iter().find(|(known, _)| known == name)?;
+        Some(values)
+    }
+
+    /// The values of a column that has any number: not of an effect that is absent.
+    pub fn known(&self, name: &str) -> Option<&[f64]> {
+        let values = self.column(name)?;
+        values
+            .iter()
+            .any(|value| value.is_finite())
+            .then_some(values)
+    }
+
+    /// As CSV. Numbers read back exactly; what is no number is an empty cell.
+    pub fn to_csv(&self) -> String {
+        let names: Vec<&str> = self.names().collect();
+        let mut text = names.join(",") + "\n";
+        for row in 0..self.rows {
+            for (number, (_, values)) in self.columns.iter().enumerate() {
+                if number > 0 {
+                    text.push(',');
+                }
+                if !values[row].is_nan() {
+                    // Writing to a String cannot fail.
+                    let _ = write!(text, "{}", Number(values[row]));
+                }
+            }
+            text.push('\n');
+        }
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulation::NamedValue;
+
+    fn report(step: u64, energies: &[(&'static str, f64)]) -> Report {
+        let named = |&(name, value): &(&'static str, f64)| NamedValue { name, value };
+        Report {
+            step,
+            t: step as f64 * 1e-7,
+            energies: energies.iter().map(named).collect(),
+            ..Report::default()
+        }
+    }
+
+    #[test]
+    fn an_effect_that_comes_late_has_no_number_before() {
+        let mut columns = Columns::default();
+        columns.push(&report(0, &[("bending", 2.0)]));
+        columns.push(&report(1, &[("bending", 1.0), ("anchoring", 0.5)]));
+        columns.push(&report(2, &[("bending", 0.5)]));
+        let anchoring = columns.column("E_anchoring").expect("it came");
+        assert!(anchoring[0].is_nan() && anchoring[2].is_nan());
+        assert_eq!(anchoring[1], 0.5);
+        assert_eq!(columns.column("step"), Some(&[0.0, 1.0, 2.0][..]));
+        assert_eq!(columns.column("E_area"), None);
+        assert_eq!(columns.rows(), 3);
+        let text = columns.to_csv();
+        assert!(text.starts_with("step,t,dt,E_total,E_bending,A,"), "{text}");
+        assert!(text.ends_with(",0,0,\n"), "{text}");
+    }
+}

@@ -1,0 +1,11 @@
+//! Reading back what a run left.
+
+mod error;
+mod fields;
+mod run;
+mod table;
+
+pub use error::{ReadError, WrongArray};
+pub use fields::{StoredFields, read_fields};
+pub use run::{RecordedFields, RecordedRun, read_run};
+pub(super) use table::read_table;

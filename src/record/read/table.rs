@@ -1,0 +1,99 @@
+//! Tables of numbers, read back.
+
+use super::super::Columns;
+use super::ReadError;
+use std::fs;
+use std::path::Path;
+
+/// Reads a table. An empty cell is NaN. What follows the last whole line is left out: a run that
+/// goes on, or was killed, may have left a part of a line.
+///
+/// # Errors
+/// [`ReadError`] with line and column.
+pub(in super::super) fn read_table(path: &Path) -> Result<Columns, ReadError> {
+    let text = fs::read_to_string(path).map_err(|reason| ReadError::Unreadable {
+        path: path.to_owned(),
+        reason,
+    })?;
+    let whole = text.rfind('\n').map_or("", |end| &text[..end]);
+    let mut lines = whole.lines();
+    let header = lines.next().filter(|line| !line.is_empty());
+    let names: Vec<String> = header
+        .ok_or_else(|| ReadError::EmptyTable {
+            path: path.to_owned(),
+        })?
+        .split(',')
+        .map(str::to_owned)
+        .collect();
+    let mut values = vec![Vec::new(); names.len()];
+    for (number, line) in lines.enumerate() {
+        let cells = line.split(',').count();
+        if cells != names.len() {
+            return Err(ReadError::Row {
+                path: path.to_owned(),
+                line: number + 2,
+                found: cells,
+                expected: names.len(),
+            });
+        }
+        for ((cell, column), name) in line.split(',').zip(&mut values).zip(&names) {
+            column.push(match cell {
+                "" => f64::NAN,
+                text => text.parse().map_err(|_| ReadError::Cell {
+                    path: path.to_owned(),
+                    line: number + 2,
+                    column: name.clone(),
+                    text: text.to_owned(),
+                })?,
+            });
+        }
+    }
+    Ok(Columns::from_parts(names, values))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Columns, ReadError> {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("history.csv");
+        fs::write(&path, text).expect("it is written");
+        read_table(&path)
+    }
+
+    #[test]
+    fn an_empty_cell_is_no_number_and_a_part_of_a_line_is_left_out() {
+        let table = read("step,t,E_area\n0,0,\n1,1e-7,36.5\n2,2e-").expect("a table");
+        assert_eq!(table.rows(), 2);
+        assert_eq!(table.column("t"), Some(&[0.0, 1e-7][..]));
+        let area = table.column("E_area").expect("a column");
+        assert!(area[0].is_nan() && area[1] == 36.5);
+    }
+
+    #[test]
+    fn damage_is_told_with_its_place() {
+        let error = |text| read(text).expect_err("damaged").to_string();
+        assert!(error("").contains("is empty"));
+        assert!(error("\n").contains("is empty"));
+        let text = error("step,t\n0,0\n1\n");
+        assert!(
+            text.contains("line 3 has 1 cells, the header has 2"),
+            "{text}"
+        );
+        let text = error("step,t\n0,0\n1,one\n");
+        assert!(text.contains("line 3, column t has \"one\""), "{text}");
+    }
+
+    #[test]
+    fn bytes_that_are_no_text_are_an_error_with_the_path() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("history.csv");
+        fs::write(&path, [0xff, 0xfe]).expect("it is written");
+        let text = read_table(&path).expect_err("no text").to_string();
+        assert!(
+            text.contains("history.csv") && text.contains("UTF-8"),
+            "{text}"
+        );
+    }
+}
