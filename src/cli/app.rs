@@ -2,7 +2,7 @@
 
 use super::error::CliError;
 use super::{numbers, output};
-use crate::tui::saving::save_states;
+use crate::tui::figures::save_figures;
 use crate::tui::theme::ColorTier;
 use crate::tui::{self, Options};
 use clap::ValueEnum;
@@ -79,7 +79,7 @@ pub(super) fn open(arguments: Arguments) -> Result<(), CliError> {
         active,
         frames_per_second: arguments.fps,
         tier: arguments.color.tier(),
-        save: save_states,
+        save: save_figures,
     })?;
     let told = output::line(&ended.line);
     match ended.signal() {

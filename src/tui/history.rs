@@ -1,6 +1,7 @@
 //! Every scalar of a run, from its first step to its last.
 
 use super::series::Series;
+use crate::record::Columns;
 use crate::scene::AnchoringKind;
 use crate::simulation::Report;
 
@@ -32,11 +33,14 @@ pub struct History {
     pub baseline: Option<f64>,
     /// ∫φ⁰.
     pub phase_integral: Option<f64>,
+    /// Every row of the run, for figures and their data.
+    pub rows: Columns,
 }
 
 impl History {
     /// Takes the scalars of the next step, or those of step 0.
     pub fn take(&mut self, report: &Report) {
+        self.rows.push(report);
         self.take_energies(report);
         self.baseline.get_or_insert(report.total_energy);
         let step = report.step;
@@ -58,6 +62,7 @@ impl History {
 
     /// Takes a switch of the anchoring: the energies of the unchanged state, measured anew.
     pub fn switch(&mut self, kind: AnchoringKind, report: &Report) {
+        self.rows.push(report);
         self.take_energies(report);
         self.baseline = Some(report.total_energy);
         self.marks.push((report.step, kind));

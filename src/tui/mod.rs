@@ -6,6 +6,7 @@ pub mod colour_map;
 pub mod curve;
 mod editing;
 mod farewell;
+pub mod figures;
 pub mod glyphs;
 pub mod history;
 mod incoming;

@@ -13,7 +13,7 @@ use super::message::Message;
 use super::state::{History, View};
 use crate::fem::Mesh;
 use crate::record::{RunFolder, write_states};
-use crate::scene::Scene;
+use crate::scene::{AnchoringKind, Scene};
 use crate::simulation::Picture;
 
 /// Where what is saved goes, within the working folder: a new folder each time.
@@ -28,6 +28,8 @@ pub struct Job {
     pub scene: Arc<Scene>,
     /// The mesh.
     pub mesh: Arc<Mesh>,
+    /// When the anchoring was switched, and to what.
+    pub switches: Vec<(u64, AnchoringKind)>,
     /// What.
     pub what: What,
 }
@@ -160,6 +162,7 @@ mod tests {
             name: "circle".into(),
             mesh: Arc::new(simulation.mesh().clone()),
             scene: Arc::new(scene),
+            switches: Vec::new(),
             what: What::Set(vec![Arc::new(picture)], Box::default()),
         }
     }

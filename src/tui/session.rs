@@ -345,6 +345,7 @@ impl Session {
             name: slot.name.clone(),
             scene: Arc::clone(&slot.scene),
             mesh: Arc::clone(&setting.mesh),
+            switches: run.history.marks.clone(),
             what: what(run),
         });
         Ok(())
