@@ -265,7 +265,6 @@ mod tests {
     }
 
     #[test]
-    #[ignore = "until the README has its section on the app"]
     fn the_readme_has_this_table() {
         let readme = include_str!("../../../README.md");
         assert!(
