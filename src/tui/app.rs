@@ -49,6 +49,7 @@ impl App {
             next_run: RunId(1),
             cores: available_parallelism().map_or(1, NonZero::get),
             clock: None,
+            editing: None,
             reloaded: None,
             ending: None,
         }

@@ -5,7 +5,7 @@ use crate::scene::AnchoringKind;
 use crate::simulation::Report;
 
 /// Every scalar over the whole run.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct History {
     /// E_tot.
     pub total_energy: Series,

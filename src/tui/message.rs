@@ -33,6 +33,8 @@ pub enum Message {
     Signal(i32),
     /// The terminal is gone.
     HungUp,
+    /// Something to say in passing.
+    Remark(String),
     /// Time goes by.
     Tick,
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::super::keys::Action;
 use super::super::message::Effect;
 use super::super::state::{
-    App, DirectorStyle, Ending, Field, Overlay, Panel, Question, Save, Screen, Slot,
+    App, DirectorStyle, Ending, Field, Overlay, Panel, Question, Save, Screen, Slot, Status,
 };
 use super::{leave, remark, saving};
 use crate::scene::AnchoringKind;
@@ -36,7 +36,10 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
         Action::Previous => next(app, -1),
         Action::Faster => change_frame_rate(app, true),
         Action::Slower => change_frame_rate(app, false),
-        Action::Edit => effects.push(Effect::Edit(app.active)),
+        Action::Edit => {
+            app.editing = Some(app.active);
+            effects.push(Effect::Edit(app.active));
+        }
         Action::Open => {
             app.overlay = Some(Overlay::Open {
                 text: String::new(),
@@ -175,7 +178,7 @@ fn next_anchoring(app: &mut App, effects: &mut Vec<Effect>) {
     scene.anchoring.get_or_insert_default().kind = kind;
     let mut text = format!("the anchoring is {kind} from here on");
     match &slot.run {
-        Some(run) if matches!(run.status, super::super::state::Status::Failed(_)) => {
+        Some(run) if matches!(run.status, Status::Failed(_)) => {
             text = format!("the anchoring is {kind} when the run begins anew: r");
         }
         Some(run) => effects.push(Effect::Tell(run.id, Command::Anchor(kind))),

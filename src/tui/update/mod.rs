@@ -47,6 +47,7 @@ pub fn update(app: &mut App, message: Message) -> Vec<Effect> {
         Message::Saved(outcome) => saving::saved(app, outcome, &mut effects),
         Message::Signal(number) => end(app, Ending::Signal(number), &mut effects),
         Message::HungUp => end(app, Ending::HungUp, &mut effects),
+        Message::Remark(text) => remark(app, text),
         Message::Tick => {}
     }
     if app.ending.is_none() {
@@ -83,12 +84,16 @@ fn remark(app: &mut App, text: impl Into<String>) {
 }
 
 /// Ends the app because someone else wants it: what was computed is saved without asking.
+///
+/// The active run comes first: there may be no time for all.
 fn end(app: &mut App, ending: Ending, effects: &mut Vec<Effect>) {
-    for (index, slot) in app.slots.iter().enumerate() {
-        if slot.run.as_ref().is_some_and(|run| run.unsaved) {
-            effects.push(Effect::SaveSet(index));
-        }
-    }
+    let is_unsaved = |index: &usize| {
+        let run = app.slots[*index].run.as_ref();
+        run.is_some_and(|run| run.unsaved)
+    };
+    let mut unsaved: Vec<usize> = (0..app.slots.len()).filter(is_unsaved).collect();
+    unsaved.sort_by_key(|index| *index != app.active);
+    effects.extend(unsaved.into_iter().map(Effect::SaveSet));
     leave(app, ending, effects);
 }
 

@@ -2,7 +2,7 @@
 
 use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
 
-use super::super::keys::{self, Action, Place};
+use super::super::keys::{self, Action};
 use super::super::message::Effect;
 use super::super::state::{App, Ending, Overlay, Question, Slot};
 use super::actions::{ask, consent, look_at};
@@ -26,6 +26,7 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
             app.overlay = None;
             ask(app, Question::Quit, effects);
         }
+        (Action::Suspend, _) => effects.push(Effect::Suspend),
         (Action::Yes, Some(Overlay::Confirm(question))) => {
             let question = *question;
             app.overlay = None;
@@ -44,7 +45,7 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
         }
         (Action::Close, _) => app.overlay = None,
         (Action::Scroll(lines), Some(Overlay::Help { scroll })) => {
-            let last = keys::bindings(Place::Main).count() as i32 - 1;
+            let last = keys::help().count() as i32 - 1;
             *scroll = i32::from(*scroll)
                 .saturating_add(lines)
                 .clamp(0, last.max(0)) as u16;
@@ -125,6 +126,11 @@ pub(super) fn loaded(app: &mut App, slot: Box<Slot>, effects: &mut Vec<Effect>) 
     if matches!(app.overlay, Some(Overlay::Open { .. })) {
         app.overlay = None;
     }
+    let edited = app.editing.take().and_then(|index| app.slots.get(index));
+    if edited.is_some_and(|edited| is_unchanged(edited, &slot)) {
+        remark(app, "the scene is unchanged");
+        return;
+    }
     let known = app.slots.iter().position(|other| match &slot.file {
         Some(file) => other.file.as_ref() == Some(file),
         None => other.file.is_none() && other.name == slot.name,
@@ -138,13 +144,7 @@ pub(super) fn loaded(app: &mut App, slot: Box<Slot>, effects: &mut Vec<Effect>) 
     if slot.file.is_none() {
         return;
     }
-    let present = &app.slots[index];
-    // Without the anchoring that was chosen since.
-    let run = present.run.as_ref();
-    let started = run.and_then(|run| run.setting.as_ref());
-    let same =
-        slot.scene == present.scene || started.is_some_and(|setting| setting.scene == *slot.scene);
-    if same {
+    if is_unchanged(&app.slots[index], &slot) {
         remark(app, format!("the scene of {} is unchanged", slot.name));
     } else {
         app.reloaded = Some((index, slot));
@@ -152,9 +152,17 @@ pub(super) fn loaded(app: &mut App, slot: Box<Slot>, effects: &mut Vec<Effect>) 
     }
 }
 
+/// Whether a scene is that of a slot, but for the anchoring that was chosen since it was loaded.
+fn is_unchanged(slot: &Slot, loaded: &Slot) -> bool {
+    let run = slot.run.as_ref();
+    let started = run.and_then(|run| run.setting.as_ref());
+    slot.scene == loaded.scene || started.is_some_and(|setting| setting.scene == *loaded.scene)
+}
+
 /// Takes why a scene could not be loaded.
 pub(super) fn not_loaded(app: &mut App, reason: String) {
     app.stale = true;
+    app.editing = None;
     match &mut app.overlay {
         Some(Overlay::Open { error, .. }) => *error = Some(reason),
         overlay => {
