@@ -96,7 +96,11 @@ impl Modes {
             )
         });
         // A terminal that is gone needs nothing back.
-        let _ = self.output.write_within(&bytes, PATIENCE);
+        let written = self.output.write_within(&bytes, PATIENCE);
+        if written.is_err_and(|error| error.kind() == io::ErrorKind::BrokenPipe) {
+            // The writer itself has gone, by a mistake of its own.
+            let _ = rustix::io::write(rustix::stdio::stdout(), &bytes);
+        }
         let _ = disable_raw_mode();
     }
 }
