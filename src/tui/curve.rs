@@ -97,7 +97,7 @@ fn fill(low: usize, high: usize, colour: Color, theme: &Theme) -> (&'static str,
     }
     match theme.tier {
         ColorTier::True | ColorTier::Palette if theme.unicode => {
-            (glyphs.levels[low], style.bg(theme.band()))
+            (glyphs.levels[low], style.bg(theme.band(colour)))
         }
         _ if low == 0 => (glyphs.band, style),
         _ => (glyphs.levels[low], style),
@@ -274,7 +274,7 @@ mod tests {
         let area = Rect::new(3, 1, 40, 9);
         let values = series(&[1.0, 2.0]);
         let ends = draw(&values, &PLAIN, Color::Red, &theme, area, &mut buffer);
-        assert_eq!(ends, Some([1.0, 1.0]));
+        assert_eq!(ends, Some([1.0, 2.0]));
         let outside = Rect::new(9, 9, 3, 3);
         assert_eq!(
             draw(&values, &PLAIN, Color::Red, &theme, outside, &mut buffer),

@@ -80,8 +80,9 @@ pub fn divide(screen: Rect, focus: Panel, banner: u16, wishes: [Wish; 3]) -> Are
         take_top(&mut left, 1);
     }
     // A cell is twice as high as it is wide: a square field of n rows has 2n columns. Title, frame
-    // and ticks take four rows; frame, labels and colour bar take 17 columns.
-    let natural = (2 * left.height.saturating_sub(4)).saturating_add(17);
+    // and ticks take four rows; frame, labels and colour bar take up to 17 columns.
+    let around = if step <= Step::Narrow { 14 } else { 17 };
+    let natural = (2 * left.height.saturating_sub(4)).saturating_add(around);
     let least = match step {
         Step::TooSmall | Step::Narrow => 30,
         Step::Normal => 44,
@@ -190,6 +191,18 @@ pub fn take_bottom(area: &mut Rect, rows: u16) -> Rect {
     }
 }
 
+/// Cuts columns off the left.
+pub fn take_left(area: &mut Rect, columns: u16) -> Rect {
+    let columns = columns.min(area.width);
+    let left = Rect {
+        width: columns,
+        ..*area
+    };
+    area.x += columns;
+    area.width -= columns;
+    left
+}
+
 /// A rectangle of at most this size in the middle of another.
 pub fn centred(outer: Rect, width: u16, height: u16) -> Rect {
     let (width, height) = (width.min(outer.width), height.min(outer.height));
@@ -202,15 +215,18 @@ pub fn centred(outer: Rect, width: u16, height: u16) -> Rect {
 }
 
 /// Columns and rows of the cells that show a domain in its true shape within a size, a cell being
-/// twice as high as it is wide; `aspect` is the domain's width over its height.
+/// twice as high as it is wide; `aspect` is the domain's width over its height. Of many columns
+/// there is an odd number, so that one stands in the middle.
 pub fn fit(aspect: f64, columns: u16, rows: u16) -> (u16, u16) {
     let wanted = (2.0 * aspect * f64::from(rows)).round();
-    if wanted <= f64::from(columns) {
+    let (columns, rows) = if wanted <= f64::from(columns) {
         (wanted.max(0.0) as u16, rows)
     } else {
         let rows_left = (0.5 * f64::from(columns) / aspect).round();
         (columns, (rows_left.max(0.0) as u16).min(rows))
-    }
+    };
+    let even = columns > 8 && columns.is_multiple_of(2);
+    (columns - u16::from(even), rows)
 }
 
 #[cfg(test)]
@@ -285,10 +301,11 @@ mod tests {
     }
 
     #[test]
-    fn a_square_has_twice_as_many_columns_as_rows() {
-        assert_eq!(fit(1.0, 100, 20), (40, 20));
-        assert_eq!(fit(1.0, 30, 20), (30, 15));
-        assert_eq!(fit(2.0, 100, 20), (80, 20));
+    fn a_square_has_about_twice_as_many_columns_as_rows() {
+        assert_eq!(fit(1.0, 100, 20), (39, 20));
+        assert_eq!(fit(1.0, 31, 20), (31, 16));
+        assert_eq!(fit(2.0, 100, 20), (79, 20));
+        assert_eq!(fit(1.0, 4, 20), (4, 2));
         assert_eq!(fit(1.0, 0, 20), (0, 0));
         assert_eq!(fit(1.0, 20, 0), (0, 0));
     }

@@ -25,6 +25,21 @@ pub fn significant(value: f64, digits: usize) -> String {
     }
 }
 
+/// The same without the zeros at its end: for numbers that are round.
+pub fn brief(value: f64, digits: usize) -> String {
+    let text = significant(value, digits);
+    let (digits, exponent) = match text.split_once('e') {
+        Some((digits, exponent)) => (digits.to_owned(), format!("e{exponent}")),
+        None => (text, String::new()),
+    };
+    let digits = if digits.contains('.') {
+        digits.trim_end_matches('0').trim_end_matches('.')
+    } else {
+        &digits
+    };
+    format!("{digits}{exponent}")
+}
+
 /// The same with its sign.
 pub fn signed(value: f64, digits: usize) -> String {
     let text = significant(value, digits);
@@ -110,6 +125,18 @@ mod tests {
         ];
         for (value, text) in table {
             assert_eq!(significant(value, 4), text);
+        }
+        let table = [
+            (-1.0, "-1"),
+            (0.0, "0"),
+            (100.0, "100"),
+            (1.01, "1.01"),
+            (1e-7, "1e-7"),
+            (-1.5e6, "-1.5e6"),
+            (0.03, "0.03"),
+        ];
+        for (value, text) in table {
+            assert_eq!(brief(value, 3), text);
         }
         assert_eq!(signed(0.25, 2), "+0.25");
         assert_eq!(signed(-0.25, 2), "-0.25");

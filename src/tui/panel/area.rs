@@ -4,37 +4,30 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::text::{Line, Span};
 
+use super::Look;
 use super::rows::{self, Row, Widths};
 use super::shown::Shown;
 use super::text;
 use crate::tui::layout::{Step, Wish};
-use crate::tui::numbers::{percent, signed, significant};
-use crate::tui::state::View;
+use crate::tui::numbers::{percent, significant};
 use crate::tui::theme::{Role, Theme};
 
 /// The rows that the panel needs and can use.
 pub fn wish(_: Step) -> Wish {
-    Wish { least: 7, full: 9 }
+    Wish { least: 7, full: 8 }
 }
 
 /// Draws the panel.
-pub fn draw(
-    shown: &Shown<'_>,
-    view: View,
-    focused: bool,
-    theme: &Theme,
-    area: Rect,
-    buffer: &mut Buffer,
-) {
+pub fn draw(shown: &Shown<'_>, look: Look, theme: &Theme, area: Rect, buffer: &mut Buffer) {
     let title = Line::styled("Area and shape", theme.strong());
-    let area = text::title(buffer, area, theme, focused, title, Line::default());
+    let area = text::title(buffer, area, theme, look.focused, title, Line::default());
     let Some((run, report)) = shown.run.zip(shown.report) else {
         return;
     };
     let history = &run.history;
     let widths = Widths::of(area.width);
     let marks = shown.marks();
-    let curves = shown.curves(&marks, view.logarithmic);
+    let curves = shown.curves(&marks, look.view.logarithmic);
     let mut row = area;
     row.height = 1;
     let mut next = |area: Rect| {
@@ -49,15 +42,31 @@ pub fn draw(
         colour: Some(theme.colour(Role::Curve(1))),
         value: Some(report.surface_area),
         start: history.surface_area.first(),
+        digits: None,
         series: Some(&history.surface_area),
     };
     rows::draw(&surface, widths, &curves, theme, next(area), buffer);
     if let Some(target) = shown.target() {
+        let gap = Row {
+            name: theme.word("B-β", "B-target"),
+            colour: None,
+            value: Some(report.surface_area - target),
+            start: None,
+            digits: Some(4),
+            series: None,
+        };
+        let row = next(area);
+        rows::draw(&gap, widths, &curves, theme, row, buffer);
+        let relative = percent(report.surface_area - target, target);
+        let column = widths.relative(row);
+        text::line_right(buffer, column, 0, Span::styled(relative, theme.muted()));
+        let name = theme.word("β", "to");
+        let words = format!("{name} {}", significant(target, 4));
         text::line(
             buffer,
-            next(area),
+            widths.beside(row),
             0,
-            target_line(report.surface_area, target, theme),
+            Span::styled(words, theme.muted()),
         );
     }
     if let Some(outline) = report.outline {
@@ -72,6 +81,7 @@ pub fn draw(
                 colour: None,
                 value: Some(value),
                 start: series.first(),
+                digits: None,
                 series: Some(series),
             };
             rows::draw(&size, widths, &curves, theme, next(area), buffer);
@@ -85,28 +95,24 @@ pub fn draw(
         colour: None,
         value: drift,
         start: None,
+        digits: Some(3),
         series: Some(&history.phase_drift),
     };
     rows::draw(&conserved, widths, &curves, theme, next(area), buffer);
     if let Some(quotient) = report.isoperimetric_quotient {
-        let name = theme.word(" 4π area/length²   ", " 4 pi area/length^2   ");
-        let spans = vec![
-            Span::raw(name),
-            Span::raw(significant(quotient, 4)),
-            Span::styled("   circle: 1", theme.muted()),
-        ];
-        text::line(buffer, next(area), 0, spans);
+        let quotient = Row {
+            name: theme.word("4πa/l²", "4pi a/l^2"),
+            colour: None,
+            value: Some(quotient),
+            start: None,
+            digits: Some(4),
+            series: None,
+        };
+        let row = next(area);
+        rows::draw(&quotient, widths, &curves, theme, row, buffer);
+        let (words, beside) = ("circle: 1", widths.beside(row));
+        if usize::from(beside.width) >= words.len() {
+            text::line(buffer, beside, 0, Span::styled(words, theme.muted()));
+        }
     }
-}
-
-/// β, and how far B is from it.
-fn target_line<'a>(surface_area: f64, target: f64, theme: &Theme) -> Line<'a> {
-    let gap = surface_area - target;
-    Line::from(vec![
-        Span::raw(format!(" {:<2}", theme.word("β", "beta"))),
-        Span::raw(format!(" {}", significant(target, 5))),
-        Span::styled(theme.word("   B-β ", "   gap "), theme.muted()),
-        Span::raw(signed(gap, 3)),
-        Span::styled(format!("  {}", percent(gap, target)), theme.muted()),
-    ])
 }

@@ -9,13 +9,14 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::text::{Line, Span};
 
+use super::Look;
 use super::rows::{self, Row, Widths};
 use super::shown::Shown;
 use super::text;
 use crate::simulation::{Phase, Report};
+use crate::tui::curve;
 use crate::tui::layout::{Step, Wish};
-use crate::tui::numbers::{milliseconds, significant};
-use crate::tui::state::View;
+use crate::tui::numbers::{brief, milliseconds, significant};
 use crate::tui::theme::{Role, Theme};
 
 /// The rows that the panel needs and can use.
@@ -39,22 +40,15 @@ fn name(phase: Phase) -> &'static str {
 
 /// Draws the panel: the cost with its curve, the parts of it while there is room, the iterations, and
 /// the energy law.
-pub fn draw(
-    shown: &Shown<'_>,
-    view: View,
-    focused: bool,
-    theme: &Theme,
-    area: Rect,
-    buffer: &mut Buffer,
-) {
+pub fn draw(shown: &Shown<'_>, look: Look, theme: &Theme, area: Rect, buffer: &mut Buffer) {
     let title = Line::styled("Cost of a step", theme.strong());
-    let area = text::title(buffer, area, theme, focused, title, Line::default());
+    let area = text::title(buffer, area, theme, look.focused, title, Line::default());
     let Some((run, report)) = shown.run.zip(shown.report) else {
         return;
     };
     let widths = Widths::of(area.width);
     let marks = shown.marks();
-    let curves = shown.curves(&marks, view.logarithmic);
+    let curves = shown.curves(&marks, look.view.logarithmic);
     let total = report.costs.total();
     let at = |row: u16| {
         let row = Rect {
@@ -65,14 +59,17 @@ pub fn draw(
         row.intersection(area)
     };
     let cost = Row {
-        name: "ms",
+        name: "total ms",
         colour: Some(theme.colour(Role::Accent)),
         value: (!total.is_zero()).then_some(1e3 * total.as_secs_f64()),
         start: None,
+        digits: Some(3),
         series: Some(&run.history.cost),
     };
     rows::draw(&cost, widths, &curves, theme, at(0), buffer);
-    let parts = area.height.saturating_sub(3).min(Phase::ALL.len() as u16);
+    // All parts or none: some of them would say nothing of the rest.
+    let all = Phase::ALL.len() as u16;
+    let parts = if area.height >= all + 3 { all } else { 0 };
     for (index, phase) in Phase::ALL.into_iter().enumerate().take(usize::from(parts)) {
         let area = at(1 + index as u16);
         phase_row(
@@ -85,19 +82,19 @@ pub fn draw(
             buffer,
         );
     }
-    text::line(buffer, area, 1 + parts, iterations(report, theme));
+    text::line(
+        buffer,
+        area,
+        1 + parts,
+        iterations(report, area.width, theme),
+    );
     let law = law_line(shown, report, theme);
-    let used = law.width() as u16 + 2;
+    let used = law.width() as u16;
     text::line(buffer, area, 2 + parts, law);
-    let beside = Rect {
-        x: area.x + widths.numbers().max(used) + 2,
-        width: area.width.saturating_sub(widths.numbers().max(used) + 2),
-        ..at(2 + parts)
-    };
-    if beside.width > 2 {
-        let colour = theme.curve();
+    let beside = widths.beside(at(2 + parts));
+    if beside.x > area.x + used {
         let series = &run.history.law_residual;
-        crate::tui::curve::draw(series, &curves, colour, theme, beside, buffer);
+        curve::draw(series, &curves, theme.curve(), theme, beside, buffer);
     }
 }
 
@@ -137,15 +134,19 @@ fn phase_row(
     );
 }
 
-fn iterations<'a>(report: &Report, theme: &Theme) -> Line<'a> {
-    let mut spans = vec![Span::styled(" iterations", theme.muted())];
+fn iterations<'a>(report: &Report, width: u16, theme: &Theme) -> Line<'a> {
     let counts = [
         ("Newton", report.newton),
         ("Krylov", report.krylov),
         ("director", report.director_iterations),
     ];
+    let mut spans = Vec::new();
+    if width >= 56 {
+        spans.push(Span::styled(" iterations ", theme.muted()));
+    }
+    let gap = if width >= 40 { "  " } else { " " };
     for (name, count) in counts {
-        spans.push(Span::styled(format!("  {name} "), theme.muted()));
+        spans.push(Span::styled(format!("{gap}{name} "), theme.muted()));
         spans.push(Span::raw(count.to_string()));
     }
     Line::from(spans)
@@ -163,6 +164,6 @@ fn law_line<'a>(shown: &Shown<'_>, report: &Report, theme: &Theme) -> Line<'a> {
     Line::from(vec![
         Span::styled(" energy law ", theme.muted()),
         Span::styled(significant(residual, 2), style),
-        Span::styled(format!(" of {}", significant(tolerance, 1)), theme.muted()),
+        Span::styled(format!(" of {}", brief(tolerance, 2)), theme.muted()),
     ])
 }

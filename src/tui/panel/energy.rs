@@ -4,13 +4,13 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::text::{Line, Span};
 
+use super::Look;
 use super::rows::{self, Row, Widths};
 use super::shown::Shown;
 use super::text;
 use crate::tui::curve;
 use crate::tui::layout::{Step, Wish, take_bottom, take_top};
 use crate::tui::numbers::significant;
-use crate::tui::state::View;
 use crate::tui::theme::{Role, Theme};
 
 /// The rows that the panel needs and can use.
@@ -29,24 +29,17 @@ pub fn wish(shown: &Shown<'_>, step: Step) -> Wish {
 }
 
 /// Draws the panel: the total with its curve as high as there is room for, then a row an effect.
-pub fn draw(
-    shown: &Shown<'_>,
-    view: View,
-    focused: bool,
-    theme: &Theme,
-    area: Rect,
-    buffer: &mut Buffer,
-) {
-    let scale = if view.logarithmic { "log" } else { "" };
+pub fn draw(shown: &Shown<'_>, look: Look, theme: &Theme, area: Rect, buffer: &mut Buffer) {
+    let scale = if look.view.logarithmic { "log" } else { "" };
     let title = Line::styled("Energy", theme.strong());
     let notes = Line::styled(scale, theme.muted());
-    let mut area = text::title(buffer, area, theme, focused, title, notes);
+    let mut area = text::title(buffer, area, theme, look.focused, title, notes);
     let Some((run, report)) = shown.run.zip(shown.report) else {
         return;
     };
     let widths = Widths::of(area.width);
     let marks = shown.marks();
-    let curves = shown.curves(&marks, view.logarithmic);
+    let curves = shown.curves(&marks, look.view.logarithmic);
     let history = &run.history;
 
     let total = take_top(&mut area, 1);
@@ -56,11 +49,12 @@ pub fn draw(
         colour: Some(theme.colour(Role::Total)),
         value: Some(report.total_energy),
         start: history.total_energy.first(),
+        digits: None,
         // What has a curve of its own below needs none in its row.
-        series: (area.height == 0).then_some(&history.total_energy),
+        series: (area.height < 2).then_some(&history.total_energy),
     };
     rows::draw(&row, widths, &curves, theme, total, buffer);
-    if area.height > 0 {
+    if area.height >= 2 {
         tall_curve(shown, &curves, theme, area, buffer);
     }
     for (index, (name, series)) in history.energies.iter().enumerate() {
@@ -70,6 +64,7 @@ pub fn draw(
             colour: Some(theme.colour(Role::Curve(index))),
             value: value.map(|energy| energy.value),
             start: series.first(),
+            digits: None,
             series: Some(series),
         };
         let area = Rect {
@@ -109,9 +104,7 @@ fn tall_curve(
     if let Some([least, greatest]) = ends {
         let label = |value| Span::styled(significant(value, 4), theme.muted());
         text::line_right(buffer, labels, 0, label(greatest));
-        if area.height > 1 {
-            text::line_right(buffer, labels, area.height - 1, label(least));
-        }
+        text::line_right(buffer, labels, area.height - 1, label(least));
     }
     for (step, kind) in &run.history.marks {
         let share = *step as f64 / (curves.horizon as f64 + 1.0);

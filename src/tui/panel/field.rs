@@ -6,33 +6,53 @@ use ratatui::style::Style;
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, Widget};
 
+use super::Look;
 use super::plot::{Plot, level, ramp_glyph, ramp_style};
 use super::shown::Shown;
 use super::text;
 use crate::fem::Rectangle;
 use crate::tui::canvas::Canvas;
 use crate::tui::layout::{Step, centred, fit};
-use crate::tui::numbers::significant;
+use crate::tui::numbers::brief;
 use crate::tui::sampled;
 use crate::tui::state::{DirectorStyle, Field, View};
 use crate::tui::theme::Theme;
 
 /// Columns left of the frame, for the numbers of the y axis.
-const LABELS: u16 = 4;
+fn labels(step: Step) -> u16 {
+    match step {
+        Step::TooSmall | Step::Narrow => 2,
+        Step::Normal => 4,
+        Step::Wide => 5,
+    }
+}
+
+/// Parts of an axis that have numbers at their ends.
+fn parts(step: Step) -> u16 {
+    match step {
+        Step::TooSmall | Step::Narrow => 1,
+        Step::Normal => 2,
+        Step::Wide => 4,
+    }
+}
+
 /// Columns right of the frame: a gap, the colour bar, a gap, its numbers.
 const BAR: u16 = 9;
 
 /// Draws the panel.
 pub fn draw(
     shown: &Shown<'_>,
-    view: View,
-    focused: bool,
-    step: Step,
+    look: Look,
     theme: &Theme,
     canvas: &mut Canvas,
     area: Rect,
     buffer: &mut Buffer,
 ) {
+    let Look {
+        view,
+        focused,
+        step,
+    } = look;
     let area = text::title(
         buffer,
         area,
@@ -41,8 +61,7 @@ pub fn draw(
         title(view, theme),
         notes(shown, view, theme),
     );
-    let (Some(run), Some(setting), Some(picture)) = (shown.run, shown.setting, shown.picture)
-    else {
+    let (Some(setting), Some(picture)) = (shown.setting, shown.picture) else {
         let words = match shown.run {
             None => "not started yet",
             Some(_) => "the mesh and the first fields are being made",
@@ -50,10 +69,10 @@ pub fn draw(
         let area = centred(area, words.len() as u16, 1);
         return text::line(buffer, area, 0, Span::styled(words, theme.muted()));
     };
-    let _ = run;
     let region = canvas.region(&setting.mesh);
+    let labels = labels(step);
     let room = (
-        area.width.saturating_sub(LABELS + 2 + BAR),
+        area.width.saturating_sub(labels + 2 + BAR),
         area.height.saturating_sub(3),
     );
     let (columns, rows) = fit(region.width() / region.height(), room.0, room.1);
@@ -61,9 +80,9 @@ pub fn draw(
         return;
     }
     // The picture with all that belongs to it stands in the middle of its area.
-    let outer = centred(area, columns + LABELS + 2 + BAR, rows + 3);
+    let outer = centred(area, columns + labels + 2 + BAR, rows + 3);
     let frame = Rect {
-        x: outer.x + LABELS,
+        x: outer.x + labels,
         y: outer.y,
         width: columns + 2,
         height: rows + 2,
@@ -80,8 +99,7 @@ pub fn draw(
         view,
     };
     let range = plot.draw(theme, canvas, cells, buffer);
-    let ticks = if step == Step::Wide { 4 } else { 2 };
-    axes(region, ticks, frame, theme, buffer);
+    axes(region, parts(step), frame, theme, buffer);
     let bar = Rect {
         x: frame.right() + 1,
         width: BAR - 1,
@@ -150,9 +168,9 @@ fn axes(region: Rectangle, parts: u16, frame: Rect, theme: &Theme, buffer: &mut 
         }
         let y = bottom - (share * f64::from(frame.height - 1)).round() as u16;
         let area = Rect {
-            x: left.saturating_sub(LABELS),
+            x: 0,
             y,
-            width: LABELS.min(left) - 1,
+            width: left.saturating_sub(1),
             height: 1,
         };
         text::line_right(buffer, area, 0, label(region.y));
@@ -199,42 +217,7 @@ fn colour_bar(range: [f64; 2], view: View, theme: &Theme, area: Rect, buffer: &m
         if row == last / 2 && area.height < 5 {
             continue;
         }
-        let number = compact(value);
+        let number = brief(value, 3);
         text::line(buffer, labels, row, Span::styled(number, theme.muted()));
-    }
-}
-
-/// A round number in at most five characters where that is possible.
-fn compact(value: f64) -> String {
-    let text = significant(value, 3);
-    let (digits, exponent) = match text.split_once('e') {
-        Some((digits, exponent)) => (digits.to_owned(), format!("e{exponent}")),
-        None => (text, String::new()),
-    };
-    let digits = if digits.contains('.') {
-        digits.trim_end_matches('0').trim_end_matches('.')
-    } else {
-        &digits
-    };
-    format!("{digits}{exponent}")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_numbers_of_the_bar_are_short() {
-        let table = [
-            (-1.0, "-1"),
-            (0.0, "0"),
-            (1.01, "1.01"),
-            (2000.0, "2000"),
-            (-1.5e6, "-1.5e6"),
-            (0.03, "0.03"),
-        ];
-        for (value, text) in table {
-            assert_eq!(compact(value), text);
-        }
     }
 }

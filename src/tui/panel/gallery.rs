@@ -9,7 +9,8 @@ use super::plot::Plot;
 use super::shown::Shown;
 use super::text;
 use crate::tui::canvas::Canvas;
-use crate::tui::layout::{fit, take_bottom, take_top};
+use crate::tui::curve;
+use crate::tui::layout::{fit, take_left, take_top};
 use crate::tui::numbers::{percent, significant};
 use crate::tui::state::{App, Slot};
 use crate::tui::theme::{Role, Theme};
@@ -96,7 +97,7 @@ fn draw_tile(
         title.push_span(Span::raw(format!(" {}", kind.name())));
     }
     let state = Line::styled(word, theme.style(role));
-    let mut area = text::title(buffer, area, theme, focused, title, state);
+    let area = text::title(buffer, area, theme, focused, title, state);
     let scalars = scalars(&shown, theme);
     let beside = scalars.iter().map(Line::width).max().unwrap_or(0) as u16 + 2;
     // Beside the picture if it does not become smaller by that.
@@ -111,15 +112,6 @@ fn draw_tile(
         area.height.saturating_sub(3),
     );
     let below = without.1 > with.1;
-    if below {
-        let row = take_bottom(&mut area, 1);
-        let mut spans = Vec::new();
-        for scalar in scalars.iter().take(3) {
-            spans.extend(scalar.spans.iter().cloned());
-            spans.push(Span::raw(" "));
-        }
-        text::line(buffer, row, 0, Line::from(spans));
-    }
     let Some((setting, picture)) = shown.setting.zip(shown.picture) else {
         return;
     };
@@ -128,7 +120,7 @@ fn draw_tile(
     let (columns, rows) = fit(
         region.width() / region.height(),
         area.width.saturating_sub(room),
-        area.height.saturating_sub(2),
+        area.height.saturating_sub(if below { 3 } else { 2 }),
     );
     if columns < 2 || rows < 1 {
         return;
@@ -150,17 +142,50 @@ fn draw_tile(
         view: app.view,
     };
     plot.draw(theme, canvas, cells, buffer);
-    if !below {
-        let list = Rect {
-            x: frame.right() + 1,
-            width: area.right().saturating_sub(frame.right() + 1),
-            y: area.y + 1,
-            height: area.height.saturating_sub(1),
-        };
-        for (row, scalar) in scalars.into_iter().enumerate() {
-            text::line(buffer, list, row as u16, scalar);
-        }
+    let mut list = area;
+    if below {
+        take_top(&mut list, frame.height);
+    } else {
+        take_left(&mut list, frame.width + 1);
+        take_top(&mut list, 1);
     }
+    let rows = scalars.len() as u16;
+    if list.height < 3 {
+        let spans = scalars.into_iter().flat_map(|scalar| scalar.spans);
+        return text::line(buffer, list, 0, spans.collect::<Line<'_>>());
+    }
+    for (row, scalar) in scalars.into_iter().enumerate() {
+        text::line(buffer, list, row as u16, scalar);
+    }
+    energy_curve(&shown, rows, app.view.logarithmic, theme, list, buffer);
+}
+
+/// The curve of the energy, where there is room for it below the scalars.
+fn energy_curve(
+    shown: &Shown<'_>,
+    below: u16,
+    logarithmic: bool,
+    theme: &Theme,
+    list: Rect,
+    buffer: &mut Buffer,
+) {
+    const HEIGHT: u16 = 5;
+    let Some(run) = shown.run.filter(|_| list.height > below + HEIGHT + 1) else {
+        return;
+    };
+    let words = Span::styled(" energy", theme.muted());
+    text::line(buffer, list, below + 1, words);
+    let area = Rect {
+        x: list.x + 1,
+        width: list.width.saturating_sub(1).min(48),
+        y: list.y + below + 2,
+        height: HEIGHT.min(list.height - below - 2),
+    };
+    let marks = shown.marks();
+    let curves = shown.curves(&marks, logarithmic);
+    let colour = theme.colour(Role::Total);
+    let series = &run.history.total_energy;
+    curve::draw(series, &curves, colour, theme, area, buffer);
 }
 
 /// The scalars of a run, the most telling first.

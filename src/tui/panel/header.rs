@@ -6,12 +6,11 @@ use ratatui::text::{Line, Span};
 
 use super::shown::Shown;
 use super::text;
-use crate::tui::numbers::{duration, significant};
-use crate::tui::state::App;
+use crate::tui::numbers::{brief, duration, significant};
 use crate::tui::theme::{Role, Theme};
 
 /// Draws the header of one run.
-pub fn draw(app: &App, shown: &Shown<'_>, theme: &Theme, area: Rect, buffer: &mut Buffer) {
+pub fn draw(shown: &Shown<'_>, theme: &Theme, area: Rect, buffer: &mut Buffer) {
     let (word, role) = shown.status();
     let mut state = Vec::new();
     if let Some((index, count)) = shown.back {
@@ -28,12 +27,12 @@ pub fn draw(app: &App, shown: &Shown<'_>, theme: &Theme, area: Rect, buffer: &mu
         ..area
     };
     text::line_right(buffer, area, 0, state);
-    text::line(buffer, left, 0, scene(app, shown, theme));
+    text::line(buffer, left, 0, scene(shown, theme));
     progress(shown, theme, area, buffer);
 }
 
 /// Which scene it is.
-fn scene<'a>(app: &App, shown: &'a Shown<'_>, theme: &Theme) -> Line<'a> {
+fn scene<'a>(shown: &'a Shown<'_>, theme: &Theme) -> Line<'a> {
     let dot = || Span::styled(format!(" {} ", theme.glyphs().dot), theme.muted());
     let mut spans = vec![
         Span::styled(" vesica ", theme.style(Role::Accent)),
@@ -50,7 +49,6 @@ fn scene<'a>(app: &App, shown: &'a Shown<'_>, theme: &Theme) -> Line<'a> {
         spans.push(Span::styled("anchoring ", theme.muted()));
         spans.push(Span::raw(anchoring));
     }
-    let _ = app;
     Line::from(spans)
 }
 
@@ -82,7 +80,7 @@ fn progress(shown: &Shown<'_>, theme: &Theme, area: Rect, buffer: &mut Buffer) {
     }
     parts.push(Line::from(vec![
         muted(theme.word("Δt ", "dt ")),
-        Span::raw(significant(report.dt, 2)),
+        Span::raw(brief(report.dt, 3)),
     ]));
     const GAP: &str = "   ";
     const BAR: usize = 12;

@@ -9,9 +9,6 @@ use crate::tui::keys::{self, Place};
 use crate::tui::layout::centred;
 use crate::tui::theme::{Role, Theme};
 
-/// Columns of the keys.
-const KEYS: usize = 12;
-
 /// Draws the list, scrolled by so many lines, over the middle of the screen.
 pub fn draw(scroll: u16, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
     let width = screen.width.saturating_sub(4).min(88);
@@ -43,14 +40,17 @@ pub fn draw(scroll: u16, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
 }
 
 fn lines<'a>(theme: &Theme, width: usize) -> Vec<Line<'a>> {
+    let label = |binding: &keys::Binding| theme.word(binding.label, binding.plain_label);
+    let labels = keys::bindings(Place::Main).map(|binding| label(binding).chars().count());
+    let keys = labels.max().unwrap_or(0) + 2;
     let mut lines = Vec::new();
     for binding in keys::bindings(Place::Main) {
-        let label = theme.word(binding.label, binding.plain_label);
-        let words = text::wrap(binding.words, width.saturating_sub(KEYS));
+        let label = label(binding);
+        let words = text::wrap(binding.words, width.saturating_sub(keys));
         for (row, words) in words.into_iter().enumerate() {
             let label = if row == 0 { label } else { "" };
             lines.push(Line::from(vec![
-                Span::styled(format!("{label:<KEYS$}"), theme.style(Role::Accent)),
+                Span::styled(format!("{label:<keys$}"), theme.style(Role::Accent)),
                 Span::raw(words),
             ]));
         }

@@ -25,10 +25,21 @@ use ratatui::text::Line;
 
 use super::canvas::Canvas;
 use super::glyphs;
-use super::layout::{LEAST, Step, divide, take_bottom};
-use super::state::{App, Overlay, Panel, Screen};
+use super::layout::{LEAST, Step, Wish, divide, take_bottom};
+use super::state::{App, Overlay, Panel, Screen, View};
 use super::theme::{Role, Theme};
 use shown::Shown;
+
+/// How a panel is to look.
+#[derive(Debug, Clone, Copy)]
+struct Look {
+    /// What the user has chosen to see.
+    view: View,
+    /// Whether the panel has the focus.
+    focused: bool,
+    /// How much there is room for.
+    step: Step,
+}
 
 /// Draws everything. The [`Canvas`] keeps from frame to frame where the samples of a picture lie in
 /// their mesh: it belongs to whoever draws, begins as `Canvas::default()`, and only saves time.
@@ -54,47 +65,31 @@ fn one_run(app: &App, theme: &Theme, canvas: &mut Canvas, screen: Rect, buffer: 
     let shown = Shown::active(app);
     let banner_rows = banner::rows(app, shown.as_ref(), screen.width);
     let step = Step::of(screen.width, screen.height);
-    let wishes = [
-        shown
-            .as_ref()
-            .map_or(super::layout::Wish { least: 2, full: 2 }, |shown| {
-                energy::wish(shown, step)
-            }),
-        area::wish(step),
-        cost::wish(step),
-    ];
+    let wishes = wishes(shown.as_ref(), screen);
     let areas = divide(screen, app.focus, banner_rows, wishes);
     if let Some(shown) = &shown {
-        let focus = |panel: Panel| app.focus == panel;
-        header::draw(app, shown, theme, areas.header, buffer);
-        let focused = focus(Panel::Field);
-        field::draw(
-            shown,
-            app.view,
-            focused,
+        header::draw(shown, theme, areas.header, buffer);
+        let look = |panel: Panel| Look {
+            view: app.view,
+            focused: app.focus == panel,
             step,
-            theme,
-            canvas,
-            areas.field,
-            buffer,
-        );
-        let panels = [
-            (Panel::Energy, areas.energy),
-            (Panel::Area, areas.area),
-            (Panel::Cost, areas.cost),
-        ];
-        for (panel, place) in panels {
-            let focused = focus(panel);
-            match panel {
-                Panel::Energy => energy::draw(shown, app.view, focused, theme, place, buffer),
-                Panel::Area => area::draw(shown, app.view, focused, theme, place, buffer),
-                Panel::Cost => cost::draw(shown, app.view, focused, theme, place, buffer),
-                Panel::Field => {}
-            }
-        }
+        };
+        let field = look(Panel::Field);
+        field::draw(shown, field, theme, canvas, areas.field, buffer);
+        energy::draw(shown, look(Panel::Energy), theme, areas.energy, buffer);
+        area::draw(shown, look(Panel::Area), theme, areas.area, buffer);
+        cost::draw(shown, look(Panel::Cost), theme, areas.cost, buffer);
     }
     banner::draw(app, shown.as_ref(), theme, areas.banner, buffer);
     footer::draw(app, theme, areas.footer, buffer);
+}
+
+/// The rows that energy, area and cost need and can use.
+fn wishes(shown: Option<&Shown<'_>>, screen: Rect) -> [Wish; 3] {
+    let step = Step::of(screen.width, screen.height);
+    let nothing = Wish { least: 2, full: 2 };
+    let energy = shown.map_or(nothing, |shown| energy::wish(shown, step));
+    [energy, area::wish(step), cost::wish(step)]
 }
 
 /// The gallery.

@@ -55,7 +55,11 @@ impl Plot<'_> {
         let samples_a_cell = if half.is_some() { 2 } else { 1 };
         let raster = canvas.raster(self.mesh, columns, rows * samples_a_cell);
         let sampled = Sampled::new(self.view.field, self.state, self.interface_width, &raster);
-        let contour = contour(&sampled.phase, columns);
+        let mut contour = contour(&sampled.phase, columns);
+        if self.view.field != Field::Phase {
+            // What lies on the membrane is to be seen too.
+            dash(&mut contour, columns);
+        }
         let map = theme.map(self.view.colour_map);
         match half {
             Some(half) => paint(&sampled, &contour, map, theme, half, area, buffer),
@@ -64,7 +68,7 @@ impl Plot<'_> {
             }
             None => self.ink(&sampled, &contour, theme, area, buffer),
         }
-        self.director(&sampled, samples_a_cell, theme, canvas, area, buffer);
+        self.director(&sampled, &contour, theme, canvas, area, buffer);
         sampled.range
     }
 
@@ -100,7 +104,7 @@ impl Plot<'_> {
     fn director(
         &self,
         sampled: &Sampled,
-        samples_a_cell: usize,
+        contour: &[bool],
         theme: &Theme,
         canvas: &mut Canvas,
         area: Rect,
@@ -112,21 +116,26 @@ impl Plot<'_> {
             return;
         };
         let (columns, rows) = (usize::from(area.width), usize::from(area.height));
+        let samples_a_cell = sampled.values.len() / (columns * rows).max(1);
         let raster = canvas.raster(self.mesh, columns, rows);
         // About twenty in the height of the domain, as far apart in x as in y; two columns at least,
         // since the glyphs touch each other otherwise.
         let every = (rows / 20).max(1);
         let map = theme.map(self.view.colour_map);
-        for row in (every / 2..rows).step_by(every) {
-            for column in (every / 2 + 1..columns).step_by(2 * every) {
+        // A line and a column of the lattice go through the middle.
+        let (first_row, first_column) = (rows / 2 % every, columns / 2 % (2 * every));
+        for row in (first_row..rows).step_by(every) {
+            for column in (first_column..columns).step_by(2 * every) {
                 // Inside, and clear of the contour: in all samples of the cell and of its neighbours.
                 let top = row * samples_a_cell;
                 let inside = (top..top + samples_a_cell).all(|row| {
-                    [column - 1, column, column + 1].iter().all(|&column| {
-                        let index = row * columns + column.min(columns - 1);
-                        let phase = sampled.phase.get(index).copied().flatten();
-                        phase.is_some_and(|phase| phase > 0.0)
-                    })
+                    [column.saturating_sub(1), column, column + 1]
+                        .iter()
+                        .all(|&column| {
+                            let index = row * columns + column.min(columns - 1);
+                            let phase = sampled.phase.get(index).copied().flatten();
+                            phase.is_some_and(|phase| phase > 0.0)
+                        })
                 });
                 let director = raster.at(dx, column, row).zip(raster.at(dy, column, row));
                 let Some((x, y)) = director.filter(|_| inside) else {
@@ -297,6 +306,14 @@ fn contour(phase: &[Option<f64>], columns: usize) -> Vec<bool> {
     on_contour
 }
 
+/// Takes every other piece out of a contour, whatever direction it goes in.
+fn dash(on_contour: &mut [bool], columns: usize) {
+    for (index, on_contour) in on_contour.iter_mut().enumerate() {
+        let (row, column) = (index / columns, index % columns);
+        *on_contour &= (column + 2 * row) % 4 < 2;
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -319,8 +336,8 @@ mod tests {
             .collect();
         assert_eq!(on, [1, 6, 11]);
         // Nothing wraps from the end of a row to the start of the next.
-        let rows = [Some(-1.0), Some(-0.5), Some(1.0), Some(1.0)];
-        assert_eq!(contour(&rows, 2), [false, true, false, false].map(|on| on));
+        let rows = [None, Some(-0.5), Some(1.0), None];
+        assert_eq!(contour(&rows, 2), [false; 4]);
     }
 
     #[test]

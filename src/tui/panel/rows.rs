@@ -27,7 +27,7 @@ impl Widths {
         let narrow = Self {
             name: 10,
             value: 8,
-            digits: 5,
+            digits: 4,
             change: 0,
             relative: 7,
         };
@@ -50,9 +50,27 @@ impl Widths {
         }
     }
 
-    /// Columns of all numbers together.
-    pub fn numbers(&self) -> u16 {
-        (self.name + self.value + self.change + self.relative) as u16
+    /// The column of the relative change.
+    pub fn relative(&self, row: Rect) -> Rect {
+        let before = ((self.name + self.value + self.change) as u16).min(row.width);
+        Rect {
+            x: row.x + before,
+            width: (self.relative as u16).min(row.width - before),
+            ..row
+        }
+    }
+
+    /// What the numbers leave of a row.
+    pub fn beside(&self, row: Rect) -> Rect {
+        let numbers = (self.name + self.value + self.change + self.relative) as u16;
+        let gap = if self.value > 8 { 2 } else { 1 };
+        let used = (numbers + gap).min(row.width);
+        Rect {
+            x: row.x + used,
+            width: row.width - used,
+            height: row.height.min(1),
+            ..row
+        }
     }
 }
 
@@ -67,6 +85,8 @@ pub struct Row<'a> {
     pub value: Option<f64>,
     /// What the change is counted from; `None`: none is shown.
     pub start: Option<f64>,
+    /// Digits of the value, where not as many as there is room for.
+    pub digits: Option<usize>,
     /// The values of the whole run.
     pub series: Option<&'a Series>,
 }
@@ -81,14 +101,8 @@ pub fn draw(
     buffer: &mut Buffer,
 ) {
     text::line(buffer, area, 0, numbers(row, widths, theme));
-    let used = widths.numbers() + 2;
-    if let Some(series) = row.series.filter(|_| area.width > used + 2) {
-        let area = Rect {
-            x: area.x + used,
-            width: area.width - used,
-            height: area.height.min(1),
-            ..area
-        };
+    if let Some(series) = row.series {
+        let area = widths.beside(area);
         let colour = row.colour.unwrap_or(theme.curve());
         curve::draw(series, curves, colour, theme, area, buffer);
     }
@@ -101,7 +115,7 @@ pub fn numbers<'a>(row: &Row<'_>, widths: Widths, theme: &Theme) -> Line<'a> {
         .map_or_else(Style::default, |colour| Style::default().fg(colour));
     let value = row.value.map_or_else(
         || theme.word("–", "-").to_owned(),
-        |value| significant(value, widths.digits),
+        |value| significant(value, row.digits.unwrap_or(widths.digits)),
     );
     let mut spans = vec![
         Span::styled(format!(" {:<1$}", row.name, widths.name - 1), name),

@@ -2,7 +2,7 @@
 
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
-use ratatui::style::Style;
+use ratatui::style::{Color, Style};
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, Clear, Widget};
 
@@ -55,14 +55,14 @@ pub fn title(
         Span::styled(glyphs.rule.repeat(usize::from(area.width)), rule),
     );
     let mut words = vec![Span::styled(format!("{mark} "), rule)];
-    words.extend(title.spans);
+    words.extend(styled(title));
     words.push(Span::raw(" "));
     let words = Line::from(words);
     let room = usize::from(area.width).saturating_sub(words.width());
     line(buffer, area, 0, words);
     if notes.width() > 0 && notes.width() + 4 <= room {
         let mut spans = vec![Span::raw(" ")];
-        spans.extend(notes.spans);
+        spans.extend(styled(notes));
         spans.push(Span::styled(format!(" {}", glyphs.rule), rule));
         line_right(buffer, area, 0, spans);
     }
@@ -71,6 +71,16 @@ pub fn title(
         height: area.height.saturating_sub(1),
         ..area
     }
+}
+
+/// The parts of a line, each with the line's own style below its own.
+fn styled(line: Line<'_>) -> impl Iterator<Item = Span<'_>> {
+    // Not in the colour of the rule that lies below.
+    let style = Style::default().fg(Color::Reset).patch(line.style);
+    line.spans.into_iter().map(move |span| {
+        let own = span.style;
+        span.style(style.patch(own))
+    })
 }
 
 /// Clears an area, draws a frame around it with a title, and gives back the inside, which has a
@@ -103,9 +113,7 @@ pub fn bar(share: f64, width: u16, theme: &Theme) -> String {
     let filled = (share * f64::from(width) * parts as f64).round() as usize;
     let full = glyphs.shares[parts];
     let mut bar = full.repeat(filled / parts);
-    if filled % parts > 0 {
-        bar.push_str(glyphs.shares[filled % parts]);
-    }
+    bar.push_str(glyphs.shares[filled % parts].trim_end());
     bar
 }
 

@@ -3,6 +3,7 @@
 mod gallery;
 mod overlays;
 mod random_walk;
+mod real_workers;
 mod rig;
 mod runs;
 mod saving;

@@ -6,7 +6,7 @@ use super::super::super::message::{Effect, Message};
 use super::super::super::state::{Overlay, Question, Severity, Status};
 use super::rig::{Rig, scene, slot};
 use crate::physics::NamedValue;
-use crate::scene::AnchoringKind;
+use crate::scene::{AnchoringKind, Warning};
 use crate::simulation::{Event, EventKind, Message as WorkerMessage, News, Report, RunId};
 
 /// A worker of the active run says this.
@@ -381,6 +381,22 @@ fn warnings_and_events_become_notices() {
         }),
     );
     assert_eq!(rig.run(2).notices.len(), 1);
+}
+
+#[test]
+fn a_target_out_of_reach_is_said_at_the_start() {
+    let mut rig = Rig::new();
+    rig.work(1);
+    let mut setting = (**rig.run(2).setting.as_ref().unwrap()).clone();
+    setting.warnings = vec![Warning::TargetOutOfReach {
+        target_squared: 0.5625,
+        bound: 0.69,
+    }];
+    rig.keys("ry");
+    say(&mut rig, News::Ready(setting.into()));
+    let notice = &rig.run(2).notices[0];
+    assert_eq!((notice.step, notice.severity), (0, Severity::Warning));
+    assert!(notice.text.contains("0.5625"), "{}", notice.text);
 }
 
 #[test]
