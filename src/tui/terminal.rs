@@ -315,7 +315,7 @@ mod tests {
             let (mut terminal, news) = open();
             let worker = thread::spawn(|| panic!("words of a worker"));
             assert!(worker.join().is_err());
-            draw(&mut terminal, &news, "still here");
+            draw(&mut terminal, &news, "still-here");
             panic!("words of the owner");
         }
         let written = in_a_terminal(
@@ -323,7 +323,7 @@ mod tests {
         );
         assert_eq!(written.matches(LEAVE).count(), 1, "{written}");
         let (screen, after) = written.split_once(LEAVE).unwrap();
-        assert!(screen.contains("still here"), "{written}");
+        assert!(screen.contains("still-here"), "{written}");
         assert!(
             after.contains("\x1b[?25h"),
             "the cursor is shown: {written}"

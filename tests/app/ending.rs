@@ -113,6 +113,21 @@ fn a_terminal_that_goes_away_ends_the_process() {
 }
 
 #[test]
+fn a_link_that_takes_nothing_more_does_not_hold_up_the_end() {
+    let folder = folder();
+    let mut app = running(&folder, (300, 100));
+    app.hold(true);
+    // Full frames, until the terminal is full of them.
+    for n in 0..12 {
+        app.resize(299 + n % 2, 100);
+        std::thread::sleep(Duration::from_millis(150));
+    }
+    app.signal(Signal::TERM);
+    assert_eq!(app.exit_status(OUTLIVE), 143);
+    assert!(folder.path().join("saved/small-set/history.csv").is_file());
+}
+
+#[test]
 fn a_stop_gives_the_terminal_back_and_a_return_draws_at_the_new_size() {
     let folder = folder();
     let shell = ["bash", "--norc", "--noprofile", "-i"];
