@@ -96,7 +96,11 @@ impl Modes {
             )
         });
         // A terminal that is gone needs nothing back.
-        let _ = self.output.write_within(&bytes, PATIENCE);
+        let written = self.output.write_within(&bytes, PATIENCE);
+        if written.is_err_and(|error| error.kind() == io::ErrorKind::BrokenPipe) {
+            // The writer itself has gone, by a mistake of its own.
+            let _ = rustix::io::write(rustix::stdio::stdout(), &bytes);
+        }
         let _ = disable_raw_mode();
     }
 }
@@ -311,7 +315,7 @@ mod tests {
             let (mut terminal, news) = open();
             let worker = thread::spawn(|| panic!("words of a worker"));
             assert!(worker.join().is_err());
-            draw(&mut terminal, &news, "still here");
+            draw(&mut terminal, &news, "still-here");
             panic!("words of the owner");
         }
         let written = in_a_terminal(
@@ -319,7 +323,7 @@ mod tests {
         );
         assert_eq!(written.matches(LEAVE).count(), 1, "{written}");
         let (screen, after) = written.split_once(LEAVE).unwrap();
-        assert!(screen.contains("still here"), "{written}");
+        assert!(screen.contains("still-here"), "{written}");
         assert!(
             after.contains("\x1b[?25h"),
             "the cursor is shown: {written}"

@@ -1,7 +1,8 @@
 //! How the app ends, and that the terminal is then as it was (points 9, 10, 11, 15, 16).
 
-use super::pty::{ENTER, LEAVE, LIMIT, Pty, send};
+use super::pty::{ENTER, LEAVE, LIMIT, Pty, child_named, send};
 use super::{VESICA, folder, pause, running, wait_running};
+use rustix::process::Signal;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
@@ -63,13 +64,13 @@ fn what_was_saved_stands_in_the_line_and_in_its_place() {
 
 #[test]
 fn signals_restore_the_terminal_and_save_what_there_is() {
-    for (name, number) in [("TERM", 15), ("INT", 2), ("HUP", 1)] {
+    for (signal, number) in [(Signal::TERM, 15), (Signal::INT, 2), (Signal::HUP, 1)] {
         let folder = folder();
         let mut app = running(&folder, (80, 24));
-        app.signal(name);
+        app.signal(signal);
         app.assert_restored(128 + number);
         let seen = app.seen();
-        assert_eq!((seen.times(ENTER), seen.times(LEAVE)), (1, 1), "{name}");
+        assert_eq!((seen.times(ENTER), seen.times(LEAVE)), (1, 1), "{signal:?}");
         let text = seen.text().replace('\n', "");
         assert!(
             text.contains("small: step ") && text.contains("saved in /"),
@@ -77,7 +78,7 @@ fn signals_restore_the_terminal_and_save_what_there_is() {
         );
         assert!(
             folder.path().join("saved/small-set/history.csv").is_file(),
-            "{name}"
+            "{signal:?}"
         );
     }
 }
@@ -112,6 +113,21 @@ fn a_terminal_that_goes_away_ends_the_process() {
 }
 
 #[test]
+fn a_link_that_takes_nothing_more_does_not_hold_up_the_end() {
+    let folder = folder();
+    let mut app = running(&folder, (300, 100));
+    app.hold(true);
+    // Full frames, until the terminal is full of them.
+    for n in 0..12 {
+        app.resize(299 + n % 2, 100);
+        std::thread::sleep(Duration::from_millis(150));
+    }
+    app.signal(Signal::TERM);
+    assert_eq!(app.exit_status(OUTLIVE), 143);
+    assert!(folder.path().join("saved/small-set/history.csv").is_file());
+}
+
+#[test]
 fn a_stop_gives_the_terminal_back_and_a_return_draws_at_the_new_size() {
     let folder = folder();
     let shell = ["bash", "--norc", "--noprofile", "-i"];
@@ -140,12 +156,8 @@ fn a_stop_gives_the_terminal_back_and_a_return_draws_at_the_new_size() {
     );
 
     // Another process may ask for the stop.
-    let jobs = Command::new("pgrep")
-        .args(["-P", &app.pid().to_string(), "vesica"])
-        .output()
-        .expect("pgrep is there");
-    let pid = String::from_utf8_lossy(&jobs.stdout);
-    send(pid.trim().parse().expect("one process"), "TSTP");
+    let vesica = child_named(app.pid(), "vesica").expect("the app");
+    send(vesica, Signal::TSTP);
     app.wait("the shell", |seen| {
         !seen.terminal.screen().alternate_screen()
     });

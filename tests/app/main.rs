@@ -1,5 +1,8 @@
 //! The real binary in a pseudo-terminal: how the app begins, behaves and ends. The numbers are those
-//! of the points of the terminal app's specification.
+//! of the points of the terminal app's specification. On Linux, whose process table tells what a process
+//! costs.
+
+#![cfg(target_os = "linux")]
 
 mod ending;
 mod lasting;

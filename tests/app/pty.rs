@@ -1,6 +1,7 @@
 //! A program in a terminal: what it writes is seen as a screen and counted in bytes.
 
 use portable_pty::{Child, CommandBuilder, MasterPty, PtySize, native_pty_system};
+use rustix::process::{Pid, Signal, kill_process};
 use std::fs;
 use std::io::{Read, Write};
 use std::num::NonZeroU16;
@@ -200,8 +201,8 @@ impl Pty {
         self.child.process_id().expect("a process")
     }
 
-    pub fn signal(&self, name: &str) {
-        send(self.pid(), name);
+    pub fn signal(&self, signal: Signal) {
+        send(self.pid(), signal);
     }
 
     /// Takes the terminal away, as when a window is closed.
@@ -266,13 +267,23 @@ impl Drop for Pty {
     }
 }
 
-/// Sends a signal by its name.
-pub fn send(pid: u32, name: &str) {
-    let status = std::process::Command::new("kill")
-        .args([format!("-{name}"), pid.to_string()])
-        .status()
-        .expect("kill is there");
-    assert!(status.success());
+/// The child of a process that has this name.
+pub fn child_named(parent: u32, name: &str) -> Option<u32> {
+    let parent = parent.to_string();
+    let processes = fs::read_dir("/proc").expect("the process table");
+    processes.flatten().find_map(|process| {
+        let stat = fs::read_to_string(process.path().join("stat")).ok()?;
+        let (before, after) = stat.rsplit_once(')')?;
+        let (pid, command) = before.split_once(" (")?;
+        let is_it = command == name && after.split_whitespace().nth(1)? == parent;
+        is_it.then(|| pid.parse().ok())?
+    })
+}
+
+/// Sends a signal.
+pub fn send(pid: u32, signal: Signal) {
+    let pid = Pid::from_raw(pid as i32).expect("a process");
+    kill_process(pid, signal).expect("the process is there");
 }
 
 /// The time that all threads of a process have computed.

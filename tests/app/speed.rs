@@ -1,7 +1,7 @@
 //! What being watched costs a run.
 
 use super::pty::{LIMIT, Pty};
-use super::{VESICA, folder, step};
+use super::{VESICA, folder, step, wait_running};
 use std::process::Command;
 use std::time::{Duration, Instant};
 
@@ -40,6 +40,41 @@ fn solver_speed_under_the_app() {
         "the solver has {:.1} % of its speed under the app",
         100.0 * mean
     );
+}
+
+/// Measures, and prints, how long a key takes to be answered while the solver works at Table 1's
+/// size: from the key to the answer on the screen.
+///
+/// ```text
+/// cargo test --release --test app -- --ignored --nocapture key_latency
+/// ```
+#[test]
+#[ignore = "a measurement"]
+fn key_latency_under_load() {
+    const KEYS: usize = 100;
+    let folder = folder();
+    let mut app = Pty::start((120, 40), folder.path(), &[VESICA, "case3"], &[]);
+    wait_running(&app);
+    let mut waits: Vec<Duration> = (0..KEYS)
+        .map(|number| {
+            let begun = Instant::now();
+            let opened = number % 2 == 0;
+            app.type_keys(if opened { "?" } else { "\r" });
+            app.wait("an answer", |seen| seen.shows("show all keys") == opened);
+            let waited = begun.elapsed();
+            // Not in step with the frames.
+            std::thread::sleep(Duration::from_millis(37 + 7 * (number as u64 % 9)));
+            waited
+        })
+        .collect();
+    waits.sort_unstable();
+    println!(
+        "answered in {:?} (median), {:?} (slowest of {KEYS})",
+        waits[KEYS / 2],
+        waits[KEYS - 1]
+    );
+    app.type_keys("qy");
+    app.assert_restored(0);
 }
 
 /// Computing time of the steps, as the run tells it in its history.
