@@ -190,9 +190,7 @@ impl CliError {
             // A signal's number is below 65.
             CliError::Interrupted { number, .. }
             | CliError::FiguresInterrupted { number, .. }
-            | CliError::AppEnded { number } => {
-                128_u8.saturating_add(*number as u8)
-            }
+            | CliError::AppEnded { number } => 128_u8.saturating_add(*number as u8),
         }
     }
 

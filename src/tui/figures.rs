@@ -16,6 +16,9 @@ use crate::simulation::Picture;
 /// What could not be written or drawn, and why.
 pub fn save_figures(job: &Job, folder: &RunFolder) -> Result<(), String> {
     save_states(job, folder)?;
+    if job.in_haste {
+        return Ok(());
+    }
     let files = match &job.what {
         What::View(picture, view) => save_view(job, picture, view, folder),
         What::Set(pictures, history) => {

@@ -30,6 +30,9 @@ pub struct Job {
     pub mesh: Arc<Mesh>,
     /// When the anchoring was switched, and to what.
     pub switches: Vec<(u64, AnchoringKind)>,
+    /// Whether the process is about to be ended, so that there is time for numbers but not for
+    /// pictures, which can be made from them later.
+    pub in_haste: bool,
     /// What.
     pub what: What,
 }
@@ -163,6 +166,7 @@ mod tests {
             mesh: Arc::new(simulation.mesh().clone()),
             scene: Arc::new(scene),
             switches: Vec::new(),
+            in_haste: false,
             what: What::Set(vec![Arc::new(picture)], Box::default()),
         }
     }

@@ -346,6 +346,7 @@ impl Session {
             scene: Arc::clone(&slot.scene),
             mesh: Arc::clone(&setting.mesh),
             switches: run.history.marks.clone(),
+            in_haste: matches!(self.app.ending, Some(Ending::Signal(_) | Ending::HungUp)),
             what: what(run),
         });
         Ok(())

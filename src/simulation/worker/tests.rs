@@ -263,10 +263,10 @@ fn a_picture_is_painted_only_when_the_last_one_was_fetched() {
     mailbox.set(worker.mailbox()).unwrap();
     worker.tell(Command::Resume);
     let fetched: Vec<_> = (0..4).map(|_| steps.recv_timeout(PATIENCE)).collect();
-    // At 1 what was shown at rest; then the one of the step at which the place was free.
+    // At 1 what was shown at rest; then the one of the next step, before whose news the place was free.
     assert_eq!(
         fetched,
-        [Ok(Some(0)), Ok(Some(1)), Ok(Some(4)), Ok(Some(7))]
+        [Ok(Some(0)), Ok(Some(2)), Ok(Some(5)), Ok(Some(8))]
     );
 }
 
