@@ -87,9 +87,36 @@ fn whole_steps(criterion: &mut Criterion) {
     }
 }
 
+/// What a phase of a step does.
+type Phase = fn(&mut Phases);
+
+/// A step's phases, standing at the guess of a step after the first ten.
+fn phases_of(cells: usize, quadrature: &str, linear: &str) -> Phases {
+    let scene = case3(cells, quadrature, linear);
+    let dt = scene.time.step;
+    let mut scheme = scheme(&scene);
+    for _ in 0..WARM_UP {
+        scheme.step(dt).expect("a solvable step");
+    }
+    Phases::new(scheme, dt).expect("a solvable step")
+}
+
+/// One sparse LDLᵀ factor of the three fields' system: what other costs can be compared with on any
+/// machine.
+fn factor(criterion: &mut Criterion) {
+    let mut group = group(criterion, "factor");
+    for cells in &CELLS[..2] {
+        let mut ready = None;
+        group.throughput(nodes(*cells));
+        group.bench_function(BenchmarkId::new("lumped", cells), |bencher| {
+            let phases = ready.get_or_insert_with(|| phases_of(*cells, "lumped", "factor"));
+            bencher.iter(|| phases.refactor().expect("a regular system"));
+        });
+    }
+}
+
 /// The phases of a step on the fast path, one at a time.
 fn phases(criterion: &mut Criterion) {
-    type Phase = fn(&mut Phases);
     let all: [(&str, Phase); 5] = [
         ("director", |phases| {
             black_box(phases.director().expect("a solvable substep"));
@@ -108,15 +135,8 @@ fn phases(criterion: &mut Criterion) {
                 let mut ready = None;
                 group.throughput(nodes(cells));
                 group.bench_function(BenchmarkId::new(quadrature, cells), |bencher| {
-                    let phases = ready.get_or_insert_with(|| {
-                        let scene = case3(cells, quadrature, "transform");
-                        let dt = scene.time.step;
-                        let mut scheme = scheme(&scene);
-                        for _ in 0..WARM_UP {
-                            scheme.step(dt).expect("a solvable step");
-                        }
-                        Phases::new(scheme, dt).expect("a solvable step")
-                    });
+                    let phases =
+                        ready.get_or_insert_with(|| phases_of(cells, quadrature, "transform"));
                     bencher.iter(|| phase(phases));
                 });
             }
@@ -124,5 +144,5 @@ fn phases(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, whole_steps, phases);
+criterion_group!(benches, whole_steps, factor, phases);
 criterion_main!(benches);

@@ -13,3 +13,4 @@ pub mod record;
 pub mod scene;
 pub mod scheme;
 pub mod simulation;
+pub mod tui;

@@ -5,6 +5,7 @@ use crate::figure::FigureError;
 use crate::record::{LoadError, ReadError, RecordError};
 use crate::scene::UnknownPreset;
 use crate::simulation::SimulationError;
+use crate::tui::AppError;
 use std::ffi::OsString;
 use std::io;
 use std::path::PathBuf;
@@ -46,14 +47,26 @@ pub(super) enum CliError {
          anew, into another folder or with --force"
     )]
     Resume,
-    /// There is no app yet.
+    /// The app has nowhere to be.
     #[error(
-        "this version of vesica has no terminal app yet; simulate the scene with `vesica run {}`",
+        "the standard {stream} is not a terminal, and the app needs one; without one simulate the \
+         scene with: vesica run {}",
         scene.display()
     )]
-    NoApp {
+    NoTerminal {
+        /// "input" or "output".
+        stream: &'static str,
         /// What it was to open.
         scene: OsString,
+    },
+    /// The app could not start or go on.
+    #[error(transparent)]
+    App(#[from] AppError),
+    /// A signal ended the app.
+    #[error("the app was ended by signal {number}")]
+    AppEnded {
+        /// The signal's number.
+        number: i32,
     },
     /// Scenes that were checked are wrong; each was told already.
     #[error("{wrong} of {checked} scenes cannot be run")]
@@ -155,7 +168,7 @@ impl CliError {
             | CliError::NoStep { .. }
             | CliError::Folder(_)
             | CliError::Resume
-            | CliError::NoApp { .. }
+            | CliError::NoTerminal { .. }
             | CliError::Check { .. }
             | CliError::Read(_)
             | CliError::SetInRun { .. }
@@ -169,14 +182,15 @@ impl CliError {
             CliError::SetUp(_)
             | CliError::Run { .. }
             | CliError::Record(_)
+            | CliError::App(_)
             | CliError::Figure(_)
             | CliError::RunsFailed { .. }
             | CliError::Signals(_)
             | CliError::Output(_) => CliError::FAILED,
             // A signal's number is below 65.
-            CliError::Interrupted { number, .. } | CliError::FiguresInterrupted { number, .. } => {
-                128_u8.saturating_add(*number as u8)
-            }
+            CliError::Interrupted { number, .. }
+            | CliError::FiguresInterrupted { number, .. }
+            | CliError::AppEnded { number } => 128_u8.saturating_add(*number as u8),
         }
     }
 
@@ -186,6 +200,8 @@ impl CliError {
             CliError::Interrupted { .. } | CliError::FiguresInterrupted { .. } => {
                 output::note(self)
             }
+            // The line that it left says how far it came.
+            CliError::AppEnded { .. } => {}
             _ => output::error(self),
         }
     }

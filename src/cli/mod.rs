@@ -3,6 +3,7 @@
 //! Exit status: 0 done; 1 the run failed; 2 the arguments or the scene are wrong; 128 + n the run
 //! was ended early, but cleanly, by signal n (130 for Ctrl-C, as shells have it).
 
+mod app;
 mod check;
 mod error;
 mod figures;
@@ -17,7 +18,7 @@ use crate::scene::preset;
 use clap::{CommandFactory, Parser, Subcommand};
 use error::CliError;
 use std::env;
-use std::ffi::{OsStr, OsString};
+use std::ffi::OsStr;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -27,14 +28,16 @@ use std::process::ExitCode;
     name = "vesica",
     version,
     args_conflicts_with_subcommands = true,
-    after_help = "SCENE is a preset's name (see `vesica presets`) or a TOML file."
+    after_help = "\
+SCENE is a preset's name (see `vesica presets`), a TOML file or a run's folder; without a command it \
+is opened in the terminal app."
 )]
 struct Arguments {
     #[command(subcommand)]
     command: Option<Command>,
 
-    /// The scene that the terminal app opens [default: case3]
-    scene: Option<OsString>,
+    #[command(flatten)]
+    app: app::Arguments,
 }
 
 #[derive(Debug, Subcommand)]
@@ -64,8 +67,11 @@ pub fn main() -> ExitCode {
         Some(Command::Preset(arguments)) => presets::print(&arguments),
         Some(Command::Check(arguments)) => check::check(&arguments),
         None => {
-            let scene = arguments.scene.unwrap_or("case3".into());
-            Err(mistaken_command(&scene).unwrap_or(CliError::NoApp { scene }))
+            let scene = arguments.app.scene.as_deref();
+            match scene.and_then(mistaken_command) {
+                Some(error) => Err(error),
+                None => app::open(arguments.app),
+            }
         }
     };
     match result {

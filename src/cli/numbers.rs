@@ -1,5 +1,7 @@
 //! Numbers among the arguments, with errors that say what is allowed.
 
+use crate::tui::state::App;
+
 /// A whole number, such as how many snapshots.
 pub(super) fn count(text: &str) -> Result<u64, String> {
     text.parse()
@@ -12,6 +14,15 @@ pub(super) fn count_from_one(text: &str) -> Result<u64, String> {
         .ok()
         .filter(|number| *number > 0)
         .ok_or_else(|| "it must be a whole number from 1".to_owned())
+}
+
+/// Frames a second.
+pub(super) fn frames(text: &str) -> Result<u32, String> {
+    let [least, most] = App::FRAME_RATES;
+    text.parse()
+        .ok()
+        .filter(|number| (least..=most).contains(number))
+        .ok_or_else(|| format!("it must be a whole number from {least} to {most}"))
 }
 
 /// A time after the start.
@@ -30,12 +41,15 @@ mod tests {
     fn what_is_no_number_of_the_kind_is_refused() {
         assert_eq!(count("0"), Ok(0));
         assert_eq!(count_from_one("18446744073709551615"), Ok(u64::MAX));
+        assert_eq!([frames("1"), frames("30")], [Ok(1), Ok(30)]);
         assert_eq!(time("2.5e-7"), Ok(2.5e-7));
         for text in ["", "-1", "1.5", "1e3", "99999999999999999999", "ten"] {
             assert!(count(text).is_err(), "{text}");
             assert!(count_from_one(text).is_err(), "{text}");
+            assert!(frames(text).is_err(), "{text}");
         }
         assert!(count_from_one("0").is_err());
+        assert!(frames("0").is_err() && frames("31").is_err());
         for text in ["", "0", "-1e-3", "nan", "inf", "1e999", "soon"] {
             assert!(time(text).is_err(), "{text}");
         }

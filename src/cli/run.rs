@@ -6,13 +6,12 @@ use super::output;
 use super::progress::Progress;
 use super::signals::{EndSignal, Signal};
 use crate::record::{
-    Ending, EventRecord, IfOccupied, Number, Preparation, RecordError, Recorder, RunFolder,
+    Brief, Ending, EventRecord, IfOccupied, Preparation, RecordError, Recorder, RunFolder,
     RunSummary, Settings, load_scene, step_count,
 };
 use crate::scene::{Scene, Time};
 use crate::simulation::{Simulation, SimulationError};
 use std::ffi::{OsStr, OsString};
-use std::fmt;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -250,28 +249,4 @@ fn result_line(summary: &RunSummary, folder: &Path) -> String {
         summary.largest_law_residual,
         folder.display(),
     )
-}
-
-/// A number for people: six digits.
-struct Brief(f64);
-
-impl fmt::Display for Brief {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let rounded = format!("{:.5e}", self.0).parse().unwrap_or(self.0);
-        Number(rounded).fmt(f)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_for_people_are_brief() {
-        assert_eq!(Brief(9.999999999999999e-5).to_string(), "0.0001");
-        assert_eq!(Brief(1.0 / 3.0).to_string(), "0.333333");
-        assert_eq!(Brief(2.5e-7 - 1e-22).to_string(), "2.5e-7");
-        assert_eq!(Brief(0.0).to_string(), "0");
-        assert_eq!(Brief(f64::NAN).to_string(), "NaN");
-    }
 }

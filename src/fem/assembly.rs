@@ -52,44 +52,16 @@ impl Assembly {
         }
     }
 
-    /// values ← values + the element matrix of a triangle.
+    /// values ← values + the symmetric element matrix of a triangle, given by its entries aa, ab, ac,
+    /// bb, bc, cc.
     #[inline(always)]
-    pub fn add_element(&self, values: &mut [f64], triangle: usize, element: &[[f64; 3]; 3]) {
+    pub fn add_element(&self, values: &mut [f64], triangle: usize, entries: &[f64; 6]) {
+        let [aa, ab, ac, bb, bc, cc] = *entries;
+        let element = [[aa, ab, ac], [ab, bb, bc], [ac, bc, cc]];
         for (positions, entries) in self.positions[triangle].iter().zip(element) {
             for (&position, entry) in positions.iter().zip(entries) {
                 values[position as usize] += entry;
             }
         }
-    }
-
-    /// values ← values + the element matrices that `element` gives, triangle by triangle.
-    #[inline(always)]
-    fn add(&self, values: &mut [f64], mut element: impl FnMut(usize) -> [[f64; 3]; 3]) {
-        for triangle in 0..self.positions.len() {
-            self.add_element(values, triangle, &element(triangle));
-        }
-    }
-
-    /// values ← values + ∫ (T ∇ψ_j)·∇ψ_i for a tensor T on each triangle.
-    pub fn add_stiffness(&self, mesh: &Mesh, tensors: &[SymmetricTensor], values: &mut [f64]) {
-        let (areas, gradients) = (mesh.areas(), mesh.gradients());
-        self.add(values, |triangle| {
-            let [xx, xy, yy] = tensors[triangle].map(|entry| entry * areas[triangle]);
-            let gradients = &gradients[triangle];
-            let fluxes = gradients.map(|[x, y]| [xx * x + xy * y, xy * x + yy * y]);
-            gradients.map(|[x, y]| fluxes.map(|[flux_x, flux_y]| x * flux_x + y * flux_y))
-        });
-    }
-
-    /// values ← values + ∫ w ∇ψ_j·∇ψ_i for a weight w on each triangle.
-    pub fn add_weighted_stiffness(&self, mesh: &Mesh, weights: &[f64], values: &mut [f64]) {
-        let (areas, gradients) = (mesh.areas(), mesh.gradients());
-        self.add(values, |triangle| {
-            let weight = weights[triangle] * areas[triangle];
-            let gradients = &gradients[triangle];
-            gradients.map(|[x, y]| {
-                gradients.map(|[other_x, other_y]| weight * (x * other_x + y * other_y))
-            })
-        });
     }
 }

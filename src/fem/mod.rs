@@ -1,5 +1,5 @@
 //! Finite elements: triangulations, the P1 space with one quadrature rule, assembly, the projection
-//! of φ⁰, and what can be read off a P1 function (its zero set).
+//! of φ⁰, and what can be read off a P1 function (its zero set, its values on a grid).
 
 mod assembly;
 mod contour;
@@ -7,7 +7,9 @@ mod error;
 mod mass;
 mod mass_inverse;
 mod mesh;
+mod patch;
 mod projection;
+mod raster;
 mod rule;
 mod space;
 
@@ -17,6 +19,8 @@ pub use error::FemError;
 pub use mass::MassForm;
 pub use mass_inverse::MassInverse;
 pub use mesh::{Grid, Mesh};
+pub use patch::Patch;
 pub use projection::{GivenFunction, l2_projection, ritz_projection};
+pub use raster::{Raster, Rectangle};
 pub use rule::Rule;
 pub use space::Space;

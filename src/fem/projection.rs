@@ -33,7 +33,10 @@ pub fn l2_projection(
 ) -> Result<Vec<f64>, FemError> {
     let space = Space::new(mesh.clone(), Rule::Consistent);
     let mut load = vec![0.0; space.nodes()];
-    space.add_load(&values_at_points(&space, given), &mut load);
+    let no_flux = vec![[0.0; 2]; space.elements()];
+    space
+        .whole()
+        .add_load(&values_at_points(&space, given), &no_flux, &mut load);
     let matrix = sparse(space.mass());
     solve(&space, matrix, load, wall)
 }
@@ -50,10 +53,13 @@ pub fn ritz_projection(
 ) -> Result<Vec<f64>, FemError> {
     let space = Space::new(mesh.clone(), Rule::Consistent);
     let mut load = vec![0.0; space.nodes()];
-    space.add_flux(&mean_gradients(&space, given), &mut load);
+    let no_density = vec![0.0; space.points()];
+    space
+        .whole()
+        .add_load(&no_density, &mean_gradients(&space, given), &mut load);
     let mut projected = solve(&space, space.stiffness(), load, wall)?;
     if wall.is_none() {
-        let wanted = space.integrate(&values_at_points(&space, given));
+        let wanted = space.whole().integrate(&values_at_points(&space, given));
         let domain: f64 = mesh.areas().iter().sum();
         let shift = (wanted - space.integrate_nodal(&projected)) / domain;
         projected.iter_mut().for_each(|value| *value += shift);
@@ -76,7 +82,7 @@ fn mean_gradients(space: &Space, given: &impl GivenFunction) -> Vec<[f64; 2]> {
         .unzip();
     let [x, y] = [along_x, along_y].map(|component| {
         let mut means = vec![0.0; space.elements()];
-        space.element_means(&component, &mut means);
+        space.whole().element_means(&component, &mut means);
         means
     });
     x.iter().zip(y).map(|(x, y)| [*x, y]).collect()
@@ -191,7 +197,10 @@ mod tests {
         let mut residual = vec![0.0; space.nodes()];
         space.stiffness().multiply(&projected, &mut residual);
         let mut load = vec![0.0; space.nodes()];
-        space.add_flux(&mean_gradients(&space, &bump), &mut load);
+        let no_density = vec![0.0; space.points()];
+        space
+            .whole()
+            .add_load(&no_density, &mean_gradients(&space, &bump), &mut load);
         for ((node, on), value) in mesh.on_boundary().iter().enumerate().zip(&projected) {
             if *on {
                 assert_eq!(*value, -1.0);
@@ -212,7 +221,7 @@ mod tests {
         };
         let projected = ritz_projection(&mesh, &wave, None).expect("solvable");
         let space = Space::new(mesh.clone(), Rule::Consistent);
-        let wanted = space.integrate(&values_at_points(&space, &wave));
+        let wanted = space.whole().integrate(&values_at_points(&space, &wave));
         assert!((space.integrate_nodal(&projected) - wanted).abs() < 1e-15);
     }
 }

@@ -1,8 +1,8 @@
 //! The P1 space on a mesh with one quadrature rule for every integral.
 //!
 //! Effects work *pointwise*: on arrays with a value at each quadrature point, and on arrays with a
-//! value on each triangle (gradients of P1 functions). The space takes nodal fields to the points
-//! and brings densities back into loads, forms and numbers. With the consistent rule there are
+//! value on each triangle (gradients of P1 functions), one [`Patch`] of the space at a time. With the
+//! consistent rule there are
 //! seven points a triangle; with the lumped rule the points *are* the nodes, since all the vertices
 //! that meet in a node have the same nodal values: 14 times fewer points, the same code.
 //!
@@ -13,15 +13,22 @@
 use std::sync::Arc;
 
 use super::rule::{POINTS, seven_points};
-use super::{Assembly, MassForm, Mesh, Rule, SymmetricTensor};
+use super::{Assembly, MassForm, Mesh, Patch, Rule};
 use crate::linalg::SparseMatrix;
 use crate::linalg::vector;
 
 /// Triangles of a group of points: one 512-bit register of f64.
-const LANES: usize = 8;
+pub(super) const LANES: usize = 8;
 
 /// Points of a group.
-const GROUP: usize = POINTS * LANES;
+pub(super) const GROUP: usize = POINTS * LANES;
+
+/// A value for each triangle of a group.
+pub(super) type Lane = [f64; LANES];
+
+/// Groups of a patch: an array with a value at each point is 14 kB then, and the two dozen that a
+/// step works with stay in a cache of half a megabyte.
+const PATCH: usize = 32;
 
 /// A P1 space with its quadrature.
 #[derive(Debug)]
@@ -29,10 +36,15 @@ pub struct Space {
     mesh: Arc<Mesh>,
     assembly: Assembly,
     rule: Rule,
-    coordinates: [[f64; 3]; POINTS],
-    relative_weights: [f64; POINTS],
+    pub(super) coordinates: [[f64; 3]; POINTS],
+    pub(super) relative_weights: [f64; POINTS],
+    /// λ_a λ_b w of each of the seven points, for the six different entries of an element matrix.
+    pub(super) products: [[f64; 6]; POINTS],
     /// The weight of each quadrature point.
-    weights: Vec<f64>,
+    pub(super) weights: Vec<f64>,
+    /// For each group of triangles, the x and y components of ∇ψ of the first corners and of the
+    /// second ones (the third is minus their sum).
+    pub(super) slopes: Vec<[Lane; 4]>,
     stiffness: SparseMatrix,
     mass: MassForm,
     /// ∫ ψ_i: the diagonal of the lumped mass matrix.
@@ -62,9 +74,19 @@ impl Space {
                 weights
             }
         };
-        let mut stiffness = SparseMatrix::zeros(assembly.pattern.clone());
-        let ones = vec![1.0; mesh.triangles().len()];
-        assembly.add_weighted_stiffness(&mesh, &ones, &mut stiffness.values);
+        let mut products = [[0.0; 6]; POINTS];
+        for (point, product) in products.iter_mut().enumerate() {
+            let ([a, b, c], w) = (coordinates[point], relative_weights[point]);
+            *product = [a * a, a * b, a * c, b * b, b * c, c * c].map(|entry| w * entry);
+        }
+        let mut slopes = vec![[[0.0; LANES]; 4]; mesh.triangles().len().div_ceil(LANES)];
+        for (triangle, [a, b, _]) in mesh.gradients().iter().enumerate() {
+            let group = &mut slopes[triangle / LANES];
+            for (slope, entry) in group.iter_mut().zip([a[0], a[1], b[0], b[1]]) {
+                slope[triangle % LANES] = entry;
+            }
+        }
+        let stiffness = SparseMatrix::zeros(assembly.pattern.clone());
         let mass = match rule {
             Rule::Lumped => MassForm::Nodal(nodal_weights.clone()),
             Rule::Consistent => MassForm::sparse(assembly.pattern.clone()),
@@ -75,15 +97,24 @@ impl Space {
             rule,
             coordinates,
             relative_weights,
+            products,
             weights,
+            slopes,
             stiffness,
             mass,
             nodal_weights,
         };
+        let (points, elements) = (space.points(), space.elements());
+        let mut stiffness = space.stiffness.clone();
+        let (nothing, identity) = (vec![0.0; points], vec![[1.0, 0.0, 1.0]; elements]);
+        space
+            .whole()
+            .add_mass_and_stiffness(&nothing, &identity, &mut stiffness.values);
+        space.stiffness = stiffness;
         if rule == Rule::Consistent {
-            let mut mass = space.new_form();
-            space.assemble_mass(&vec![1.0; space.points()], &mut mass);
-            space.mass = mass;
+            let mut mass = SparseMatrix::zeros(space.assembly.pattern.clone());
+            space.whole().add_mass(&vec![1.0; points], &mut mass.values);
+            space.mass = MassForm::Sparse(mass);
         }
         space
     }
@@ -146,25 +177,30 @@ impl Space {
         triangle / LANES * GROUP + point * LANES + triangle % LANES
     }
 
-    /// The nodal values at the corners of a group's triangles: corner by corner.
-    #[inline(always)]
-    fn corners(nodal: &[f64], triangles: &[[u32; 3]]) -> [[f64; LANES]; 3] {
-        let mut corners = [[0.0; LANES]; 3];
-        for (lane, triangle) in triangles.iter().enumerate() {
-            for (corner, &node) in corners.iter_mut().zip(triangle) {
-                corner[lane] = nodal[node as usize];
-            }
-        }
-        corners
+    /// The pieces of the space, in order. With the lumped rule there is one, for its points are the
+    /// nodes and each has triangles everywhere about it.
+    pub fn patches(&self) -> impl Iterator<Item = Patch<'_>> {
+        let elements = match self.rule {
+            Rule::Lumped => self.elements(),
+            Rule::Consistent => self.elements().min(PATCH * LANES),
+        };
+        (0..self.elements())
+            .step_by(elements.max(1))
+            .map(move |first| self.patch(first, elements))
     }
 
-    /// The triangles and their areas, in groups.
-    #[inline(always)]
-    fn groups(&self) -> impl Iterator<Item = (&[[u32; 3]], &[f64])> {
-        self.mesh
-            .triangles()
-            .chunks(LANES)
-            .zip(self.mesh.areas().chunks(LANES))
+    /// The whole space as one piece.
+    pub fn whole(&self) -> Patch<'_> {
+        self.patch(0, self.elements())
+    }
+
+    fn patch(&self, first: usize, elements: usize) -> Patch<'_> {
+        let end = (first + elements).min(self.elements());
+        let points = match self.rule {
+            Rule::Lumped => 0..self.points(),
+            Rule::Consistent => first / LANES * GROUP..end.div_ceil(LANES) * GROUP,
+        };
+        Patch::new(self, first..end, points)
     }
 
     /// Where the quadrature points are (those of weight zero that fill the last group: at the place of
@@ -193,266 +229,8 @@ impl Space {
         self.point_positions().into_iter().map(f).collect()
     }
 
-    /// The values of a P1 function at the points.
-    pub fn interpolate(&self, nodal: &[f64], points: &mut [f64]) {
-        if self.rule == Rule::Lumped {
-            points.copy_from_slice(nodal);
-            return;
-        }
-        let groups = points
-            .as_chunks_mut::<GROUP>()
-            .0
-            .iter_mut()
-            .zip(self.groups());
-        for (group, (triangles, _)) in groups {
-            let [a, b, c] = Self::corners(nodal, triangles);
-            let rows = group
-                .as_chunks_mut::<LANES>()
-                .0
-                .iter_mut()
-                .zip(&self.coordinates);
-            for (row, [la, lb, lc]) in rows {
-                for lane in 0..LANES {
-                    row[lane] = la * a[lane] + lb * b[lane] + lc * c[lane];
-                }
-            }
-        }
-    }
-
-    /// The gradient of a P1 function on each triangle.
-    pub fn gradient(&self, nodal: &[f64], gradients: &mut [[f64; 2]]) {
-        let elements = self.mesh.triangles().iter().zip(self.mesh.gradients());
-        for (gradient, (triangle, basis)) in gradients.iter_mut().zip(elements) {
-            let [a, b, c] = triangle.map(|node| nodal[node as usize]);
-            *gradient = [
-                a * basis[0][0] + b * basis[1][0] + c * basis[2][0],
-                a * basis[0][1] + b * basis[1][1] + c * basis[2][1],
-            ];
-        }
-    }
-
-    /// ∫ f for a density at the points.
-    pub fn integrate(&self, density: &[f64]) -> f64 {
-        vector::dot(&self.weights, density)
-    }
-
-    /// ∫ f(u) for a function u at the points.
-    pub fn integrate_of(&self, u: &[f64], f: impl Fn(f64) -> f64) -> f64 {
-        vector::weighted_sum(&self.weights, u, f)
-    }
-
-    /// ∫ f for a density on the triangles.
-    pub fn integrate_elements(&self, density: &[f64]) -> f64 {
-        vector::dot(self.mesh.areas(), density)
-    }
-
     /// ∫ u for a P1 function.
     pub fn integrate_nodal(&self, nodal: &[f64]) -> f64 {
         vector::dot(&self.nodal_weights, nodal)
-    }
-
-    /// load_i ← load_i + ∫ f ψ_i for a density at the points.
-    pub fn add_load(&self, density: &[f64], load: &mut [f64]) {
-        if self.rule == Rule::Lumped {
-            for ((load, weight), f) in load.iter_mut().zip(&self.weights).zip(density) {
-                *load += weight * f;
-            }
-            return;
-        }
-        let groups = density.as_chunks::<GROUP>().0.iter().zip(self.groups());
-        for (group, (triangles, areas)) in groups {
-            let mut entries = [[0.0; LANES]; 3];
-            for (point, row) in group.as_chunks::<LANES>().0.iter().enumerate() {
-                let weight = self.relative_weights[point];
-                for (entry, coordinate) in entries.iter_mut().zip(&self.coordinates[point]) {
-                    for lane in 0..LANES {
-                        entry[lane] += weight * coordinate * row[lane];
-                    }
-                }
-            }
-            for (lane, (triangle, area)) in triangles.iter().zip(areas).enumerate() {
-                for (&node, entry) in triangle.iter().zip(&entries) {
-                    load[node as usize] += area * entry[lane];
-                }
-            }
-        }
-    }
-
-    /// load_i ← load_i + ∫ q·∇ψ_i for a flux q on the triangles.
-    pub fn add_flux(&self, fluxes: &[[f64; 2]], load: &mut [f64]) {
-        let mesh = &self.mesh;
-        let elements = mesh
-            .triangles()
-            .iter()
-            .zip(mesh.gradients())
-            .zip(mesh.areas());
-        for ([x, y], ((triangle, basis), area)) in fluxes.iter().zip(elements) {
-            let flux = [area * x, area * y];
-            for (&node, gradient) in triangle.iter().zip(basis) {
-                load[node as usize] += flux[0] * gradient[0] + flux[1] * gradient[1];
-            }
-        }
-    }
-
-    /// form ← ∫ c ψ_j ψ_i for a coefficient at the points.
-    pub fn assemble_mass(&self, coefficient: &[f64], form: &mut MassForm) {
-        let matrix = match form {
-            MassForm::Nodal(diagonal) => {
-                for ((d, weight), c) in diagonal.iter_mut().zip(&self.weights).zip(coefficient) {
-                    *d = weight * c;
-                }
-                return;
-            }
-            MassForm::Sparse(matrix) => matrix,
-        };
-        // λ_a λ_b w of each point, for the six different entries of an element matrix.
-        let mut products = [[0.0; 6]; POINTS];
-        for (point, product) in products.iter_mut().enumerate() {
-            let ([a, b, c], w) = (self.coordinates[point], self.relative_weights[point]);
-            *product = [a * a, a * b, a * c, b * b, b * c, c * c].map(|entry| w * entry);
-        }
-        matrix.values.fill(0.0);
-        let groups = coefficient.as_chunks::<GROUP>().0.iter().zip(self.groups());
-        for (number, (group, (_, areas))) in groups.enumerate() {
-            let mut entries = [[0.0; LANES]; 6];
-            for (row, product) in group.as_chunks::<LANES>().0.iter().zip(&products) {
-                for (entry, product) in entries.iter_mut().zip(product) {
-                    for lane in 0..LANES {
-                        entry[lane] += row[lane] * product;
-                    }
-                }
-            }
-            for (lane, area) in areas.iter().enumerate() {
-                let [aa, ab, ac, bb, bc, cc] = entries.map(|entry| entry[lane] * area);
-                let element = [[aa, ab, ac], [ab, bb, bc], [ac, bc, cc]];
-                let triangle = number * LANES + lane;
-                self.assembly
-                    .add_element(&mut matrix.values, triangle, &element);
-            }
-        }
-    }
-
-    /// The mean over each triangle, by the rule, of a function at the points.
-    pub fn element_means(&self, points: &[f64], means: &mut [f64]) {
-        if self.rule == Rule::Lumped {
-            for (mean, triangle) in means.iter_mut().zip(self.mesh.triangles()) {
-                let [a, b, c] = triangle.map(|node| points[node as usize]);
-                *mean = (a + b + c) / 3.0;
-            }
-            return;
-        }
-        let groups = points.as_chunks::<GROUP>().0.iter();
-        for (means, group) in means.chunks_mut(LANES).zip(groups) {
-            let mut sums = [0.0; LANES];
-            let rows = group
-                .as_chunks::<LANES>()
-                .0
-                .iter()
-                .zip(&self.relative_weights);
-            for (row, weight) in rows {
-                for lane in 0..LANES {
-                    sums[lane] += weight * row[lane];
-                }
-            }
-            means.copy_from_slice(&sums[..means.len()]);
-        }
-    }
-
-    /// A function on the triangles, brought to the points so that its product with any function at
-    /// the points has the same integral as triangle by triangle: a copy with the consistent rule; a
-    /// mean over the triangles that meet in a node, weighted by their areas, with the lumped one.
-    pub fn from_elements(&self, elements: &[f64], points: &mut [f64]) {
-        if self.rule == Rule::Consistent {
-            let groups = points.as_chunks_mut::<GROUP>().0.iter_mut();
-            for (group, elements) in groups.zip(elements.chunks(LANES)) {
-                for row in group.as_chunks_mut::<LANES>().0 {
-                    row[..elements.len()].copy_from_slice(elements);
-                }
-            }
-            return;
-        }
-        points.fill(0.0);
-        let weighted = elements.iter().zip(self.mesh.areas());
-        for (triangle, (value, area)) in self.mesh.triangles().iter().zip(weighted) {
-            let share = value * area / 3.0;
-            for &node in triangle {
-                points[node as usize] += share;
-            }
-        }
-        for (point, weight) in points.iter_mut().zip(&self.nodal_weights) {
-            *point /= weight;
-        }
-    }
-
-    /// The mean over each triangle, by the rule, of v⊗v for a P1 vector field v. The consistent rule
-    /// is exact for it and the lumped one takes the mean of the corners, so no points are needed.
-    pub fn mean_squares(&self, [x, y]: [&[f64]; 2], means: &mut [SymmetricTensor]) {
-        let mean = |u: [f64; 3], v: [f64; 3]| {
-            let corners = u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
-            match self.rule {
-                Rule::Lumped => corners / 3.0,
-                Rule::Consistent => ((u[0] + u[1] + u[2]) * (v[0] + v[1] + v[2]) + corners) / 12.0,
-            }
-        };
-        for (means, triangle) in means.iter_mut().zip(self.mesh.triangles()) {
-            let x = triangle.map(|node| x[node as usize]);
-            let y = triangle.map(|node| y[node as usize]);
-            *means = [mean(x, x), mean(x, y), mean(y, y)];
-        }
-    }
-
-    /// load_i ← load_i + ∫ c u ψ_i for a coefficient on the triangles and a P1 function u.
-    pub fn add_element_product(&self, coefficient: &[f64], u: &[f64], load: &mut [f64]) {
-        let elements = self.mesh.triangles().iter().zip(self.mesh.areas());
-        for (c, (triangle, area)) in coefficient.iter().zip(elements) {
-            let values = triangle.map(|node| u[node as usize]);
-            let sum = values[0] + values[1] + values[2];
-            for (&node, value) in triangle.iter().zip(values) {
-                load[node as usize] += match self.rule {
-                    Rule::Lumped => c * area / 3.0 * value,
-                    Rule::Consistent => c * area / 12.0 * (sum + value),
-                };
-            }
-        }
-    }
-
-    /// form ← form + ∫ c ψ_j ψ_i for a coefficient on the triangles.
-    pub fn add_element_mass(&self, coefficient: &[f64], form: &mut MassForm) {
-        let weighted = coefficient
-            .iter()
-            .zip(self.mesh.areas())
-            .map(|(c, area)| c * area);
-        match form {
-            MassForm::Nodal(diagonal) => {
-                for (triangle, weight) in self.mesh.triangles().iter().zip(weighted) {
-                    for &node in triangle {
-                        diagonal[node as usize] += weight / 3.0;
-                    }
-                }
-            }
-            MassForm::Sparse(matrix) => {
-                for (triangle, weight) in weighted.enumerate() {
-                    let (same, other) = (weight / 6.0, weight / 12.0);
-                    let element = [
-                        [same, other, other],
-                        [other, same, other],
-                        [other, other, same],
-                    ];
-                    self.assembly
-                        .add_element(&mut matrix.values, triangle, &element);
-                }
-            }
-        }
-    }
-
-    /// ½ ∫ (T g)·g for a tensor and a gradient on each triangle.
-    pub fn tensor_energy(&self, tensors: &[SymmetricTensor], gradients: &[[f64; 2]]) -> f64 {
-        let elements = tensors.iter().zip(gradients).zip(self.mesh.areas());
-        let total: f64 = elements
-            .map(|(([xx, xy, yy], [x, y]), area)| {
-                area * (xx * x * x + 2.0 * xy * x * y + yy * y * y)
-            })
-            .sum();
-        0.5 * total
     }
 }

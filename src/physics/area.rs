@@ -5,14 +5,26 @@ use super::potentials::{
     double_well, double_well_secant, double_well_secant_slope, double_well_slope,
 };
 use super::{Effect, MembraneForce, MembraneLinearisation, RankOne, Sample};
-use crate::fem::Space;
+use crate::fem::{Patch, Space};
 use crate::scene::{self, Iteration};
 
-/// B(φ) = ∫ (ε/2 |∇φ|² + F(φ)/ε): 2√2/3 times the length of the membrane for a tanh profile.
-pub fn surface_area(space: &Space, at: &Sample, width: f64) -> f64 {
-    let gradients = at.phi_gradient.iter().zip(space.mesh().areas());
+/// B(φ) = ∫ (ε/2 |∇φ|² + F(φ)/ε), for nodal values of φ: 2√2/3 times the length of the membrane for
+/// a tanh profile.
+pub fn surface_area(space: &Space, phi: &[f64], width: f64) -> f64 {
+    let mut sample = Sample::new(false);
+    let share = |patch: Patch<'_>| {
+        sample.set_phi(&patch, phi);
+        area_integral(&patch, &sample, width)
+    };
+    space.patches().map(share).sum()
+}
+
+/// The patch's share of B(φ).
+pub fn area_integral(patch: &Patch<'_>, at: &Sample, width: f64) -> f64 {
+    let areas = &patch.space().mesh().areas()[patch.element_range()];
+    let gradients = at.phi_gradient.iter().zip(areas);
     let squares: f64 = gradients.map(|([x, y], area)| area * (x * x + y * y)).sum();
-    0.5 * width * squares + space.integrate_of(&at.phi, double_well) / width
+    0.5 * width * squares + patch.integrate_of(&at.phi, double_well) / width
 }
 
 /// The penalty of the surface area.
@@ -21,8 +33,8 @@ pub struct Area {
     interface_width: f64,
     penalty: f64,
     target: f64,
-    /// B(φⁿ), kept over a step.
-    old_area: f64,
+    /// (1/η)((B(φ) + B(φⁿ))/2 − β): the tension that the penalty puts on the membrane.
+    tension: f64,
     scratch: Vec<f64>,
     flux: Vec<[f64; 2]>,
     rank_one: RankOne,
@@ -32,28 +44,21 @@ pub struct Area {
 
 impl Area {
     /// η of a scene, and β as its fraction of B(φ⁰).
-    pub fn new(area: &scene::Area, interface_width: f64, space: &Space, initial: &Sample) -> Self {
-        let initial_area = surface_area(space, initial, interface_width);
+    pub fn new(area: &scene::Area, interface_width: f64, initial_area: f64, space: &Space) -> Self {
         Self {
             interface_width,
             penalty: area.penalty,
             target: area.target * initial_area,
-            old_area: initial_area,
-            scratch: vec![0.0; space.points()],
-            flux: vec![[0.0; 2]; space.elements()],
+            tension: 0.0,
+            scratch: Vec::new(),
+            flux: Vec::new(),
             rank_one: RankOne {
-                scale: 0.0,
+                scale: 0.5 / area.penalty,
                 column: vec![0.0; space.nodes()],
                 row: vec![0.0; space.nodes()],
             },
             has_rank_one: false,
         }
-    }
-
-    /// (1/η)((B(φ) + B(φⁿ))/2 − β): the tension that the penalty puts on the membrane.
-    fn tension(&self, space: &Space, new: &Sample) -> f64 {
-        let area = surface_area(space, new, self.interface_width);
-        (0.5 * (area + self.old_area) - self.target) / self.penalty
     }
 }
 
@@ -62,25 +67,34 @@ impl Effect for Area {
         "area"
     }
 
-    fn energy(&mut self, space: &Space, at: &Sample) -> f64 {
-        let excess = surface_area(space, at, self.interface_width) - self.target;
+    /// B.
+    fn integral(&mut self, patch: &Patch<'_>, at: &Sample) -> f64 {
+        area_integral(patch, at, self.interface_width)
+    }
+
+    fn energy(&self, area: f64) -> f64 {
+        let excess = area - self.target;
         excess * excess / (2.0 * self.penalty)
     }
 
-    fn begin_membrane(&mut self, space: &Space, old: &Sample, _new: &Sample) {
-        self.old_area = surface_area(space, old, self.interface_width);
+    fn needs_integrals(&self) -> bool {
+        true
+    }
+
+    fn set_integrals(&mut self, old: f64, new: f64) {
+        self.tension = (0.5 * (old + new) - self.target) / self.penalty;
     }
 
     /// tension · [ε/2 (∇(φ + φⁿ), ∇ψ) + (1/ε)(F_sec, ψ)]: the bracket is an exact secant of B, so
     /// this effect has no numerical dissipation.
     fn add_membrane_force(
         &mut self,
-        space: &Space,
+        _patch: &Patch<'_>,
         old: &Sample,
         new: &Sample,
         force: &mut MembraneForce,
     ) {
-        let tension = self.tension(space, new);
+        let tension = self.tension;
         let (along, across) = (
             0.5 * self.interface_width * tension,
             tension / self.interface_width,
@@ -98,14 +112,14 @@ impl Effect for Area {
     /// 1/(2η) · bracket ⊗ B'(φ).
     fn add_membrane_linearisation(
         &mut self,
-        space: &Space,
+        patch: &Patch<'_>,
         old: &Sample,
         new: &Sample,
         iteration: Iteration,
         linearisation: &mut MembraneLinearisation,
     ) {
         let width = self.interface_width;
-        let tension = self.tension(space, new);
+        let tension = self.tension;
         let (along, across) = (0.5 * width * tension, tension / width);
         for tensor in &mut linearisation.tensor {
             tensor[0] += along;
@@ -122,24 +136,25 @@ impl Effect for Area {
         if !self.has_rank_one {
             return;
         }
-        self.rank_one.scale = 0.5 / self.penalty;
+        if patch.is_first() {
+            self.rank_one.column.fill(0.0);
+            self.rank_one.row.fill(0.0);
+        }
+        self.flux.resize(patch.elements(), [0.0; 2]);
+        self.scratch.resize(patch.points(), 0.0);
         let gradients = new.phi_gradient.iter().zip(&old.phi_gradient);
         for (flux, (new, old)) in self.flux.iter_mut().zip(gradients) {
             *flux = [0, 1].map(|axis| 0.5 * width * (new[axis] + old[axis]));
         }
         let terms = self.scratch.iter_mut().zip(new.phi.iter().zip(&old.phi));
         terms.for_each(|(load, (new, old))| *load = double_well_secant(*new, *old) / width);
-        self.rank_one.column.fill(0.0);
-        space.add_flux(&self.flux, &mut self.rank_one.column);
-        space.add_load(&self.scratch, &mut self.rank_one.column);
+        patch.add_load(&self.scratch, &self.flux, &mut self.rank_one.column);
         for (flux, gradient) in self.flux.iter_mut().zip(&new.phi_gradient) {
             *flux = gradient.map(|entry| width * entry);
         }
         let terms = self.scratch.iter_mut().zip(&new.phi);
         terms.for_each(|(load, phi)| *load = double_well_slope(*phi) / width);
-        self.rank_one.row.fill(0.0);
-        space.add_flux(&self.flux, &mut self.rank_one.row);
-        space.add_load(&self.scratch, &mut self.rank_one.row);
+        patch.add_load(&self.scratch, &self.flux, &mut self.rank_one.row);
     }
 
     fn rank_one(&self) -> Option<&RankOne> {

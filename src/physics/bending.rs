@@ -8,9 +8,14 @@
 //!   E_ben(ω) − E_ben(ωⁿ) = ε(∇(φ − φⁿ), ∇ω) + (1/ε)(G_sec (φ − φⁿ), ω) − ε/2 ‖ω − ωⁿ‖².
 
 use super::potentials::{bending_secant, bending_secant_slope, bending_slope, bending_tangent};
-use super::{Effect, MembraneForce, MembraneLinearisation, NamedValue, Sample};
-use crate::fem::Space;
+use super::{Effect, MembraneForce, MembraneLinearisation, Sample, Terms};
+use crate::fem::{Patch, Space};
 use crate::scene::{Iteration, Membrane, ScalarField};
+
+/// ε/2 ω², whose integral is E_ben.
+pub fn bending_energy_density(interface_width: f64, omega: f64) -> f64 {
+    0.5 * interface_width * omega * omega
+}
 
 /// The bending energy of a membrane.
 #[derive(Debug)]
@@ -34,7 +39,7 @@ impl Bending {
             ScalarField::Expression(formula) => space.sample(|[x, y]| formula.evaluate(x, y)),
             ScalarField::File(file) => {
                 let mut curved = vec![0.0; space.points()];
-                space.interpolate(&file.values, &mut curved);
+                space.whole().interpolate(&file.values, &mut curved);
                 curved
             }
         };
@@ -44,7 +49,7 @@ impl Bending {
             curved: curved.iter().any(|k| *k != 0.0).then_some(curved),
             #[cfg(test)]
             wrong_secant: None,
-            scratch: vec![0.0; space.points()],
+            scratch: Vec::new(),
         }
     }
 
@@ -59,9 +64,14 @@ impl Bending {
         self.interface_width
     }
 
-    /// Calls f(point, ε k, out) for every point.
+    /// Calls f(point, ε k, out) for every point of a patch.
     #[inline(always)]
-    fn at_points(curved: &Option<Vec<f64>>, out: &mut [f64], f: impl Fn(usize, f64, &mut f64)) {
+    fn at_points(
+        curved: &Option<Vec<f64>>,
+        patch: &Patch<'_>,
+        out: &mut [f64],
+        f: impl Fn(usize, f64, &mut f64),
+    ) {
         match curved {
             None => {
                 for (point, out) in out.iter_mut().enumerate() {
@@ -69,6 +79,7 @@ impl Bending {
                 }
             }
             Some(curved) => {
+                let curved = &curved[patch.point_range()];
                 for (point, (out, curved)) in out.iter_mut().zip(curved).enumerate() {
                     f(point, *curved, out);
                 }
@@ -76,38 +87,44 @@ impl Bending {
         }
     }
 
-    /// load ← (∇φ, ∇χ) + (1/ε²)(G(φ), χ): what (ω, χ) must equal.
-    pub fn omega_load(&mut self, space: &Space, at: &Sample, load: &mut [f64]) {
+    /// load ← load + (∇φ, ∇χ) + (1/ε²)(G(φ), χ): what (ω, χ) must equal.
+    pub fn add_omega_load(&mut self, patch: &Patch<'_>, at: &Sample, load: &mut [f64]) {
         let scale = (self.interface_width * self.interface_width).recip();
+        self.scratch.resize(patch.points(), 0.0);
         let phi = &at.phi[..self.scratch.len()];
-        Self::at_points(&self.curved, &mut self.scratch, |point, curved, out| {
-            *out = scale * bending_slope(phi[point], curved);
-        });
-        load.fill(0.0);
-        space.add_flux(&at.phi_gradient, load);
-        space.add_load(&self.scratch, load);
+        Self::at_points(
+            &self.curved,
+            patch,
+            &mut self.scratch,
+            |point, curved, out| {
+                *out = scale * bending_slope(phi[point], curved);
+            },
+        );
+        patch.add_load(&self.scratch, &at.phi_gradient, load);
     }
 
     /// (1/ε) G_sec at the points: how ω acts in the second equation.
-    pub fn secant(&self, old: &Sample, new: &Sample, out: &mut [f64]) {
+    pub fn secant(&self, patch: &Patch<'_>, old: &Sample, new: &Sample, out: &mut Vec<f64>) {
         let scale = self.interface_width.recip();
+        out.resize(patch.points(), 0.0);
         let (phi, phi_old) = (&new.phi[..out.len()], &old.phi[..out.len()]);
-        Self::at_points(&self.curved, out, |point, curved, out| {
+        Self::at_points(&self.curved, patch, out, |point, curved, out| {
             *out = scale * bending_secant(phi[point], phi_old[point], curved);
         });
         #[cfg(test)]
         if let Some(wrong) = self.wrong_secant {
-            Self::at_points(&self.curved, out, |point, curved, out| {
+            Self::at_points(&self.curved, patch, out, |point, curved, out| {
                 *out = scale * wrong(phi[point], phi_old[point], curved);
             });
         }
     }
 
     /// (1/ε) G'(φ) at the points: how φ acts in the linearised third equation.
-    pub fn tangent(&self, new: &Sample, out: &mut [f64]) {
+    pub fn tangent(&self, patch: &Patch<'_>, new: &Sample, out: &mut Vec<f64>) {
         let scale = self.interface_width.recip();
+        out.resize(patch.points(), 0.0);
         let phi = &new.phi[..out.len()];
-        Self::at_points(&self.curved, out, |point, curved, out| {
+        Self::at_points(&self.curved, patch, out, |point, curved, out| {
             *out = scale * bending_tangent(phi[point], curved);
         });
     }
@@ -118,19 +135,19 @@ impl Effect for Bending {
         "bending"
     }
 
-    fn energy(&mut self, space: &Space, at: &Sample) -> f64 {
-        0.5 * self.interface_width * space.integrate_of(&at.omega, |omega| omega * omega)
+    fn integral(&mut self, patch: &Patch<'_>, at: &Sample) -> f64 {
+        0.5 * self.interface_width * patch.integrate_of(&at.omega, |omega| omega * omega)
     }
 
     fn add_membrane_force(
         &mut self,
-        _space: &Space,
+        patch: &Patch<'_>,
         old: &Sample,
         new: &Sample,
         force: &mut MembraneForce,
     ) {
         let mut scratch = std::mem::take(&mut self.scratch);
-        self.secant(old, new, &mut scratch);
+        self.secant(patch, old, new, &mut scratch);
         let terms = force.load.iter_mut().zip(&scratch).zip(&new.omega);
         terms.for_each(|((load, secant), omega)| *load += secant * omega);
         self.scratch = scratch;
@@ -143,7 +160,7 @@ impl Effect for Bending {
     /// (1/ε) ∂G_sec/∂φ ω, which (4.35) leaves out.
     fn add_membrane_linearisation(
         &mut self,
-        _space: &Space,
+        patch: &Patch<'_>,
         old: &Sample,
         new: &Sample,
         iteration: Iteration,
@@ -157,27 +174,25 @@ impl Effect for Bending {
         let points = reaction.len();
         let (phi, phi_old) = (&new.phi[..points], &old.phi[..points]);
         let omega = &new.omega[..points];
-        Self::at_points(&self.curved, reaction, |point, curved, reaction| {
+        Self::at_points(&self.curved, patch, reaction, |point, curved, reaction| {
             let slope = bending_secant_slope(phi[point], phi_old[point], curved);
             *reaction += scale * slope * omega[point];
         });
     }
 
     /// Δt ND_ω = ε/2 ‖ω − ωⁿ‖².
-    fn dissipation(
+    fn add_dissipation(
         &mut self,
-        space: &Space,
+        patch: &Patch<'_>,
         old: &Sample,
         new: &Sample,
-        terms: &mut Vec<NamedValue>,
+        terms: &mut Terms,
     ) {
+        self.scratch.resize(patch.points(), 0.0);
         for ((density, old), new) in self.scratch.iter_mut().zip(&old.omega).zip(&new.omega) {
             *density = (new - old) * (new - old);
         }
-        let value = 0.5 * self.interface_width * space.integrate(&self.scratch);
-        terms.push(NamedValue {
-            name: "ND_omega",
-            value,
-        });
+        let value = 0.5 * self.interface_width * patch.integrate(&self.scratch);
+        terms.add("ND_omega", value);
     }
 }

@@ -17,7 +17,7 @@
 //! through ω: see its file.)
 
 use super::Sample;
-use crate::fem::{Space, SymmetricTensor};
+use crate::fem::{Patch, SymmetricTensor};
 use crate::scene::Iteration;
 
 /// A value with a name: an energy, or a term of the ledger.
@@ -29,25 +29,78 @@ pub struct NamedValue {
     pub value: f64,
 }
 
+/// Terms by name, each the sum of what the patches have added.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Terms(Vec<NamedValue>);
+
+impl Terms {
+    /// Adds a patch's share of a term.
+    pub fn add(&mut self, name: &'static str, value: f64) {
+        match self.0.iter_mut().find(|term| term.name == name) {
+            Some(term) => term.value += value,
+            None => self.0.push(NamedValue { name, value }),
+        }
+    }
+
+    /// Forgets all terms.
+    pub fn clear(&mut self) {
+        self.0.clear();
+    }
+
+    /// The terms, in the order in which they came up.
+    pub fn values(&self) -> &[NamedValue] {
+        &self.0
+    }
+}
+
 /// One energy and how the scheme treats it.
+///
+/// Everything is worked out one [`Patch`] of the space at a time: slices belong to the patch. What an
+/// effect keeps over a step it stores for the whole space, and finds by the patch's ranges. Of the
+/// states, only what is known and of use is sampled, and nothing else may be looked at (tests see to
+/// that):
+///
+/// | in | of the old state | of the new state |
+/// |---|---|---|
+/// | `integral` | | φ, ω, d (φ alone for the sake of `set_integrals`) |
+/// | `add_director_force` | φ, d | |
+/// | `begin_membrane` | φ | d |
+/// | `add_membrane_force`, `add_membrane_linearisation` | φ | φ, ω |
+/// | `add_dissipation` | φ, ω, d | φ, ω, d |
 pub trait Effect: Send + std::fmt::Debug {
     /// Its name: the column `E_<name>` of a history.
     fn name(&self) -> &'static str;
 
-    /// Its energy, weighted as in E_tot.
-    fn energy(&mut self, space: &Space, at: &Sample) -> f64;
+    /// The patch's share of the integral that the energy follows from; most energies *are* an
+    /// integral, weighted as in E_tot.
+    fn integral(&mut self, patch: &Patch<'_>, at: &Sample) -> f64;
+
+    /// The energy, weighted as in E_tot, from the integral over the whole domain.
+    fn energy(&self, integral: f64) -> f64 {
+        integral
+    }
+
+    /// Whether the membrane force depends on the integral over the whole, as that of a penalty does;
+    /// then the integral depends on φ alone.
+    fn needs_integrals(&self) -> bool {
+        false
+    }
+
+    /// Told the integrals over the whole at φⁿ and at φ, before the membrane force there is asked for,
+    /// if it [`needs_integrals`](Self::needs_integrals).
+    fn set_integrals(&mut self, _old: f64, _new: f64) {}
 
     /// Adds the director force at dⁿ and its linear part.
-    fn add_director_force(&mut self, _space: &Space, _old: &Sample, _form: &mut DirectorForm) {}
+    fn add_director_force(&mut self, _patch: &Patch<'_>, _old: &Sample, _form: &mut DirectorForm) {}
 
     /// Called once a step before substep 2, when the new director is known: the place to prepare
     /// what depends on φⁿ and d only.
-    fn begin_membrane(&mut self, _space: &Space, _old: &Sample, _new: &Sample) {}
+    fn begin_membrane(&mut self, _patch: &Patch<'_>, _old: &Sample, _new: &Sample) {}
 
     /// Adds the membrane force.
     fn add_membrane_force(
         &mut self,
-        _space: &Space,
+        _patch: &Patch<'_>,
         _old: &Sample,
         _new: &Sample,
         _force: &mut MembraneForce,
@@ -57,7 +110,7 @@ pub trait Effect: Send + std::fmt::Debug {
     /// Adds the derivative of the membrane force with respect to φ, for the given iteration.
     fn add_membrane_linearisation(
         &mut self,
-        _space: &Space,
+        _patch: &Patch<'_>,
         _old: &Sample,
         _new: &Sample,
         _iteration: Iteration,
@@ -65,27 +118,27 @@ pub trait Effect: Send + std::fmt::Debug {
     ) {
     }
 
-    /// The part of the derivative that is a product of two vectors, as of the last call of
-    /// [`add_membrane_linearisation`](Self::add_membrane_linearisation).
+    /// The part of the derivative that is a product of two vectors, as of the last calls of
+    /// [`add_membrane_linearisation`](Self::add_membrane_linearisation) for all patches.
     fn rank_one(&self) -> Option<&RankOne> {
         None
     }
 
-    /// Appends the terms of the numerical dissipation, each Δt·ND ≥ 0 (times Δt, so that nothing is
+    /// Adds the terms of the numerical dissipation, each Δt·ND ≥ 0 (times Δt, so that nothing is
     /// divided by a small number).
-    fn dissipation(
+    fn add_dissipation(
         &mut self,
-        _space: &Space,
+        _patch: &Patch<'_>,
         _old: &Sample,
         _new: &Sample,
-        _terms: &mut Vec<NamedValue>,
+        _terms: &mut Terms,
     ) {
     }
 }
 
 /// The director force, affine in d, tested with e:
 /// f_d(d) = ∫ (flux:∇e + load·e) + ∫ (stiffness ∇d:∇e + (R d)·e) + ∫ reaction δ·e, δ = d − dⁿ.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct DirectorForm {
     /// For each component, a vector on each triangle.
     pub flux: [Vec<[f64; 2]>; 2],
@@ -102,36 +155,30 @@ pub struct DirectorForm {
 }
 
 impl DirectorForm {
-    /// Zero.
-    pub fn new(space: &Space) -> Self {
-        let points = || vec![0.0; space.points()];
-        let elements = || vec![0.0; space.elements()];
-        let fluxes = || vec![[0.0; 2]; space.elements()];
-        Self {
-            flux: [fluxes(), fluxes()],
-            load: [points(), points()],
-            stiffness: elements(),
-            tensor: [elements(), elements(), elements()],
-            has_tensor: false,
-            reaction: points(),
+    /// Makes it zero, for a patch.
+    pub fn clear(&mut self, patch: &Patch<'_>) {
+        let (points, elements) = (patch.points(), patch.elements());
+        for axis in 0..2 {
+            zero(&mut self.flux[axis], elements);
+            zero(&mut self.load[axis], points);
         }
-    }
-
-    /// Makes it zero again.
-    pub fn clear(&mut self) {
-        self.flux.iter_mut().for_each(|flux| flux.fill([0.0; 2]));
-        self.load.iter_mut().for_each(|load| load.fill(0.0));
-        self.stiffness.fill(0.0);
-        if self.has_tensor {
-            self.tensor.iter_mut().for_each(|entry| entry.fill(0.0));
+        zero(&mut self.stiffness, elements);
+        for entry in &mut self.tensor {
+            zero(entry, elements);
         }
         self.has_tensor = false;
-        self.reaction.fill(0.0);
+        zero(&mut self.reaction, points);
     }
 }
 
+/// As many zeros.
+fn zero<T: Copy + Default>(values: &mut Vec<T>, count: usize) {
+    values.clear();
+    values.resize(count, T::default());
+}
+
 /// The membrane force, tested with ψ: ∫ flux·∇ψ + ∫ load ψ.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct MembraneForce {
     /// On the triangles.
     pub flux: Vec<[f64; 2]>,
@@ -140,23 +187,15 @@ pub struct MembraneForce {
 }
 
 impl MembraneForce {
-    /// Zero.
-    pub fn new(space: &Space) -> Self {
-        Self {
-            flux: vec![[0.0; 2]; space.elements()],
-            load: vec![0.0; space.points()],
-        }
-    }
-
-    /// Makes it zero again.
-    pub fn clear(&mut self) {
-        self.flux.fill([0.0; 2]);
-        self.load.fill(0.0);
+    /// Makes it zero, for a patch.
+    pub fn clear(&mut self, patch: &Patch<'_>) {
+        zero(&mut self.flux, patch.elements());
+        zero(&mut self.load, patch.points());
     }
 }
 
 /// The derivative of the membrane force at fixed ω: ∫ (T ∇δ)·∇ψ + ∫ reaction δ ψ.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct MembraneLinearisation {
     /// T, on the triangles.
     pub tensor: Vec<SymmetricTensor>,
@@ -165,18 +204,10 @@ pub struct MembraneLinearisation {
 }
 
 impl MembraneLinearisation {
-    /// Zero.
-    pub fn new(space: &Space) -> Self {
-        Self {
-            tensor: vec![[0.0; 3]; space.elements()],
-            reaction: vec![0.0; space.points()],
-        }
-    }
-
-    /// Makes it zero again.
-    pub fn clear(&mut self) {
-        self.tensor.fill([0.0; 3]);
-        self.reaction.fill(0.0);
+    /// Makes it zero, for a patch.
+    pub fn clear(&mut self, patch: &Patch<'_>) {
+        zero(&mut self.tensor, patch.elements());
+        zero(&mut self.reaction, patch.points());
     }
 }
 

@@ -10,13 +10,17 @@ mod sample;
 #[cfg(test)]
 mod tests;
 
-use crate::fem::Space;
-use crate::scene::{AnchoringKind, Scene};
+use crate::fem::{Patch, Space};
+use crate::scene::{self, AnchoringKind, Scene};
+
+use anchoring::NAME as ANCHORING;
 
 pub use anchoring::Anchoring;
-pub use area::{Area, surface_area};
-pub use bending::Bending;
-pub use effect::{DirectorForm, Effect, MembraneForce, MembraneLinearisation, NamedValue, RankOne};
+pub use area::{Area, area_integral, surface_area};
+pub use bending::{Bending, bending_energy_density};
+pub use effect::{
+    DirectorForm, Effect, MembraneForce, MembraneLinearisation, NamedValue, RankOne, Terms,
+};
 pub use nematic::Nematic;
 pub use sample::{DirectorSample, Sample};
 
@@ -38,22 +42,33 @@ impl Effects {
         }
     }
 
-    /// Where a scene becomes effects. `initial` is φ⁰ (and d⁰) on the space.
-    pub fn from_scene(scene: &Scene, space: &Space, initial: &Sample) -> Self {
+    /// Where a scene becomes effects. φ⁰ is given at the nodes.
+    pub fn from_scene(scene: &Scene, space: &Space, phi: &[f64]) -> Self {
         let width = scene.membrane.interface_width;
         let mut effects = Self::new(Bending::new(&scene.membrane, space));
         if let Some(area) = &scene.area {
-            effects.add(Area::new(area, width, space, initial));
+            effects.add(Area::new(
+                area,
+                width,
+                surface_area(space, phi, width),
+                space,
+            ));
         }
         if let Some(nematic) = &scene.nematic {
             effects.add(Nematic::new(nematic, space));
         }
-        if let Some(anchoring) = &scene.anchoring
+        effects.set_anchoring(scene.anchoring.as_ref(), space);
+        effects
+    }
+
+    /// Puts an anchoring in the place of the present one; of the kind "none" it is no effect.
+    pub fn set_anchoring(&mut self, anchoring: Option<&scene::Anchoring>, space: &Space) {
+        self.others.retain(|effect| effect.name() != ANCHORING);
+        if let Some(anchoring) = anchoring
             && anchoring.kind != AnchoringKind::None
         {
-            effects.add(Anchoring::new(anchoring, space));
+            self.add(Anchoring::new(anchoring, space));
         }
-        effects
     }
 
     /// Adds an effect.
@@ -71,5 +86,24 @@ impl Effects {
     pub fn iter(&self) -> impl Iterator<Item = &(dyn Effect + 'static)> {
         let bending: &dyn Effect = &self.bending;
         std::iter::once(bending).chain(self.others.iter().map(|effect| &**effect))
+    }
+
+    /// sums ← sums + the patch's shares of the integrals that forces need, effect by effect.
+    pub fn add_integrals(&mut self, patch: &Patch<'_>, at: &Sample, sums: &mut Vec<f64>) {
+        sums.resize(1 + self.others.len(), 0.0);
+        for (effect, sum) in self.iter_mut().zip(sums) {
+            if effect.needs_integrals() {
+                *sum += effect.integral(patch, at);
+            }
+        }
+    }
+
+    /// Tells the effects whose forces need them the integrals at φⁿ and at φ.
+    pub fn set_integrals(&mut self, old: &[f64], new: &[f64]) {
+        for (effect, (old, new)) in self.iter_mut().zip(old.iter().zip(new)) {
+            if effect.needs_integrals() {
+                effect.set_integrals(*old, *new);
+            }
+        }
     }
 }

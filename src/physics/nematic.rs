@@ -5,9 +5,9 @@ use super::potentials::{
     INSIDE_CONVEXITY, inside, inside_majorant, unit_length_penalty, unit_length_penalty_slope,
 };
 use super::{
-    DirectorForm, DirectorSample, Effect, MembraneForce, MembraneLinearisation, NamedValue, Sample,
+    DirectorForm, DirectorSample, Effect, MembraneForce, MembraneLinearisation, Sample, Terms,
 };
-use crate::fem::Space;
+use crate::fem::{Patch, Space};
 use crate::scene::{self, Iteration};
 
 /// The nematic energy.
@@ -30,18 +30,19 @@ impl Nematic {
             weight: nematic.weight,
             stiffness: (nematic.penalty * nematic.penalty).recip(),
             density: vec![0.0; space.points()],
-            points: vec![0.0; space.points()],
-            elements: vec![0.0; space.elements()],
+            points: Vec::new(),
+            elements: Vec::new(),
         }
     }
 
     /// out ← λ_nem (½|∇d|² + P(d)) at the points.
-    fn density_of(&mut self, space: &Space, director: &DirectorSample, out: &mut [f64]) {
+    fn density_of(&mut self, patch: &Patch<'_>, director: &DirectorSample, out: &mut [f64]) {
+        self.elements.resize(patch.elements(), 0.0);
         let [along_x, along_y] = &director.gradients;
         for (square, (x, y)) in self.elements.iter_mut().zip(along_x.iter().zip(along_y)) {
             *square = 0.5 * self.weight * (x[0] * x[0] + x[1] * x[1] + y[0] * y[0] + y[1] * y[1]);
         }
-        space.from_elements(&self.elements, out);
+        patch.from_elements(&self.elements, out);
         let scale = self.weight * self.stiffness;
         let [x, y] = &director.values;
         let terms = out.iter_mut().zip(x.iter().zip(y));
@@ -50,6 +51,7 @@ impl Nematic {
 
     /// points ← λ_nem I(φ).
     fn fill_inside(&mut self, phi: &[f64]) {
+        self.points.resize(phi.len(), 0.0);
         let terms = self.points.iter_mut().zip(phi);
         terms.for_each(|(weight, phi)| *weight = self.weight * inside(*phi));
     }
@@ -60,26 +62,28 @@ impl Effect for Nematic {
         "nematic"
     }
 
-    fn energy(&mut self, space: &Space, at: &Sample) -> f64 {
+    fn integral(&mut self, patch: &Patch<'_>, at: &Sample) -> f64 {
         let Some(director) = &at.director else {
             return 0.0;
         };
         let mut density = std::mem::take(&mut self.points);
-        self.density_of(space, director, &mut density);
+        density.resize(patch.points(), 0.0);
+        self.density_of(patch, director, &mut density);
         let terms = density.iter_mut().zip(&at.phi);
         terms.for_each(|(density, phi)| *density *= inside(*phi));
-        let energy = space.integrate(&density);
+        let energy = patch.integrate(&density);
         self.points = density;
         energy
     }
 
     /// λ_nem [(I(φⁿ) ∇d, ∇e) + (I(φⁿ) p_Δt, e)] with p_Δt = p̃(dⁿ) + (1/η_d²)(d − dⁿ) (3.33).
-    fn add_director_force(&mut self, space: &Space, old: &Sample, form: &mut DirectorForm) {
+    fn add_director_force(&mut self, patch: &Patch<'_>, old: &Sample, form: &mut DirectorForm) {
         let Some(director) = &old.director else {
             return;
         };
         self.fill_inside(&old.phi);
-        space.element_means(&self.points, &mut self.elements);
+        self.elements.resize(patch.elements(), 0.0);
+        patch.element_means(&self.points, &mut self.elements);
         for axis in 0..2 {
             let gradients = self.elements.iter().zip(&director.gradients[axis]);
             for (flux, (weight, gradient)) in form.flux[axis].iter_mut().zip(gradients) {
@@ -102,10 +106,10 @@ impl Effect for Nematic {
         });
     }
 
-    fn begin_membrane(&mut self, space: &Space, _old: &Sample, new: &Sample) {
+    fn begin_membrane(&mut self, patch: &Patch<'_>, _old: &Sample, new: &Sample) {
         if let Some(director) = &new.director {
             let mut density = std::mem::take(&mut self.density);
-            self.density_of(space, director, &mut density);
+            self.density_of(patch, director, &mut density[patch.point_range()]);
             self.density = density;
         }
     }
@@ -113,12 +117,13 @@ impl Effect for Nematic {
     /// λ_nem (i_Δt (½|∇d|² + P(d)), ψ).
     fn add_membrane_force(
         &mut self,
-        _space: &Space,
+        patch: &Patch<'_>,
         old: &Sample,
         new: &Sample,
         force: &mut MembraneForce,
     ) {
-        let values = self.density.iter().zip(new.phi.iter().zip(&old.phi));
+        let density = &self.density[patch.point_range()];
+        let values = density.iter().zip(new.phi.iter().zip(&old.phi));
         let terms = force.load.iter_mut().zip(values);
         terms.for_each(|(load, (density, (new, old)))| {
             *load += density * inside_majorant(*new, *old);
@@ -127,31 +132,33 @@ impl Effect for Nematic {
 
     fn add_membrane_linearisation(
         &mut self,
-        _space: &Space,
+        patch: &Patch<'_>,
         _old: &Sample,
         _new: &Sample,
         _iteration: Iteration,
         linearisation: &mut MembraneLinearisation,
     ) {
-        for (reaction, density) in linearisation.reaction.iter_mut().zip(&self.density) {
+        let density = &self.density[patch.point_range()];
+        for (reaction, density) in linearisation.reaction.iter_mut().zip(density) {
             *reaction += INSIDE_CONVEXITY * density;
         }
     }
 
     /// Δt ND_elast = λ_nem/2 ∫ I(φⁿ)|∇δ|², Δt ND_penal = λ_nem ∫ I(φⁿ)(p_Δt·δ − P(d) + P(dⁿ)) and
     /// Δt ND_interp = λ_nem ∫ (½|∇d|² + P(d))(i_Δt (φ − φⁿ) − I(φ) + I(φⁿ)), with δ = d − dⁿ.
-    fn dissipation(
+    fn add_dissipation(
         &mut self,
-        space: &Space,
+        patch: &Patch<'_>,
         old: &Sample,
         new: &Sample,
-        terms: &mut Vec<NamedValue>,
+        terms: &mut Terms,
     ) {
         let (Some(old_director), Some(new_director)) = (&old.director, &new.director) else {
             return;
         };
         self.fill_inside(&old.phi);
-        space.element_means(&self.points, &mut self.elements);
+        self.elements.resize(patch.elements(), 0.0);
+        patch.element_means(&self.points, &mut self.elements);
         for (triangle, weight) in self.elements.iter_mut().enumerate() {
             let square: f64 = (0..2)
                 .map(|axis| {
@@ -162,10 +169,7 @@ impl Effect for Nematic {
                 .sum();
             *weight *= 0.5 * square;
         }
-        terms.push(NamedValue {
-            name: "ND_elast",
-            value: space.integrate_elements(&self.elements),
-        });
+        terms.add("ND_elast", patch.integrate_elements(&self.elements));
 
         let ([x, y], [new_x, new_y]) = (&old_director.values, &new_director.values);
         let values = x.iter().zip(y).zip(new_x.iter().zip(new_y));
@@ -178,20 +182,15 @@ impl Effect for Nematic {
             let change = unit_length_penalty(after) - unit_length_penalty(before);
             *weight *= self.stiffness * (work - change);
         });
-        terms.push(NamedValue {
-            name: "ND_penal",
-            value: space.integrate(&self.points),
-        });
+        terms.add("ND_penal", patch.integrate(&self.points));
 
-        let values = self.density.iter().zip(new.phi.iter().zip(&old.phi));
+        let density = &self.density[patch.point_range()];
+        let values = density.iter().zip(new.phi.iter().zip(&old.phi));
         let points = self.points.iter_mut().zip(values);
         points.for_each(|(term, (density, (new, old)))| {
             let change = inside(*new) - inside(*old);
             *term = density * (inside_majorant(*new, *old) * (new - old) - change);
         });
-        terms.push(NamedValue {
-            name: "ND_interp",
-            value: space.integrate(&self.points),
-        });
+        terms.add("ND_interp", patch.integrate(&self.points));
     }
 }

@@ -1,9 +1,10 @@
-//! A state of the fields as the effects see it: at the quadrature points and on the triangles.
+//! A state of the fields as the effects see it: on one patch, at the quadrature points and on the
+//! triangles.
 
-use crate::fem::Space;
+use crate::fem::Patch;
 
-/// φ, ω and d, sampled. Refilled in place, never reallocated.
-#[derive(Debug, Clone)]
+/// φ, ω and d on a patch. Refilled in place: once it has seen the largest patch, nothing is allocated.
+#[derive(Debug, Clone, Default)]
 pub struct Sample {
     /// φ at the points.
     pub phi: Vec<f64>,
@@ -17,10 +18,10 @@ pub struct Sample {
     pub director: Option<DirectorSample>,
 }
 
-/// d, sampled: component by component.
-#[derive(Debug, Clone)]
+/// d on a patch: component by component.
+#[derive(Debug, Clone, Default)]
 pub struct DirectorSample {
-    /// d_x and d_y at the nodes.
+    /// d_x and d_y at the nodes of the whole space: what a mean of squares is made from.
     pub nodal: [Vec<f64>; 2],
     /// d_x and d_y at the points.
     pub values: [Vec<f64>; 2],
@@ -29,43 +30,57 @@ pub struct DirectorSample {
 }
 
 impl Sample {
-    /// Zero fields on a space.
-    pub fn new(space: &Space, with_director: bool) -> Self {
-        let points = || vec![0.0; space.points()];
-        let gradients = || vec![[0.0; 2]; space.elements()];
+    /// Of fields that are not known yet.
+    pub fn new(with_director: bool) -> Self {
         Self {
-            phi: points(),
-            omega: points(),
-            phi_gradient: gradients(),
-            omega_gradient: gradients(),
-            director: with_director.then(|| DirectorSample {
-                nodal: [vec![0.0; space.nodes()], vec![0.0; space.nodes()]],
-                values: [points(), points()],
-                gradients: [gradients(), gradients()],
-            }),
+            director: with_director.then(DirectorSample::default),
+            ..Self::default()
+        }
+    }
+
+    /// To be called before the fields of another patch are sampled. Where debug assertions are on, as
+    /// in tests, what is not sampled then is empty; elsewhere emptying it would cost a tenth of a step.
+    pub fn begin(&mut self) {
+        if !cfg!(debug_assertions) {
+            return;
+        }
+        self.phi.clear();
+        self.omega.clear();
+        self.phi_gradient.clear();
+        self.omega_gradient.clear();
+        if let Some(director) = &mut self.director {
+            director.values.iter_mut().for_each(Vec::clear);
+            director.gradients.iter_mut().for_each(Vec::clear);
         }
     }
 
     /// Samples nodal values of φ.
-    pub fn set_phi(&mut self, space: &Space, phi: &[f64]) {
-        space.interpolate(phi, &mut self.phi);
-        space.gradient(phi, &mut self.phi_gradient);
+    pub fn set_phi(&mut self, patch: &Patch<'_>, phi: &[f64]) {
+        fill(patch, phi, &mut self.phi, &mut self.phi_gradient);
     }
 
     /// Samples nodal values of ω.
-    pub fn set_omega(&mut self, space: &Space, omega: &[f64]) {
-        space.interpolate(omega, &mut self.omega);
-        space.gradient(omega, &mut self.omega_gradient);
+    pub fn set_omega(&mut self, patch: &Patch<'_>, omega: &[f64]) {
+        fill(patch, omega, &mut self.omega, &mut self.omega_gradient);
     }
 
-    /// Samples nodal values of d, where the sample has a director.
-    pub fn set_director(&mut self, space: &Space, director: &[Vec<f64>; 2]) {
+    /// Samples nodal values of d, where the sample has a director. The patches of a space are to
+    /// come in order, for the nodes are taken with the first one.
+    pub fn set_director(&mut self, patch: &Patch<'_>, director: &[Vec<f64>; 2]) {
         if let Some(sample) = &mut self.director {
             for (axis, component) in director.iter().enumerate() {
-                sample.nodal[axis].copy_from_slice(component);
-                space.interpolate(component, &mut sample.values[axis]);
-                space.gradient(component, &mut sample.gradients[axis]);
+                if patch.is_first() {
+                    component.clone_into(&mut sample.nodal[axis]);
+                }
+                let (values, gradients) = (&mut sample.values[axis], &mut sample.gradients[axis]);
+                fill(patch, component, values, gradients);
             }
         }
     }
+}
+
+fn fill(patch: &Patch<'_>, nodal: &[f64], points: &mut Vec<f64>, gradients: &mut Vec<[f64; 2]>) {
+    points.resize(patch.points(), 0.0);
+    gradients.resize(patch.elements(), [0.0; 2]);
+    patch.sample(nodal, points, gradients);
 }

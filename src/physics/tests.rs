@@ -47,13 +47,14 @@ fn pair(rule: Rule, step: f64, director_size: f64) -> Pair {
             .map(|(d, change)| d + change)
             .collect()
     });
-    let mut samples = [Sample::new(&space, true), Sample::new(&space, true)];
+    let mut samples = [Sample::new(true), Sample::new(true)];
     let omega = [wave(&space, 0.9, 30.0), wave(&space, 0.8, 31.0)];
     let (phi, director) = ([phi, moved], [director, turned]);
+    let patch = space.whole();
     for (index, sample) in samples.iter_mut().enumerate() {
-        sample.set_phi(&space, &phi[index]);
-        sample.set_omega(&space, &omega[index]);
-        sample.set_director(&space, &director[index]);
+        sample.set_phi(&patch, &phi[index]);
+        sample.set_omega(&patch, &omega[index]);
+        sample.set_director(&patch, &director[index]);
     }
     Pair {
         space,
@@ -61,6 +62,44 @@ fn pair(rule: Rule, step: f64, director_size: f64) -> Pair {
         director,
         samples,
     }
+}
+
+/// A state of which an effect may see these fields only.
+fn only(sample: &Sample, omega: bool, director: bool) -> Sample {
+    let mut seen = sample.clone();
+    if !omega {
+        seen.omega.clear();
+        seen.omega_gradient.clear();
+    }
+    if !director {
+        seen.director = Some(DirectorSample::default());
+    }
+    seen
+}
+
+/// The energy of a state.
+fn energy(effect: &mut dyn Effect, space: &Space, at: &Sample) -> f64 {
+    let integral = effect.integral(&space.whole(), at);
+    effect.energy(integral)
+}
+
+/// Tells an effect the integrals that its force needs.
+fn set_integrals(effect: &mut dyn Effect, space: &Space, [old, new]: [&Sample; 2]) {
+    if effect.needs_integrals() {
+        let [old, new] = [old, new].map(|at| {
+            let at = only(at, false, false);
+            effect.integral(&space.whole(), &at)
+        });
+        effect.set_integrals(old, new);
+    }
+}
+
+fn begin_membrane(effect: &mut dyn Effect, space: &Space, old: &Sample, new: &Sample) {
+    let director_alone = Sample {
+        director: new.director.clone(),
+        ..Sample::default()
+    };
+    effect.begin_membrane(&space.whole(), &only(old, false, false), &director_alone);
 }
 
 /// The effects other than bending, on the old state of a pair.
@@ -77,7 +116,12 @@ fn effects(pair: &Pair) -> Vec<Box<dyn Effect>> {
         initial: scene::InitialDirector::Uniform([0.0, 1.0]),
     };
     let mut effects: Vec<Box<dyn Effect>> = vec![
-        Box::new(Area::new(&area, 0.1, space, &pair.samples[0])),
+        Box::new(Area::new(
+            &area,
+            0.1,
+            surface_area(space, &pair.phi[0], 0.1),
+            space,
+        )),
         Box::new(Nematic::new(&nematic, space)),
     ];
     for kind in [AnchoringKind::Parallel, AnchoringKind::Homeotropic] {
@@ -88,11 +132,14 @@ fn effects(pair: &Pair) -> Vec<Box<dyn Effect>> {
 }
 
 fn membrane_load(effect: &mut dyn Effect, space: &Space, old: &Sample, new: &Sample) -> Vec<f64> {
-    let mut force = MembraneForce::new(space);
-    effect.add_membrane_force(space, old, new, &mut force);
+    let patch = space.whole();
+    let mut force = MembraneForce::default();
+    force.clear(&patch);
+    set_integrals(effect, space, [old, new]);
+    let seen = [only(old, false, false), only(new, true, false)];
+    effect.add_membrane_force(&patch, &seen[0], &seen[1], &mut force);
     let mut load = vec![0.0; space.nodes()];
-    space.add_flux(&force.flux, &mut load);
-    space.add_load(&force.load, &mut load);
+    patch.add_load(&force.load, &force.flux, &mut load);
     load
 }
 
@@ -104,12 +151,21 @@ fn director_load(
     axis: usize,
 ) -> Vec<f64> {
     let mut load = vec![0.0; space.nodes()];
-    space.add_flux(&form.flux[axis], &mut load);
-    space.add_load(&form.load[axis], &mut load);
+    let patch = space.whole();
+    patch.add_load(&form.load[axis], &form.flux[axis], &mut load);
     for (other, component) in director.iter().enumerate() {
-        space.add_element_product(&form.tensor[axis + other], component, &mut load);
+        patch.add_element_product(&form.tensor[axis + other], component, &mut load);
     }
     load
+}
+
+/// The director force of an effect at a state.
+fn director_form(effect: &mut dyn Effect, space: &Space, at: &Sample) -> DirectorForm {
+    let patch = space.whole();
+    let mut form = DirectorForm::default();
+    form.clear(&patch);
+    effect.add_director_force(&patch, &only(at, false, true), &mut form);
+    form
 }
 
 /// ⟨f_d, δ⟩ of a director form, f_d taken at the new director.
@@ -120,18 +176,15 @@ fn director_work(form: &DirectorForm, pair: &Pair) -> f64 {
         nodes.map(|(new, old)| new - old).collect()
     });
     let mut work = 0.0;
+    let patch = space.whole();
     let mut matrix = crate::linalg::SparseMatrix::zeros(space.assembly().pattern.clone());
-    space
-        .assembly()
-        .add_weighted_stiffness(space.mesh(), &form.stiffness, &mut matrix.values);
-    let mut reaction = space.new_form();
+    let weights: Vec<[f64; 3]> = form.stiffness.iter().map(|w| [*w, 0.0, *w]).collect();
+    patch.add_mass_and_stiffness(&form.reaction, &weights, &mut matrix.values);
     for axis in 0..2 {
         let mut load = director_load(form, space, &pair.director[0], axis);
         matrix.multiply_add(1.0, &step[axis], &mut load);
-        space.assemble_mass(&form.reaction, &mut reaction);
-        reaction.multiply_add(1.0, &step[axis], &mut load);
         for (other, component) in step.iter().enumerate() {
-            space.add_element_product(&form.tensor[axis + other], component, &mut load);
+            patch.add_element_product(&form.tensor[axis + other], component, &mut load);
         }
         work += crate::linalg::vector::dot(&load, &step[axis]);
     }
@@ -152,21 +205,18 @@ fn every_effect_closes_its_share_of_the_energy_law() {
             let pair = pair(rule, step, director_size);
             let [old, new] = &pair.samples;
             for effect in &mut effects(&pair) {
-                let mut form = DirectorForm::new(&pair.space);
-                effect.add_director_force(&pair.space, old, &mut form);
-                effect.begin_membrane(&pair.space, old, new);
-                let load = membrane_load(&mut **effect, &pair.space, old, new);
-                let mut terms = Vec::new();
-                effect.dissipation(&pair.space, old, new, &mut terms);
-                let (before, after) = (
-                    effect.energy(&pair.space, old),
-                    effect.energy(&pair.space, new),
-                );
+                let effect = &mut **effect;
+                let form = director_form(effect, &pair.space, old);
+                begin_membrane(effect, &pair.space, old, new);
+                let load = membrane_load(effect, &pair.space, old, new);
+                let mut terms = Terms::default();
+                effect.add_dissipation(&pair.space.whole(), old, new, &mut terms);
+                let [before, after] = [old, new].map(|at| energy(effect, &pair.space, at));
                 let scale = before.abs() + after.abs();
-                for term in &terms {
+                for term in terms.values() {
                     assert!(term.value >= -1e-14 * scale, "{} {term:?}", effect.name());
                 }
-                let dissipated: f64 = terms.iter().map(|term| term.value).sum();
+                let dissipated: f64 = terms.values().iter().map(|term| term.value).sum();
                 let defect = (after - before)
                     - (director_work(&form, &pair) + work(&load, &pair) - dissipated);
                 assert!(
@@ -191,20 +241,20 @@ fn a_force_is_the_gradient_of_the_energy() {
         let space = &pair.space;
         let at = &pair.samples[0];
         for effect in &mut effects(&pair) {
-            effect.begin_membrane(space, at, at);
-            let load = membrane_load(&mut **effect, space, at, at);
-            let mut form = DirectorForm::new(space);
-            effect.add_director_force(space, at, &mut form);
+            let effect = &mut **effect;
+            begin_membrane(effect, space, at, at);
+            let load = membrane_load(effect, space, at, at);
+            let form = director_form(effect, space, at);
             let scale = load.iter().fold(0.0_f64, |largest, f| largest.max(f.abs()));
             for node in [10, 24, 33] {
                 let h = 1e-6;
-                let mut energy = |shift: f64| {
+                let mut shifted = |shift: f64| {
                     let (mut phi, mut sample) = (pair.phi[0].clone(), at.clone());
                     phi[node] += shift;
-                    sample.set_phi(space, &phi);
-                    effect.energy(space, &sample)
+                    sample.set_phi(&space.whole(), &phi);
+                    energy(effect, space, &sample)
                 };
-                let slope = (energy(h) - energy(-h)) / (2.0 * h);
+                let slope = (shifted(h) - shifted(-h)) / (2.0 * h);
                 assert!(
                     (slope - load[node]).abs() < 1e-6 * (1.0 + scale),
                     "{}",
@@ -212,13 +262,13 @@ fn a_force_is_the_gradient_of_the_energy() {
                 );
                 for axis in 0..2 {
                     let force = director_load(&form, space, &pair.director[0], axis);
-                    let mut energy = |shift: f64| {
+                    let mut shifted = |shift: f64| {
                         let (mut director, mut sample) = (pair.director[0].clone(), at.clone());
                         director[axis][node] += shift;
-                        sample.set_director(space, &director);
-                        effect.energy(space, &sample)
+                        sample.set_director(&space.whole(), &director);
+                        energy(effect, space, &sample)
                     };
-                    let slope = (energy(h) - energy(-h)) / (2.0 * h);
+                    let slope = (shifted(h) - shifted(-h)) / (2.0 * h);
                     assert!(
                         (slope - force[node]).abs() < 1e-6 * (1.0 + scale),
                         "{}",
@@ -239,17 +289,20 @@ fn linearised(
 ) -> Vec<f64> {
     let space = &pair.space;
     let [old, new] = &pair.samples;
-    let mut linearisation = MembraneLinearisation::new(space);
-    effect.add_membrane_linearisation(space, old, new, iteration, &mut linearisation);
+    let patch = space.whole();
+    let mut linearisation = MembraneLinearisation::default();
+    linearisation.clear(&patch);
+    set_integrals(effect, space, [old, new]);
+    let seen = [only(old, false, false), only(new, true, false)];
+    effect.add_membrane_linearisation(&patch, &seen[0], &seen[1], iteration, &mut linearisation);
     let mut matrix = crate::linalg::SparseMatrix::zeros(space.assembly().pattern.clone());
-    space
-        .assembly()
-        .add_stiffness(space.mesh(), &linearisation.tensor, &mut matrix.values);
+    patch.add_mass_and_stiffness(
+        &linearisation.reaction,
+        &linearisation.tensor,
+        &mut matrix.values,
+    );
     let mut product = vec![0.0; space.nodes()];
     matrix.multiply(direction, &mut product);
-    let mut reaction = space.new_form();
-    space.assemble_mass(&linearisation.reaction, &mut reaction);
-    reaction.multiply_add(1.0, direction, &mut product);
     if let Some(rank_one) = effect.rank_one() {
         let along = rank_one.scale * crate::linalg::vector::dot(&rank_one.row, direction);
         crate::linalg::vector::add_scaled(&mut product, along, &rank_one.column);
@@ -272,7 +325,7 @@ fn a_linearisation_is_the_derivative_of_the_force() {
         all.push(Box::new(Bending::new(&membrane, space)));
         let direction = wave(space, 0.123, 1.0);
         for effect in &mut all {
-            effect.begin_membrane(space, old, new);
+            begin_membrane(&mut **effect, space, old, new);
             let h = 1e-5;
             let mut shifted = |shift: f64| {
                 let mut sample = new.clone();
@@ -281,7 +334,7 @@ fn a_linearisation_is_the_derivative_of_the_force() {
                     .zip(&direction)
                     .map(|(phi, d)| phi + shift * d)
                     .collect();
-                sample.set_phi(space, &phi);
+                sample.set_phi(&space.whole(), &phi);
                 membrane_load(&mut **effect, space, old, &sample)
             };
             let (forward, backward) = (shifted(h), shifted(-h));
@@ -312,21 +365,19 @@ fn bending_closes_its_share_and_the_misprint_does_not() {
             let mut bending = Bending::new(&membrane, &pair.space);
             for sample in &mut pair.samples {
                 let mut load = vec![0.0; pair.space.nodes()];
-                bending.omega_load(&pair.space, sample, &mut load);
+                bending.add_omega_load(&pair.space.whole(), sample, &mut load);
                 let mut omega = vec![0.0; load.len()];
                 MassInverse::new(&pair.space).solve(&pair.space, &load, &mut omega, 1e-15);
-                sample.set_omega(&pair.space, &omega);
+                sample.set_omega(&pair.space.whole(), &omega);
             }
             let [old, new] = &pair.samples;
             let defect = |bending: &mut Bending| {
                 let load = membrane_load(bending, &pair.space, old, new);
-                let mut terms = Vec::new();
-                bending.dissipation(&pair.space, old, new, &mut terms);
-                let (before, after) = (
-                    bending.energy(&pair.space, old),
-                    bending.energy(&pair.space, new),
-                );
-                ((after - before) - work(&load, &pair) + terms[0].value).abs() / (before + after)
+                let mut terms = Terms::default();
+                bending.add_dissipation(&pair.space.whole(), old, new, &mut terms);
+                let [before, after] = [old, new].map(|at| energy(bending, &pair.space, at));
+                let dissipated = terms.values()[0].value;
+                ((after - before) - work(&load, &pair) + dissipated).abs() / (before + after)
             };
             assert!(defect(&mut bending) < 1e-13, "{}", defect(&mut bending));
             bending.set_secant(|phi, old, curved| {

@@ -225,8 +225,7 @@ mod tests {
             law_residual: 0.0,
             newton: 2,
             krylov: 20,
-            ledger: vec![],
-            outline: None,
+            ..Report::default()
         }
     }
 

@@ -31,8 +31,8 @@ mod number;
 mod read;
 mod recorder;
 mod scene_file;
-mod schedule;
 mod source;
+mod states;
 mod summary;
 mod table;
 mod vtu;
@@ -43,12 +43,14 @@ pub use error::RecordError;
 pub(crate) use folder::make as make_folder;
 pub use folder::{IfOccupied, RunFolder};
 pub use history::HISTORY_COLUMNS;
-pub use number::Number;
+pub use number::{Brief, Number};
 pub use read::{
     ReadError, RecordedFields, RecordedRun, StoredFields, WrongArray, read_fields, read_run,
 };
 pub use recorder::{Preparation, Recorder, Settings};
-pub use schedule::{Schedule, step_count};
+
+pub use crate::simulation::{Schedule, step_count};
 pub use source::{LoadError, LoadedScene, load_scene};
+pub use states::write_states;
 pub use summary::{Ending, EventRecord, OutlineChange, OutlineRecord, RunSummary, Status};
 pub use vtu::{write_fields, write_series};

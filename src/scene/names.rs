@@ -43,3 +43,16 @@ pub(super) fn name_of<T: PartialEq>(names: &Names<T>, value: T) -> &'static str 
         .find(|(_, meant)| *meant == value)
         .map_or("", |(name, _)| name)
 }
+
+impl AnchoringKind {
+    /// The word for it in a scene.
+    pub fn name(self) -> &'static str {
+        name_of(ANCHORINGS, self)
+    }
+}
+
+impl std::fmt::Display for AnchoringKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}

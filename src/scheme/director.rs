@@ -17,7 +17,6 @@ pub(super) struct DirectorStep {
     mobility: f64,
     form: DirectorForm,
     system: System,
-    reaction: MassForm,
     load: Vec<f64>,
     inverse_diagonal: Vec<f64>,
     /// δ of this step.
@@ -55,13 +54,12 @@ impl DirectorStep {
         let size = 2 * space.nodes();
         Self {
             mobility,
-            form: DirectorForm::new(space),
+            form: DirectorForm::default(),
             system: System {
                 blocks: [matrix(), matrix()],
                 coupling: space.new_form(),
                 coupled: false,
             },
-            reaction: space.new_form(),
             load: vec![0.0; size],
             inverse_diagonal: vec![0.0; size],
             increment: vec![0.0; size],
@@ -103,30 +101,13 @@ impl DirectorStep {
         &mut self,
         space: &Space,
         effects: &mut Effects,
-        old: &Sample,
+        old: &mut Sample,
         (dt, tolerance): (f64, f64),
-        from: &[Vec<f64>; 2],
+        (phi, from): (&[f64], &[Vec<f64>; 2]),
         to: &mut [Vec<f64>; 2],
     ) -> Result<u32, StepError> {
-        self.form.clear();
-        for effect in effects.iter_mut() {
-            effect.add_director_force(space, old, &mut self.form);
-        }
-        self.assemble(space, dt);
+        self.assemble(space, effects, old, dt, (phi, from));
         self.guess();
-        let nodes = space.nodes();
-        let (load_x, load_y) = self.load.split_at_mut(nodes);
-        for (axis, load) in [load_x, load_y].into_iter().enumerate() {
-            load.fill(0.0);
-            space.add_flux(&self.form.flux[axis], load);
-            space.add_load(&self.form.load[axis], load);
-            if self.form.has_tensor {
-                for (other, component) in from.iter().enumerate() {
-                    space.add_element_product(&self.form.tensor[axis + other], component, load);
-                }
-            }
-            load.iter_mut().for_each(|entry| *entry = -*entry);
-        }
         let solution = self
             .method
             .solve(
@@ -138,6 +119,7 @@ impl DirectorStep {
                 LIMIT,
             )
             .map_err(StepError::Director)?;
+        let nodes = space.nodes();
         for axis in 0..2 {
             let increment = &self.increment[axis * nodes..][..nodes];
             for ((to, from), step) in to[axis].iter_mut().zip(&from[axis]).zip(increment) {
@@ -147,37 +129,62 @@ impl DirectorStep {
         Ok(solution.iterations as u32)
     }
 
-    fn assemble(&mut self, space: &Space, dt: f64) {
-        let assembly = space.assembly();
-        let [x_block, y_block] = &mut self.system.blocks;
-        x_block.values.fill(0.0);
-        assembly.add_weighted_stiffness(space.mesh(), &self.form.stiffness, &mut x_block.values);
-        let inertia = (self.mobility * dt).recip();
-        space
-            .mass()
-            .add_to(inertia, &assembly.diagonal, &mut x_block.values);
-        space.assemble_mass(&self.form.reaction, &mut self.reaction);
-        self.reaction
-            .add_to(1.0, &assembly.diagonal, &mut x_block.values);
-        y_block.values.copy_from_slice(&x_block.values);
-        let [xx, xy, yy] = &self.form.tensor;
-        if self.form.has_tensor {
-            for (block, tensor) in [(x_block, xx), (y_block, yy)] {
-                self.reaction.clear();
-                space.add_element_mass(tensor, &mut self.reaction);
-                self.reaction
-                    .add_to(1.0, &assembly.diagonal, &mut block.values);
-            }
-        }
-        self.system.coupled = self.form.has_tensor;
-        if self.system.coupled {
-            self.system.coupling.clear();
-            space.add_element_mass(xy, &mut self.system.coupling);
-        }
+    /// The matrix, and minus the force at dⁿ.
+    fn assemble(
+        &mut self,
+        space: &Space,
+        effects: &mut Effects,
+        old: &mut Sample,
+        dt: f64,
+        (phi, director): (&[f64], &[Vec<f64>; 2]),
+    ) {
         let nodes = space.nodes();
+        let inertia = (self.mobility * dt).recip();
+        let [x_block, y_block] = &mut self.system.blocks;
+        let blocks = [&mut x_block.values[..], &mut y_block.values[..]];
+        let coupling = &mut self.system.coupling;
+        for block in blocks {
+            block.fill(0.0);
+            space
+                .mass()
+                .add_to(inertia, &space.assembly().diagonal, block);
+        }
+        coupling.clear();
+        self.system.coupled = false;
+        self.load.fill(0.0);
+        let (load_x, load_y) = self.load.split_at_mut(nodes);
+        let form = &mut self.form;
+        for patch in space.patches() {
+            old.begin();
+            old.set_phi(&patch, phi);
+            old.set_director(&patch, director);
+            form.clear(&patch);
+            for effect in effects.iter_mut() {
+                effect.add_director_force(&patch, old, form);
+            }
+            let tensor = form
+                .has_tensor
+                .then(|| form.tensor.each_ref().map(|entries| &entries[..]));
+            for (axis, load) in [&mut *load_x, &mut *load_y].into_iter().enumerate() {
+                patch.add_load(&form.load[axis], &form.flux[axis], load);
+                if let Some(tensor) = tensor {
+                    for (other, component) in director.iter().enumerate() {
+                        patch.add_element_product(tensor[axis + other], component, load);
+                    }
+                }
+            }
+            patch.add_coupled(
+                (&form.stiffness, &form.reaction),
+                tensor,
+                [&mut x_block.values, &mut y_block.values],
+                coupling,
+            );
+            self.system.coupled |= form.has_tensor;
+        }
+        self.load.iter_mut().for_each(|entry| *entry = -*entry);
         for (axis, block) in self.system.blocks.iter().enumerate() {
             let inverse = &mut self.inverse_diagonal[axis * nodes..][..nodes];
-            for (inverse, &position) in inverse.iter_mut().zip(&assembly.diagonal) {
+            for (inverse, &position) in inverse.iter_mut().zip(&space.assembly().diagonal) {
                 *inverse = block.values[position as usize].recip();
             }
         }

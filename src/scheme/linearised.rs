@@ -26,7 +26,6 @@ pub(super) struct Linearised {
     pub(super) rank_one: Vec<RankOne>,
     form: MembraneLinearisation,
     coefficient: Vec<f64>,
-    mass: crate::fem::MassForm,
 }
 
 impl Linearised {
@@ -37,48 +36,49 @@ impl Linearised {
             secant: matrix(),
             local: matrix(),
             rank_one: Vec::new(),
-            form: MembraneLinearisation::new(space),
-            coefficient: vec![0.0; space.points()],
-            mass: space.new_form(),
+            form: MembraneLinearisation::default(),
+            coefficient: Vec::new(),
         }
     }
 
-    /// Assembles everything at `new`.
+    /// Assembles everything at φ and ω, from φⁿ.
     pub(super) fn assemble(
         &mut self,
         space: &Space,
         effects: &mut Effects,
-        old: &Sample,
-        new: &Sample,
+        [old, new]: [&mut Sample; 2],
+        [phi_old, phi, omega]: [&[f64]; 3],
         iteration: Iteration,
     ) {
-        let diagonal = &space.assembly().diagonal;
         let stiffness = &space.stiffness().values;
         let width = effects.bending.interface_width();
-
-        effects.bending.tangent(new, &mut self.coefficient);
-        space.assemble_mass(&self.coefficient, &mut self.mass);
         self.tangent.values.copy_from_slice(stiffness);
-        self.mass
-            .add_to(width.recip(), diagonal, &mut self.tangent.values);
-
-        effects.bending.secant(old, new, &mut self.coefficient);
-        space.assemble_mass(&self.coefficient, &mut self.mass);
         for (entry, k) in self.secant.values.iter_mut().zip(stiffness) {
             *entry = width * k;
         }
-        self.mass.add_to(1.0, diagonal, &mut self.secant.values);
-
-        self.form.clear();
-        for effect in effects.iter_mut() {
-            effect.add_membrane_linearisation(space, old, new, iteration, &mut self.form);
-        }
         self.local.values.fill(0.0);
-        space
-            .assembly()
-            .add_stiffness(space.mesh(), &self.form.tensor, &mut self.local.values);
-        space.assemble_mass(&self.form.reaction, &mut self.mass);
-        self.mass.add_to(1.0, diagonal, &mut self.local.values);
+        for patch in space.patches() {
+            old.begin();
+            old.set_phi(&patch, phi_old);
+            new.begin();
+            new.set_phi(&patch, phi);
+            new.set_omega(&patch, omega);
+
+            let coefficient = &mut self.coefficient;
+            effects.bending.tangent(&patch, new, coefficient);
+            coefficient.iter_mut().for_each(|entry| *entry /= width);
+            patch.add_mass(coefficient, &mut self.tangent.values);
+
+            effects.bending.secant(&patch, old, new, coefficient);
+            patch.add_mass(coefficient, &mut self.secant.values);
+
+            let form = &mut self.form;
+            form.clear(&patch);
+            for effect in effects.iter_mut() {
+                effect.add_membrane_linearisation(&patch, old, new, iteration, form);
+            }
+            patch.add_mass_and_stiffness(&form.reaction, &form.tensor, &mut self.local.values);
+        }
 
         let mut used = 0;
         for term in effects.iter().filter_map(|effect| effect.rank_one()) {

@@ -7,7 +7,7 @@
 //! With the clamped boundary there is no second equation at the wall, μ is an unknown of its own and
 //! the residual is (r₁, r₂).
 
-use crate::fem::{MassInverse, Space};
+use crate::fem::{Grid, MassInverse, Space};
 use crate::linalg::{Gmres, LinalgError, LinearOperator, vector};
 use crate::physics::{Effects, MembraneForce, Sample};
 use crate::scene::Iteration;
@@ -15,7 +15,7 @@ use crate::scene::Iteration;
 use super::factored::{FactoredPreconditioner, ThreeFieldOperator};
 use super::linearised::Linearised;
 use super::transform::{BulkPreconditioner, ReducedOperator};
-use super::{State, StepError};
+use super::{Phase, State, StepError};
 
 /// What the iteration may do.
 #[derive(Debug, Clone, Copy)]
@@ -63,6 +63,48 @@ enum Path {
     },
 }
 
+/// A way to solve the linear systems, with its vectors.
+#[derive(Debug)]
+struct LinearSolver {
+    path: Path,
+    gmres: Gmres,
+    right_side: Vec<f64>,
+    increment: Vec<f64>,
+}
+
+impl LinearSolver {
+    /// For so many unknowns.
+    fn new(path: Path, unknowns: usize) -> Self {
+        Self {
+            path,
+            gmres: Gmres::new(unknowns, RESTART),
+            right_side: vec![0.0; unknowns],
+            increment: vec![0.0; unknowns],
+        }
+    }
+
+    fn transform(space: &Space, grid: Grid) -> Self {
+        let vector = || vec![0.0; space.nodes()];
+        let path = Path::Transform {
+            preconditioner: Box::new(BulkPreconditioner::new(space, grid)),
+            scratch: [vector(), vector(), vector(), vector()],
+        };
+        Self::new(path, space.nodes())
+    }
+
+    fn factor(space: &Space, fixed: &[bool]) -> Result<Self, LinalgError> {
+        let preconditioner = Box::new(FactoredPreconditioner::new(space, fixed.to_vec())?);
+        Ok(Self::new(
+            Path::Factor { preconditioner },
+            3 * space.nodes(),
+        ))
+    }
+
+    fn is_transform(&self) -> bool {
+        matches!(self.path, Path::Transform { .. })
+    }
+}
+
 /// What a solved substep 2 took.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Work {
@@ -80,16 +122,17 @@ pub(super) struct MembraneStep {
     /// Nodes where φ is given (clamped boundary).
     fixed: Vec<bool>,
     clamped: bool,
-    path: Path,
+    linear: LinearSolver,
+    /// The other one, once both have been in use.
+    spare: Option<LinearSolver>,
     mass_inverse: MassInverse,
     linearised: Linearised,
     force: MembraneForce,
-    gmres: Gmres,
+    /// The integrals that forces need, at φⁿ and at the iterate.
+    integrals: [Vec<f64>; 2],
     /// r₁ and r₂; r₂ stays zero with the natural boundary.
     residual: [Vec<f64>; 2],
     load: Vec<f64>,
-    right_side: Vec<f64>,
-    increment: Vec<f64>,
     /// φ, ω, μ of the last iterate.
     last: [Vec<f64>; 3],
     scratch: Vec<f64>,
@@ -98,17 +141,34 @@ pub(super) struct MembraneStep {
     largest_eigenvalue: f64,
 }
 
+/// Room for the old and the new state on a patch.
+#[derive(Debug)]
+pub(super) struct Samples {
+    pub(super) old: Sample,
+    pub(super) new: Sample,
+}
+
+impl Samples {
+    pub(super) fn new(with_director: bool) -> Self {
+        Self {
+            old: Sample::new(with_director),
+            new: Sample::new(with_director),
+        }
+    }
+}
+
 /// The places of a step: what it starts from, where it goes.
 pub(super) struct Places<'a> {
     pub(super) space: &'a Space,
     pub(super) effects: &'a mut Effects,
-    pub(super) old: &'a Sample,
-    pub(super) new: &'a mut Sample,
+    pub(super) samples: &'a mut Samples,
     pub(super) from: &'a State,
     pub(super) to: &'a mut State,
     pub(super) dt: f64,
     /// S, the sum of the absolute energies.
     pub(super) energy_scale: f64,
+    /// Told of every phase that ends.
+    pub(super) watch: &'a mut dyn FnMut(Phase),
 }
 
 impl MembraneStep {
@@ -128,33 +188,22 @@ impl MembraneStep {
             .map(|on| clamped && *on)
             .collect();
         let vector = || vec![0.0; size];
-        let (path, unknowns) = match space.mesh().grid() {
-            Some(grid) if transform && !clamped => {
-                let preconditioner = Box::new(BulkPreconditioner::new(space, grid));
-                let scratch = [vector(), vector(), vector(), vector()];
-                (
-                    Path::Transform {
-                        preconditioner,
-                        scratch,
-                    },
-                    size,
-                )
-            }
-            _ => (Self::factor_path(space, &fixed)?, 3 * size),
+        let linear = match space.mesh().grid() {
+            Some(grid) if transform && !clamped => LinearSolver::transform(space, grid),
+            _ => LinearSolver::factor(space, &fixed)?,
         };
         Ok(Self {
             mobility,
             mass_tolerance: (MASS_ACCURACY * law_tolerance).clamp(1e-15, 1e-10),
             clamped,
-            path,
+            linear,
+            spare: None,
             mass_inverse: MassInverse::new(space),
             linearised: Linearised::new(space),
-            force: MembraneForce::new(space),
-            gmres: Gmres::new(unknowns, RESTART),
+            force: MembraneForce::default(),
+            integrals: [Vec::new(), Vec::new()],
             residual: [vector(), vector()],
             load: vector(),
-            right_side: vec![0.0; unknowns],
-            increment: vec![0.0; unknowns],
             last: [vector(), vector(), vector()],
             scratch: vector(),
             root_weights: space
@@ -172,27 +221,57 @@ impl MembraneStep {
         self.mobility
     }
 
-    fn factor_path(space: &Space, fixed: &[bool]) -> Result<Path, LinalgError> {
-        let preconditioner = Box::new(FactoredPreconditioner::new(space, fixed.to_vec())?);
-        Ok(Path::Factor { preconditioner })
-    }
-
     /// Whether the fast path is in use.
     pub(super) fn uses_transform(&self) -> bool {
-        matches!(self.path, Path::Transform { .. })
+        self.linear.is_transform()
     }
 
     /// Leaves the fast path for the factor.
     pub(super) fn fall_back(&mut self, space: &Space) -> Result<(), LinalgError> {
-        self.path = Self::factor_path(space, &self.fixed)?;
-        let unknowns = 3 * space.nodes();
-        self.gmres = Gmres::new(unknowns, RESTART);
-        self.right_side = vec![0.0; unknowns];
-        self.increment = vec![0.0; unknowns];
+        if self.uses_transform() {
+            let factor = match self.spare.take() {
+                Some(factor) => factor,
+                None => LinearSolver::factor(space, &self.fixed)?,
+            };
+            self.spare = Some(std::mem::replace(&mut self.linear, factor));
+        }
         Ok(())
     }
 
-    /// ω(φ) from the third equation of (3.21), and the sample of φ and ω.
+    /// Goes back to the fast path, if it was left.
+    pub(super) fn return_to_transform(&mut self) {
+        if let Some(spare) = self.spare.as_mut().filter(|spare| spare.is_transform()) {
+            std::mem::swap(spare, &mut self.linear);
+        }
+    }
+
+    /// Prepares the effects for substep 2 from φⁿ with the new director.
+    pub(super) fn begin(
+        &mut self,
+        space: &Space,
+        effects: &mut Effects,
+        samples: &mut Samples,
+        phi: &[f64],
+        director: Option<&[Vec<f64>; 2]>,
+    ) {
+        let Samples { old, new } = samples;
+        let [integrals, _] = &mut self.integrals;
+        integrals.clear();
+        for patch in space.patches() {
+            old.begin();
+            old.set_phi(&patch, phi);
+            effects.add_integrals(&patch, old, integrals);
+            new.begin();
+            if let Some(director) = director {
+                new.set_director(&patch, director);
+            }
+            for effect in effects.iter_mut() {
+                effect.begin_membrane(&patch, old, new);
+            }
+        }
+    }
+
+    /// ω(φ) from the third equation of (3.21); tells the effects the integrals at φ.
     pub(super) fn solve_omega(
         &mut self,
         space: &Space,
@@ -201,33 +280,63 @@ impl MembraneStep {
         phi: &[f64],
         omega: &mut [f64],
     ) {
-        sample.set_phi(space, phi);
-        effects.bending.omega_load(space, sample, &mut self.load);
+        let [old_integrals, integrals] = &mut self.integrals;
+        integrals.clear();
+        self.load.fill(0.0);
+        for patch in space.patches() {
+            sample.begin();
+            sample.set_phi(&patch, phi);
+            effects.add_integrals(&patch, sample, integrals);
+            effects
+                .bending
+                .add_omega_load(&patch, sample, &mut self.load);
+        }
+        effects.set_integrals(old_integrals, integrals);
         self.mass_inverse
             .solve(space, &self.load, omega, self.mass_tolerance);
-        sample.set_omega(space, omega);
     }
 
-    /// The membrane force of all effects, as a load.
-    fn assemble_force(&mut self, space: &Space, effects: &mut Effects, old: &Sample, new: &Sample) {
-        self.force.clear();
-        for effect in effects.iter_mut() {
-            effect.add_membrane_force(space, old, new, &mut self.force);
-        }
-        self.load.fill(0.0);
-        space.add_flux(&self.force.flux, &mut self.load);
-        space.add_load(&self.force.load, &mut self.load);
-    }
-
-    /// μ of a state at rest: (μ, ψ) = ⟨δE/δφ, ψ⟩.
-    pub(super) fn solve_mu(
+    /// The membrane force of all effects from φⁿ to φ, as a load.
+    fn assemble_force(
         &mut self,
         space: &Space,
         effects: &mut Effects,
-        sample: &Sample,
-        mu: &mut [f64],
+        samples: &mut Samples,
+        [phi_old, phi, omega]: [&[f64]; 3],
     ) {
-        self.assemble_force(space, effects, sample, sample);
+        let Samples { old, new } = samples;
+        self.load.fill(0.0);
+        for patch in space.patches() {
+            old.begin();
+            old.set_phi(&patch, phi_old);
+            new.begin();
+            new.set_phi(&patch, phi);
+            new.set_omega(&patch, omega);
+            self.force.clear(&patch);
+            for effect in effects.iter_mut() {
+                effect.add_membrane_force(&patch, old, new, &mut self.force);
+            }
+            patch.add_load(&self.force.load, &self.force.flux, &mut self.load);
+        }
+    }
+
+    /// ω and μ of a state at rest: (μ, ψ) = ⟨δE/δφ, ψ⟩.
+    pub(super) fn solve_at_rest(
+        &mut self,
+        space: &Space,
+        effects: &mut Effects,
+        samples: &mut Samples,
+        state: &mut State,
+    ) {
+        let State {
+            phi,
+            omega,
+            mu,
+            director,
+        } = state;
+        self.begin(space, effects, samples, phi, director.as_ref());
+        self.solve_omega(space, effects, &mut samples.new, phi, omega);
+        self.assemble_force(space, effects, samples, [phi, phi, omega]);
         self.mass_inverse
             .solve(space, &self.load, mu, self.mass_tolerance);
     }
@@ -255,9 +364,11 @@ impl MembraneStep {
                 .for_each(|((to, from), _)| *to = *from);
         }
         let mut norm = self.evaluate(places, 0)?;
+        (places.watch)(Phase::Residual);
         loop {
             work.newton += 1;
             self.linearise(places, limits.iteration);
+            (places.watch)(Phase::Linearisation);
             let goal = self.linear_goal(places, limits, norm);
             work.krylov +=
                 self.solve_linearised(places, goal)
@@ -269,9 +380,11 @@ impl MembraneStep {
             for (last, now) in self.last.iter_mut().zip(sources) {
                 last.copy_from_slice(now);
             }
+            (places.watch)(Phase::Krylov);
             norm = self.advance(places, limits, norm, work.newton)?;
             let changes = self.changes(places);
             let law = self.law_defect(places);
+            (places.watch)(Phase::Residual);
             let converged = changes.iter().all(|change| *change <= limits.tolerance)
                 && law.abs() <= limits.law_tolerance;
             if converged {
@@ -295,24 +408,45 @@ impl MembraneStep {
         let Places {
             space,
             effects,
-            old,
-            new,
+            samples,
+            from,
+            to,
             ..
         } = places;
-        self.linearised
-            .assemble(space, effects, old, new, iteration);
+        self.linearised.assemble(
+            space,
+            effects,
+            [&mut samples.old, &mut samples.new],
+            [&from.phi, &to.phi, &to.omega],
+            iteration,
+        );
     }
 
     /// One application of the preconditioner of the fast path; nothing on the other one.
     pub(super) fn precondition(&mut self, x: &[f64], y: &mut [f64]) {
-        if let Path::Transform { preconditioner, .. } = &mut self.path {
+        if let Path::Transform { preconditioner, .. } = &mut self.linear.path {
             preconditioner.apply(x, y);
         }
     }
 
+    /// A new factor of the linearised equations; nothing on the fast path.
+    pub(super) fn refactor(
+        &mut self,
+        space: &Space,
+        dt: f64,
+        width: f64,
+    ) -> Result<(), LinalgError> {
+        if let Path::Factor { preconditioner } = &mut self.linear.path {
+            preconditioner.expire();
+            let mobility = dt * self.mobility;
+            preconditioner.prepare(space, &self.linearised, mobility, width, [1.0; 3])?;
+        }
+        Ok(())
+    }
+
     /// One application of the linearised operator of the fast path; nothing on the other one.
     pub(super) fn product(&mut self, space: &Space, dt: f64, x: &[f64], y: &mut [f64]) {
-        if let Path::Transform { scratch, .. } = &mut self.path {
+        if let Path::Transform { scratch, .. } = &mut self.linear.path {
             let mut operator = ReducedOperator {
                 space,
                 linearised: &self.linearised,
@@ -334,8 +468,9 @@ impl MembraneStep {
     ) -> Result<f64, StepError> {
         let space = places.space;
         let State { phi, omega, mu, .. } = &mut *places.to;
-        self.solve_omega(space, places.effects, places.new, phi, omega);
-        self.assemble_force(space, places.effects, places.old, places.new);
+        let (effects, samples) = (&mut *places.effects, &mut *places.samples);
+        self.solve_omega(space, effects, &mut samples.new, phi, omega);
+        self.assemble_force(space, effects, samples, [&places.from.phi, phi, omega]);
         if !self.clamped {
             self.mass_inverse
                 .solve(space, &self.load, mu, self.mass_tolerance);
@@ -398,10 +533,10 @@ impl MembraneStep {
         let width = places.effects.bending.interface_width();
         let size = space.nodes();
         let floor = self.rounding_floor(places);
-        let (r1, rest) = self.right_side.split_at_mut(size);
+        let (r1, rest) = self.linear.right_side.split_at_mut(size);
         let rows = r1.iter_mut().zip(&self.residual[0]).zip(&self.root_weights);
         rows.for_each(|((b, r), root)| *b = -r / root);
-        let outcome = match &mut self.path {
+        let outcome = match &mut self.linear.path {
             Path::Transform {
                 preconditioner,
                 scratch,
@@ -415,8 +550,8 @@ impl MembraneStep {
                     root_weights: &self.root_weights,
                     scratch,
                 };
-                let (b, x) = (&self.right_side, &mut self.increment);
-                let outcome = self.gmres.solve(
+                let (b, x) = (&self.linear.right_side, &mut self.linear.increment);
+                let outcome = self.linear.gmres.solve(
                     &mut operator,
                     &mut **preconditioner,
                     b,
@@ -459,13 +594,13 @@ impl MembraneStep {
                     row_scales,
                     root_weights: &self.root_weights,
                 };
-                let (b, x) = (&self.right_side, &mut self.increment);
+                let (b, x) = (&self.linear.right_side, &mut self.linear.increment);
                 let goal = goal.min(1e-2 * vector::norm(b));
                 loop {
                     let linearised = &self.linearised;
                     let fresh =
                         preconditioner.prepare(space, linearised, mobility, width, row_scales)?;
-                    let outcome = self.gmres.solve(
+                    let outcome = self.linear.gmres.solve(
                         &mut operator,
                         &mut **preconditioner,
                         b,
@@ -482,7 +617,7 @@ impl MembraneStep {
                 }
             }
         };
-        if !self.increment.iter().all(|value| value.is_finite()) {
+        if !self.linear.increment.iter().all(|value| value.is_finite()) {
             return Err(LinalgError::NotFinite {
                 place: "GMRES",
                 iteration: outcome.iterations,
@@ -509,12 +644,12 @@ impl MembraneStep {
                 .phi
                 .iter_mut()
                 .zip(&self.last[0])
-                .zip(&self.increment[..size])
+                .zip(&self.linear.increment[..size])
             {
                 *phi = last + damping * step;
             }
             if self.clamped {
-                let steps = &self.increment[2 * size..];
+                let steps = &self.linear.increment[2 * size..];
                 for ((mu, last), step) in places.to.mu.iter_mut().zip(&self.last[2]).zip(steps) {
                     *mu = last + damping * step;
                 }
@@ -579,7 +714,7 @@ impl MembraneStep {
 
     /// Has the next step make a new factor.
     pub(super) fn forget(&mut self) {
-        if let Path::Factor { preconditioner } = &mut self.path {
+        if let Path::Factor { preconditioner } = &mut self.linear.path {
             preconditioner.expire();
         }
     }

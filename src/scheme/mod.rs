@@ -1,6 +1,7 @@
 //! One time step of the scheme (3.20)–(3.21): substep 1 (director), substep 2 (membrane), and the
 //! ledger of the energy law (3.26).
 
+mod detour;
 mod director;
 mod error;
 mod factored;
@@ -17,18 +18,19 @@ mod transform;
 
 use std::sync::Arc;
 
-use crate::fem::{Mesh, Rule, Space};
+use crate::fem::{Mesh, Patch, Rule, Space};
 use crate::linalg::LinalgError;
-use crate::physics::{Effects, NamedValue, Sample, surface_area};
-use crate::scene::{Boundary, LinearMethod, Quadrature, Scene, Solver};
+use crate::physics::{Effects, NamedValue, Sample, Terms, area_integral};
+use crate::scene::{self, Boundary, LinearMethod, Quadrature, Scene, Solver};
 
+use detour::Detour;
 use director::DirectorStep;
 use history::History;
-use membrane::{Limits, MembraneStep, Places};
+use membrane::{Limits, MembraneStep, Places, Samples};
 
 pub use error::StepError;
 pub use initial::{InitialError, initial_fields};
-pub use state::{State, StepReport};
+pub use state::{Phase, State, StepReport};
 
 /// Degree of the polynomials by which the guess of a step is extrapolated. At Table 1 with lumped
 /// quadrature the 50th step takes 31 Krylov iterations with degree 1, 21 with 2, 7 with 3 and 9 with 4, where
@@ -43,11 +45,13 @@ pub struct Scheme {
     solver: Solver,
     state: State,
     next: State,
-    old: Sample,
-    new: Sample,
+    samples: Samples,
+    terms: Terms,
     director: Option<DirectorStep>,
     membrane: MembraneStep,
     history: History,
+    /// The detour that the linear solver is on or was on last.
+    detour: Option<Detour>,
     /// The clock of the history: only differences matter.
     t: f64,
     report: StepReport,
@@ -70,12 +74,7 @@ impl Scheme {
             Quadrature::Lumped => Rule::Lumped,
         };
         let space = Space::new(mesh, rule);
-        let mut old = Sample::new(&space, director.is_some());
-        old.set_phi(&space, &phi);
-        if let Some(director) = &director {
-            old.set_director(&space, director);
-        }
-        let effects = Effects::from_scene(scene, &space, &old);
+        let effects = Effects::from_scene(scene, &space, &phi);
         let clamped = scene.boundary == Boundary::Clamped;
         let transform = scene.solver.linear != LinearMethod::Factor;
         let membrane = MembraneStep::new(
@@ -98,15 +97,16 @@ impl Scheme {
         };
         let mut scheme = Self {
             next: state.clone(),
-            new: old.clone(),
+            samples: Samples::new(state.director.is_some()),
+            terms: Terms::default(),
             space,
             effects,
             solver: scene.solver,
             state,
-            old,
             director: director_step,
             membrane,
             history: History::new(EXTRAPOLATION),
+            detour: None,
             t: 0.0,
             report: StepReport::default(),
             next_report: StepReport::default(),
@@ -117,15 +117,13 @@ impl Scheme {
 
     /// ω⁰ and μ⁰ of φ⁰, and the report of the initial state.
     fn start(&mut self) {
-        let State { phi, omega, mu, .. } = &mut self.state;
-        self.membrane
-            .solve_omega(&self.space, &mut self.effects, &mut self.old, phi, omega);
-        for effect in self.effects.iter_mut() {
-            effect.begin_membrane(&self.space, &self.old, &self.old);
-        }
-        self.membrane
-            .solve_mu(&self.space, &mut self.effects, &self.old, mu);
-        measure(&self.space, &mut self.effects, &self.old, &mut self.report);
+        self.membrane.solve_at_rest(
+            &self.space,
+            &mut self.effects,
+            &mut self.samples,
+            &mut self.state,
+        );
+        self.measure_anew();
         self.report.phase_integral = self.space.integrate_nodal(&self.state.phi);
         self.history.push(self.t, &self.state);
     }
@@ -150,6 +148,17 @@ impl Scheme {
         self.membrane.uses_transform()
     }
 
+    /// Another anchoring for the state as it is (`None`: none at all). The energies are measured
+    /// anew, so that the law of the next step starts from those that it ends with; the report has
+    /// no ledger, for no step was taken.
+    pub fn set_anchoring(&mut self, anchoring: Option<&scene::Anchoring>) {
+        self.effects.set_anchoring(anchoring, &self.space);
+        self.measure_anew();
+        self.report.ledger.clear();
+        self.report.law_residual = 0.0;
+        self.forget();
+    }
+
     /// The effects.
     pub fn effects_mut(&mut self) -> &mut Effects {
         &mut self.effects
@@ -160,15 +169,26 @@ impl Scheme {
     /// # Errors
     /// [`StepError`]: the step was not solved.
     pub fn step(&mut self, dt: f64) -> Result<&StepReport, StepError> {
+        self.step_watched(dt, &mut |_| ())
+    }
+
+    /// [`step`](Self::step), telling `watch` of every phase that ends: the scheme knows no clock.
+    ///
+    /// # Errors
+    /// [`StepError`]: the step was not solved.
+    pub fn step_watched(
+        &mut self,
+        dt: f64,
+        watch: &mut dyn FnMut(Phase),
+    ) -> Result<&StepReport, StepError> {
         let energy_scale = energy_scale(&self.report.energies);
         let mut report = std::mem::take(&mut self.next_report);
-        let outcome = self.try_step(dt, energy_scale, &mut report);
+        let outcome = self.try_step(dt, energy_scale, &mut report, watch);
         self.next_report = report;
         match outcome {
             Ok(()) => {
                 std::mem::swap(&mut self.report, &mut self.next_report);
                 std::mem::swap(&mut self.state, &mut self.next);
-                std::mem::swap(&mut self.old, &mut self.new);
                 self.t += dt;
                 self.history.push(self.t, &self.state);
                 if let Some(director) = &mut self.director {
@@ -199,6 +219,7 @@ impl Scheme {
         dt: f64,
         energy_scale: f64,
         report: &mut StepReport,
+        watch: &mut dyn FnMut(Phase),
     ) -> Result<(), StepError> {
         let space = &self.space;
         report.director_iterations = 0;
@@ -211,31 +232,39 @@ impl Scheme {
             report.director_iterations = step.solve(
                 space,
                 &mut self.effects,
-                &self.old,
+                &mut self.samples.old,
                 (dt, tolerance),
-                from,
+                (&self.state.phi, from),
                 to,
             )?;
-            self.new.set_director(space, to);
+            watch(Phase::Director);
         }
-        for effect in self.effects.iter_mut() {
-            effect.begin_membrane(space, &self.old, &self.new);
-        }
+        self.membrane.begin(
+            space,
+            &mut self.effects,
+            &mut self.samples,
+            &self.state.phi,
+            self.next.director.as_ref(),
+        );
         self.history.extrapolate(self.t + dt, &mut self.next);
         let limits = Limits {
             iteration: self.solver.iteration,
             tolerance: self.solver.tolerance,
             law_tolerance: self.solver.law_tolerance,
         };
+        let fell_back = self.detour.is_some() && !self.membrane.uses_transform();
+        if fell_back && self.detour.is_some_and(|detour| detour.is_over(dt)) {
+            self.membrane.return_to_transform();
+        }
         let mut places = Places {
             space,
             effects: &mut self.effects,
-            old: &self.old,
-            new: &mut self.new,
+            samples: &mut self.samples,
             from: &self.state,
             to: &mut self.next,
             dt,
             energy_scale,
+            watch,
         };
         let mut outcome = self.membrane.solve(&mut places, limits);
         report.fallback = None;
@@ -244,6 +273,7 @@ impl Scheme {
             && let Err(reason) = outcome
         {
             report.fallback = Some(reason);
+            self.detour = Some(Detour::new(dt, self.detour));
             self.membrane
                 .fall_back(space)
                 .map_err(|source| StepError::Membrane {
@@ -257,15 +287,42 @@ impl Scheme {
             outcome = self.membrane.solve(&mut places, limits);
         }
         let work = outcome?;
+        if let Some(detour) = self.detour.as_mut()
+            && !self.membrane.uses_transform()
+        {
+            detour.advance();
+        }
         report.newton = work.newton;
         report.krylov = work.krylov;
-        self.close_books(dt, report)
+        let closed = self.close_books(dt, report);
+        watch(Phase::Ledger);
+        closed
+    }
+
+    /// The energies of the state as it is.
+    fn measure_anew(&mut self) {
+        sweep(
+            &self.space,
+            &mut self.effects,
+            &mut self.samples,
+            [&self.state, &self.state],
+            &mut self.report,
+            None,
+        );
     }
 
     /// The energies of the new state and every term of (3.26); refuses a step whose law is broken.
     fn close_books(&mut self, dt: f64, report: &mut StepReport) -> Result<(), StepError> {
         let space = &self.space;
-        measure(space, &mut self.effects, &self.new, report);
+        self.terms.clear();
+        sweep(
+            space,
+            &mut self.effects,
+            &mut self.samples,
+            [&self.state, &self.next],
+            report,
+            Some(&mut self.terms),
+        );
         report.phase_integral = space.integrate_nodal(&self.next.phi);
         let ledger = &mut report.ledger;
         ledger.clear();
@@ -286,9 +343,7 @@ impl Scheme {
                 value,
             });
         }
-        for effect in self.effects.iter_mut() {
-            effect.dissipation(space, &self.old, &self.new, ledger);
-        }
+        ledger.extend_from_slice(self.terms.values());
         let scale = energy_scale(&report.energies).max(energy_scale(&self.report.energies));
         let sum: f64 = ledger.iter().map(|term| term.value).sum();
         report.law_residual = if scale > 0.0 { sum / scale } else { sum };
@@ -323,13 +378,49 @@ fn energy_scale(energies: &[NamedValue]) -> f64 {
         .max(f64::MIN_POSITIVE)
 }
 
-/// The energies and B of a sampled state.
-fn measure(space: &Space, effects: &mut Effects, at: &Sample, report: &mut StepReport) {
+/// The energies and B of the new state, and the numerical dissipation from the old one to it.
+fn sweep(
+    space: &Space,
+    effects: &mut Effects,
+    samples: &mut Samples,
+    [old_state, new_state]: [&State; 2],
+    report: &mut StepReport,
+    mut terms: Option<&mut Terms>,
+) {
+    let width = effects.bending.interface_width();
     report.energies.clear();
-    for effect in effects.iter_mut() {
-        let (name, value) = (effect.name(), effect.energy(space, at));
-        report.energies.push(NamedValue { name, value });
+    report
+        .energies
+        .extend(effects.iter().map(|effect| NamedValue {
+            name: effect.name(),
+            value: 0.0,
+        }));
+    report.surface_area = 0.0;
+    for patch in space.patches() {
+        fill(&mut samples.new, &patch, new_state);
+        report.surface_area += area_integral(&patch, &samples.new, width);
+        if terms.is_some() {
+            fill(&mut samples.old, &patch, old_state);
+        }
+        for (effect, energy) in effects.iter_mut().zip(&mut report.energies) {
+            energy.value += effect.integral(&patch, &samples.new);
+            if let Some(terms) = &mut terms {
+                effect.add_dissipation(&patch, &samples.old, &samples.new, terms);
+            }
+        }
+    }
+    for (effect, energy) in effects.iter().zip(&mut report.energies) {
+        energy.value = effect.energy(energy.value);
     }
     report.total_energy = report.energies.iter().map(|energy| energy.value).sum();
-    report.surface_area = surface_area(space, at, effects.bending.interface_width());
+}
+
+/// All fields of a state on a patch.
+fn fill(sample: &mut Sample, patch: &Patch<'_>, state: &State) {
+    sample.begin();
+    sample.set_phi(patch, &state.phi);
+    sample.set_omega(patch, &state.omega);
+    if let Some(director) = &state.director {
+        sample.set_director(patch, director);
+    }
 }

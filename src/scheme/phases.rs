@@ -1,6 +1,7 @@
 //! The phases of a step, one at a time, for benchmarks. None of them moves the state, so each can be
 //! repeated.
 
+use crate::linalg::LinalgError;
 use crate::scene::Iteration;
 
 use super::membrane::{MembraneStep, Places};
@@ -31,19 +32,15 @@ impl Phases {
         let Scheme {
             space,
             effects,
-            old,
-            new,
+            samples,
+            membrane,
+            state,
             next,
             history,
             t,
             ..
         } = &mut phases.scheme;
-        if let Some(director) = &next.director {
-            new.set_director(space, director);
-        }
-        for effect in effects.iter_mut() {
-            effect.begin_membrane(space, old, new);
-        }
+        membrane.begin(space, effects, samples, &state.phi, next.director.as_ref());
         history.extrapolate(*t + dt, next);
         phases.evaluate()?;
         phases.linearise();
@@ -60,7 +57,7 @@ impl Phases {
             effects,
             state,
             next,
-            old,
+            samples,
             director,
             solver,
             ..
@@ -68,6 +65,8 @@ impl Phases {
         match (director, &state.director, &mut next.director) {
             (Some(step), Some(from), Some(to)) => {
                 let tolerance = director_tolerance(solver);
+                let old = &mut samples.old;
+                let from = (&state.phi[..], from);
                 step.solve(space, effects, old, (self.dt, tolerance), from, to)
             }
             _ => Ok(0),
@@ -102,17 +101,31 @@ impl Phases {
         membrane.product(space, self.dt, x, y);
     }
 
+    /// A new sparse factor of the three fields' system, where the factor is in use.
+    ///
+    /// # Errors
+    /// The system is singular.
+    pub fn refactor(&mut self) -> Result<(), LinalgError> {
+        let Scheme {
+            space,
+            membrane,
+            effects,
+            ..
+        } = &mut self.scheme;
+        membrane.refactor(space, self.dt, effects.bending.interface_width())
+    }
+
     fn at_guess<R>(&mut self, phase: impl FnOnce(&mut MembraneStep, &mut Places<'_>) -> R) -> R {
         let scheme = &mut self.scheme;
         let mut places = Places {
             space: &scheme.space,
             effects: &mut scheme.effects,
-            old: &scheme.old,
-            new: &mut scheme.new,
+            samples: &mut scheme.samples,
             from: &scheme.state,
             to: &mut scheme.next,
             dt: self.dt,
             energy_scale: energy_scale(&scheme.report.energies),
+            watch: &mut |_| (),
         };
         phase(&mut scheme.membrane, &mut places)
     }

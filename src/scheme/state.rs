@@ -40,3 +40,29 @@ pub struct StepReport {
     /// Why the transform failed in this step and the factor took over, if that happened.
     pub fallback: Option<StepError>,
 }
+
+/// A part of a step, told to whoever watches when it ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Phase {
+    /// Substep 1.
+    Director,
+    /// ω, μ and the residual of substep 2 at an iterate.
+    Residual,
+    /// The linearised equations, assembled.
+    Linearisation,
+    /// The linear system of substep 2, solved.
+    Krylov,
+    /// The energies and the energy law.
+    Ledger,
+}
+
+impl Phase {
+    /// All of them, in the order of a step.
+    pub const ALL: [Self; 5] = [
+        Self::Director,
+        Self::Residual,
+        Self::Linearisation,
+        Self::Krylov,
+        Self::Ledger,
+    ];
+}

@@ -18,14 +18,21 @@ pub enum SimulationError {
     /// The sparse factor cannot be set up.
     #[error("the linear solver: {0}")]
     Factor(LinalgError),
-    /// A step was not solved. The run stands at the step before.
-    #[error("step {step} to t = {t:e} failed: {source}")]
+    /// Anchoring without anything to anchor.
+    #[error("the scene has no director to anchor: give it a table [nematic]")]
+    NoDirector,
+    /// A step was not solved, nor any part of it.
+    #[error(
+        "step {step} to t = {t:e} failed: it was solved neither whole nor in parts down to \u{394}t = {smallest:.1e}; the last attempt: {source}"
+    )]
     Step {
         /// The number of the step.
         step: u64,
         /// The time at its end.
         t: f64,
-        /// What went wrong.
+        /// The smallest Δt that was tried.
+        smallest: f64,
+        /// What went wrong at last.
         source: StepError,
     },
 }

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::scene::AnchoringKind;
 use crate::scheme::StepError;
 
 /// Something that happened at a step.
@@ -18,14 +19,28 @@ pub struct Event {
 /// What happened.
 #[derive(Debug, Clone, PartialEq)]
 pub enum EventKind {
-    /// The iteration with the cosine transform failed, and the sparse factor took over for the rest
-    /// of the run.
+    /// The iteration with the cosine transform failed, and the sparse factor took over; the transform is
+    /// tried again later.
     FellBackToFactor {
         /// How it failed.
         reason: StepError,
     },
+    /// The cosine transform is in use again.
+    ReturnedToTransform,
+    /// The step could not be solved whole and was divided.
+    StepDivided {
+        /// The smallest Δt that was used.
+        smallest: f64,
+        /// Why the last of the longer ones failed.
+        reason: StepError,
+    },
     /// φ became positive within ε of the wall.
     ReachedWall,
+    /// The anchoring became another one after this step: the energy jumped, not the state.
+    AnchoringSwitched {
+        /// The new kind.
+        kind: AnchoringKind,
+    },
 }
 
 impl EventKind {
@@ -33,7 +48,10 @@ impl EventKind {
     pub fn name(&self) -> &'static str {
         match self {
             Self::FellBackToFactor { .. } => "fell-back-to-factor",
+            Self::ReturnedToTransform => "returned-to-transform",
+            Self::StepDivided { .. } => "step-divided",
             Self::ReachedWall => "reached-wall",
+            Self::AnchoringSwitched { .. } => "anchoring-switched",
         }
     }
 }
@@ -43,11 +61,19 @@ impl fmt::Display for EventKind {
         match self {
             EventKind::FellBackToFactor { reason } => write!(
                 f,
-                "the sparse factor took over from the cosine transform, which had failed: {reason}"
+                "the sparse factor took over from the cosine transform for a while, which had failed: {reason}"
+            ),
+            EventKind::ReturnedToTransform => f.write_str("the cosine transform is in use again"),
+            EventKind::StepDivided { smallest, reason } => write!(
+                f,
+                "the step was divided, down to \u{394}t = {smallest:.1e}, since a longer one failed: {reason}"
             ),
             EventKind::ReachedWall => f.write_str(
                 "the vesicle has reached the wall, which now takes part in what happens",
             ),
+            EventKind::AnchoringSwitched { kind } => {
+                write!(f, "the anchoring is {kind} from here on")
+            }
         }
     }
 }

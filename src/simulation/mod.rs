@@ -1,21 +1,31 @@
 //! A run in time: the fixed grid t_n = n Δt, what is reported of each step, and what happens on the way.
 
+mod division;
 mod error;
 mod event;
+mod schedule;
+#[cfg(test)]
+mod tests;
 mod warnings;
+mod worker;
 
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use crate::fem::{Contour, FemError, Mesh};
-use crate::scene::{self, Scene, Shape, Warning};
-use crate::scheme::{Scheme, State, StepReport, initial_fields};
+use crate::scene::{self, AnchoringKind, Scene, Shape, Warning};
+use crate::scheme::{Scheme, StepReport, initial_fields};
 
 pub use crate::fem::OutlineMeasure;
 pub use crate::physics::NamedValue;
+pub use crate::scheme::{Phase, State};
 pub use error::SimulationError;
 pub use event::{Event, EventKind};
+pub use schedule::{Schedule, step_count};
 pub use warnings::warnings;
+pub use worker::{Command, Mailbox, Message, News, Orders, Picture, RunId, Setting, Worker};
 
+use division::Division;
 use warnings::NearWall;
 
 /// What is allowed in a scene but probably not meant, told from its initial state, without the
@@ -51,6 +61,7 @@ pub struct Simulation {
     /// The long axis of the vesicle, in degrees to the x axis.
     axis: f64,
     near_wall: NearWall,
+    division: Division,
 }
 
 /// The scalars of one step.
@@ -76,10 +87,37 @@ pub struct Report {
     pub newton: u32,
     /// Krylov iterations of substep 2.
     pub krylov: u32,
+    /// Iterations of substep 1.
+    pub director_iterations: u32,
+    /// What the parts of the step took.
+    pub costs: Costs,
     /// Every term of (3.26), times Δt.
     pub ledger: Vec<NamedValue>,
     /// The size of the vesicle.
     pub outline: Option<OutlineMeasure>,
+    /// 4π·area/length² of the zero set of φ: 1 for a circle.
+    pub isoperimetric_quotient: Option<f64>,
+}
+
+/// What the parts of a step took, on the clock; measuring the vesicle counts with the ledger.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Costs([Duration; Phase::ALL.len()]);
+
+impl Costs {
+    /// What a part took.
+    pub fn of(&self, phase: Phase) -> Duration {
+        self.0[phase as usize]
+    }
+
+    /// Adds to what a part took.
+    pub fn add(&mut self, phase: Phase, time: Duration) {
+        self.0[phase as usize] += time;
+    }
+
+    /// What all parts took together.
+    pub fn total(&self) -> Duration {
+        self.0.iter().sum()
+    }
 }
 
 impl Report {
@@ -91,7 +129,25 @@ impl Report {
         self.law_residual = step.law_residual;
         self.newton = step.newton;
         self.krylov = step.krylov;
+        self.director_iterations = step.director_iterations;
         self.ledger.clone_from(&step.ledger);
+    }
+
+    /// Takes a further part of the same step.
+    fn add(&mut self, part: &StepReport) {
+        let (newton, krylov, director) = (self.newton, self.krylov, self.director_iterations);
+        let law_residual = self.law_residual;
+        let ledger = std::mem::take(&mut self.ledger);
+        self.take(part);
+        self.newton += newton;
+        self.krylov += krylov;
+        self.director_iterations += director;
+        if law_residual.abs() > self.law_residual.abs() {
+            self.law_residual = law_residual;
+        }
+        for (sum, term) in self.ledger.iter_mut().zip(ledger) {
+            sum.value += term.value;
+        }
     }
 }
 
@@ -123,36 +179,104 @@ impl Simulation {
             warnings,
             events: Vec::new(),
             axis,
+            division: Division::default(),
         };
         simulation.report.take(simulation.scheme.report());
         simulation.look();
         Ok(simulation)
     }
 
-    /// Takes one step of the fixed grid. On an error the state and the report are those of the last
-    /// good step.
+    /// Takes one step of the fixed grid; in smaller ones that end at the same time, where it cannot be
+    /// solved whole. What the report says of a step is then said of all of them: the sum of their
+    /// ledgers and iterations, the largest law residual, the smallest Δt. On an error the state is the
+    /// last good one, and the report's t says when that was.
     ///
     /// # Errors
-    /// `Step`: the step was not solved.
+    /// `Step`: not even the smallest step was solved.
     pub fn advance(&mut self) -> Result<&Report, SimulationError> {
         let step = self.report.step + 1;
         let dt = self.scene.time.step;
-        let t = grid_time(step, dt);
-        let solved = self
-            .scheme
-            .step(dt)
-            .map_err(|source| SimulationError::Step { step, t, source })?;
-        if let Some(reason) = &solved.fallback {
-            let kind = EventKind::FellBackToFactor {
-                reason: reason.clone(),
-            };
-            self.events.push(Event { step, t, kind });
+        let (begin, end) = (grid_time(step - 1, dt), grid_time(step, dt));
+        let mut costs = Costs::default();
+        let mut begun = Instant::now();
+        let mut watch = |phase: Phase| {
+            let now = Instant::now();
+            costs.add(phase, now - begun);
+            begun = now;
+        };
+        let was_fast = self.scheme.uses_transform();
+        let mut fallback = None;
+        let mut divided = None;
+        self.division.begin();
+        let mut first = true;
+        loop {
+            let piece = dt * self.division.piece();
+            match self.scheme.step_watched(piece, &mut watch) {
+                Ok(solved) => {
+                    if let Some(reason) = &solved.fallback {
+                        fallback.get_or_insert_with(|| reason.clone());
+                    }
+                    if std::mem::take(&mut first) {
+                        self.report.take(solved);
+                    } else {
+                        self.report.add(solved);
+                    }
+                    self.report.dt = dt * self.division.smallest();
+                    if self.division.accept() {
+                        break;
+                    }
+                    self.report.t = begin + dt * self.division.done();
+                }
+                Err(reason) => {
+                    if !self.division.refuse() {
+                        return Err(SimulationError::Step {
+                            step,
+                            t: end,
+                            smallest: dt * self.division.smallest(),
+                            source: reason,
+                        });
+                    }
+                    divided = Some(reason);
+                }
+            }
         }
-        self.report.take(solved);
         self.report.step = step;
-        self.report.t = t;
-        self.report.dt = dt;
+        self.report.t = end;
+        let event = |kind| Event { step, t: end, kind };
+        if let Some(reason) = divided {
+            let smallest = self.report.dt;
+            self.events
+                .push(event(EventKind::StepDivided { smallest, reason }));
+        }
+        match (was_fast, self.scheme.uses_transform(), fallback) {
+            (true, false, Some(reason)) => self
+                .events
+                .push(event(EventKind::FellBackToFactor { reason })),
+            (false, true, _) => self.events.push(event(EventKind::ReturnedToTransform)),
+            _ => {}
+        }
         self.look();
+        watch(Phase::Ledger);
+        self.report.costs = costs;
+        Ok(&self.report)
+    }
+
+    /// Another anchoring for the state as it is, with the scene's weight, or the scene's own default
+    /// where it has none. The report has the energies measured anew; the step stays what it is.
+    ///
+    /// # Errors
+    /// `NoDirector`: there is nothing to anchor.
+    pub fn set_anchoring(&mut self, kind: AnchoringKind) -> Result<&Report, SimulationError> {
+        if self.scene.nematic.is_none() {
+            return Err(SimulationError::NoDirector);
+        }
+        let anchoring = self.scene.anchoring.get_or_insert_default();
+        anchoring.kind = kind;
+        self.scheme.set_anchoring(Some(anchoring));
+        self.report.take(self.scheme.report());
+        let (step, t) = (self.report.step, self.report.t);
+        let kind = EventKind::AnchoringSwitched { kind };
+        self.events.push(Event { step, t, kind });
         Ok(&self.report)
     }
 
@@ -161,6 +285,7 @@ impl Simulation {
         let phi = &self.scheme.state().phi;
         self.contour.trace(&self.mesh, phi);
         self.report.outline = self.contour.measure(self.axis);
+        self.report.isoperimetric_quotient = self.contour.isoperimetric_quotient();
         if self.near_wall.is_reached(phi) {
             let (step, t) = (self.report.step, self.report.t);
             self.events.push(Event {
@@ -219,18 +344,5 @@ fn grid_time(step: u64, dt: f64) -> f64 {
         step as f64 / steps_a_unit
     } else {
         step as f64 * dt
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn times_of_the_grid_are_the_nearest_numbers() {
-        assert_eq!(grid_time(150, 1e-7), 1.5e-5);
-        assert_eq!(grid_time(782, 1e-6), 7.82e-4);
-        assert_eq!(grid_time(3, 0.3), 3.0 * 0.3);
-        assert_eq!(grid_time(0, 1e-7), 0.0);
     }
 }

@@ -8,8 +8,8 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use vesica::fem::{Rule, Space};
-use vesica::physics::{DirectorForm, Effect, MembraneForce, NamedValue, Sample};
+use vesica::fem::{Patch, Rule, Space};
+use vesica::physics::{DirectorForm, Effect, MembraneForce, Sample, Terms};
 
 use super::model::{Model, WeakForm};
 
@@ -43,29 +43,29 @@ impl Table {
         }
     }
 
-    fn add_to(&self, flux: &mut [[f64; 2]], load: &mut [f64]) {
-        for (sum, flux) in flux.iter_mut().zip(&self.flux) {
+    fn add_to(&self, patch: &Patch<'_>, flux: &mut [[f64; 2]], load: &mut [f64]) {
+        for (sum, flux) in flux.iter_mut().zip(&self.flux[patch.element_range()]) {
             sum[0] += flux[0];
             sum[1] += flux[1];
         }
-        for (sum, load) in load.iter_mut().zip(&self.load) {
+        for (sum, load) in load.iter_mut().zip(&self.load[patch.point_range()]) {
             *sum += load;
         }
     }
 
     /// The work on a change of a P1 function, given by its values and gradients before and after.
-    fn work(&self, space: &Space, values: [&[f64]; 2], gradients: [&[[f64; 2]]; 2]) -> f64 {
+    fn work(&self, patch: &Patch<'_>, values: [&[f64]; 2], gradients: [&[[f64; 2]]; 2]) -> f64 {
         let changes = values[1].iter().zip(values[0]);
         let by_load: Vec<f64> = changes
-            .zip(&self.load)
+            .zip(&self.load[patch.point_range()])
             .map(|((new, old), load)| load * (new - old))
             .collect();
         let changes = gradients[1].iter().zip(gradients[0]);
         let by_flux: Vec<f64> = changes
-            .zip(&self.flux)
+            .zip(&self.flux[patch.element_range()])
             .map(|((new, old), flux)| flux[0] * (new[0] - old[0]) + flux[1] * (new[1] - old[1]))
             .collect();
-        space.integrate(&by_load) + space.integrate_elements(&by_flux)
+        patch.integrate(&by_load) + patch.integrate_elements(&by_flux)
     }
 }
 
@@ -109,7 +109,7 @@ impl Places {
             let mut means = vec![0.0; table.flux.len()];
             for axis in 0..2 {
                 let values: Vec<f64> = fine.iter().map(|forms| forms[index].flux[axis]).collect();
-                self.fine.element_means(&values, &mut means);
+                self.fine.whole().element_means(&values, &mut means);
                 for (flux, mean) in table.flux.iter_mut().zip(&means) {
                     flux[axis] = -mean;
                 }
@@ -146,21 +146,26 @@ impl Effect for Source {
         "source"
     }
 
-    fn energy(&mut self, _space: &Space, _at: &Sample) -> f64 {
+    fn integral(&mut self, _patch: &Patch<'_>, _at: &Sample) -> f64 {
         0.0
     }
 
-    fn add_director_force(&mut self, _space: &Space, _old: &Sample, form: &mut DirectorForm) {
+    fn add_director_force(&mut self, patch: &Patch<'_>, _old: &Sample, form: &mut DirectorForm) {
         let (model, t) = (&self.model, self.clock.now());
         let [x, y] = &mut self.director;
-        self.places
-            .fill([x, y], |place| model.director_excess(place, t));
+        if patch.is_first() {
+            self.places
+                .fill([x, y], |place| model.director_excess(place, t));
+        }
         for (i, table) in self.director.iter().enumerate() {
-            table.add_to(&mut form.flux[i], &mut form.load[i]);
+            table.add_to(patch, &mut form.flux[i], &mut form.load[i]);
         }
     }
 
-    fn begin_membrane(&mut self, _space: &Space, _old: &Sample, _new: &Sample) {
+    fn begin_membrane(&mut self, patch: &Patch<'_>, _old: &Sample, _new: &Sample) {
+        if !patch.is_first() {
+            return;
+        }
         let (model, t) = (&self.model, self.clock.now());
         let tension = model.tension(t);
         self.places.fill([&mut self.membrane], |place| {
@@ -170,38 +175,36 @@ impl Effect for Source {
 
     fn add_membrane_force(
         &mut self,
-        _space: &Space,
+        patch: &Patch<'_>,
         _old: &Sample,
         _new: &Sample,
         force: &mut MembraneForce,
     ) {
-        self.membrane.add_to(&mut force.flux, &mut force.load);
+        self.membrane
+            .add_to(patch, &mut force.flux, &mut force.load);
     }
 
-    fn dissipation(
+    fn add_dissipation(
         &mut self,
-        space: &Space,
+        patch: &Patch<'_>,
         old: &Sample,
         new: &Sample,
-        terms: &mut Vec<NamedValue>,
+        terms: &mut Terms,
     ) {
         let mut work = self.membrane.work(
-            space,
+            patch,
             [&old.phi, &new.phi],
             [&old.phi_gradient, &new.phi_gradient],
         );
         if let (Some(old), Some(new)) = (&old.director, &new.director) {
             for (i, table) in self.director.iter().enumerate() {
                 work += table.work(
-                    space,
+                    patch,
                     [&old.values[i], &new.values[i]],
                     [&old.gradients[i], &new.gradients[i]],
                 );
             }
         }
-        terms.push(NamedValue {
-            name: "source",
-            value: work,
-        });
+        terms.add("source", work);
     }
 }

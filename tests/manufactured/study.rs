@@ -216,11 +216,11 @@ impl Outcome {
         let places = space.point_positions();
         let distance = |nodal: &[f64], exact: &dyn Fn([f64; 2]) -> f64| {
             let mut values = vec![0.0; space.points()];
-            space.interpolate(nodal, &mut values);
+            space.whole().interpolate(nodal, &mut values);
             for (value, place) in values.iter_mut().zip(&places) {
                 *value = (*value - exact(*place)).powi(2);
             }
-            space.integrate(&values)
+            space.whole().integrate(&values)
         };
         let model = &self.model;
         let phase = |place: [f64; 2]| model.phase.at(place, END);

@@ -11,11 +11,12 @@ mod well;
 
 use common::{SMALL, TIGHT, energy_scale, named, scene, scheme};
 use nematic::Nematic;
+use vesica::fem::Space;
 use vesica::physics::potentials::{
     double_well_secant, double_well_secant_slope, double_well_slope, unit_length_penalty,
     unit_length_penalty_slope,
 };
-use vesica::physics::{Anchoring, Area, Bending, Effect, Effects, Sample};
+use vesica::physics::{Anchoring, Area, Bending, Effect, Effects, Sample, surface_area};
 use vesica::scene::Scene;
 use vesica::scheme::{Scheme, StepError};
 use well::{OfTwo, Well};
@@ -29,21 +30,10 @@ fn untruncated_slope([x, y]: [f64; 2]) -> [f64; 2] {
     [x, y].map(|entry| entry * (x * x + y * y - 1.0))
 }
 
-/// φ and d of the state that was reached.
-fn sample(scheme: &Scheme) -> Sample {
-    let (space, state) = (scheme.space(), scheme.state());
-    let mut sample = Sample::new(space, state.director.is_some());
-    sample.set_phi(space, &state.phi);
-    if let Some(director) = &state.director {
-        sample.set_director(space, director);
-    }
-    sample
-}
-
 /// A scheme of the small vesicle with a well.
 fn with_well(quadrature: &str, secant: OfTwo, secant_slope: OfTwo) -> Scheme {
     let mut scheme = scheme(&scene(SMALL, &[&TIGHT[..], &[quadrature]].concat()));
-    let well = Well::new(secant, secant_slope, scheme.space(), &sample(&scheme));
+    let well = Well::new(secant, secant_slope, scheme.space(), &scheme.state().phi);
     scheme.effects_mut().add(well);
     scheme.forget();
     scheme
@@ -89,21 +79,24 @@ fn a_wrong_secant_breaks_the_law() {
 }
 
 /// A scheme with |d⁰| = 3 where `nematic` takes the place of the library's effect.
-fn with_nematic(quadrature: &str, nematic: impl FnOnce(&Scene) -> Nematic) -> Scheme {
+fn with_nematic(quadrature: &str, nematic: impl FnOnce(&Scene, &Space) -> Nematic) -> Scheme {
     let settings = [quadrature, "nematic.initial=[1.8, 2.4]"];
     let scene = scene(SMALL, &[&TIGHT[..], &settings].concat());
     let mut scheme = scheme(&scene);
-    let start = sample(&scheme);
-    let space = scheme.space();
-    let mut nematic = nematic(&scene);
-    nematic.offset = nematic.energy(space, &start) - named(&scheme.report().energies, "nematic");
+    let (space, state) = (scheme.space(), scheme.state());
+    let mut start = Sample::new(true);
+    start.set_phi(&space.whole(), &state.phi);
+    start.set_director(&space.whole(), state.director.as_ref().expect("a director"));
+    let mut nematic = nematic(&scene, space);
+    let energy = nematic.integral(&space.whole(), &start);
+    nematic.offset = energy - named(&scheme.report().energies, "nematic");
     let mut effects = Effects::new(Bending::new(&scene.membrane, space));
     let width = scene.membrane.interface_width;
     effects.add(Area::new(
         &scene.area.expect("an area"),
         width,
+        surface_area(space, &state.phi, width),
         space,
-        &start,
     ));
     effects.add(nematic);
     effects.add(Anchoring::new(&scene.anchoring.expect("anchoring"), space));
@@ -135,8 +128,14 @@ fn the_control_is_the_librarys_effect_when_it_is_right() {
     for quadrature in QUADRATURES {
         let settings = [quadrature, "nematic.initial=[1.8, 2.4]"];
         let mut library = scheme(&scene(SMALL, &[&TIGHT[..], &settings].concat()));
-        let mut control = with_nematic(quadrature, |scene| {
-            Nematic::new(scene, 1.0, unit_length_penalty, unit_length_penalty_slope)
+        let mut control = with_nematic(quadrature, |scene, space| {
+            Nematic::new(
+                scene,
+                space,
+                1.0,
+                unit_length_penalty,
+                unit_length_penalty_slope,
+            )
         });
         for _ in 0..3 {
             let [first, second] = [&mut library, &mut control]
@@ -161,9 +160,10 @@ fn the_control_is_the_librarys_effect_when_it_is_right() {
 fn a_smaller_constant_makes_the_penalty_feed_energy() {
     for quadrature in QUADRATURES {
         let penalty = |convexity| {
-            penalty_dissipation(with_nematic(quadrature, |scene| {
+            penalty_dissipation(with_nematic(quadrature, |scene, space| {
                 Nematic::new(
                     scene,
+                    space,
                     convexity,
                     unit_length_penalty,
                     unit_length_penalty_slope,
@@ -184,8 +184,8 @@ fn a_smaller_constant_makes_the_penalty_feed_energy() {
 #[test]
 fn the_untruncated_potential_feeds_energy() {
     for quadrature in QUADRATURES {
-        let [greatest, _] = penalty_dissipation(with_nematic(quadrature, |scene| {
-            Nematic::new(scene, 1.0, untruncated, untruncated_slope)
+        let [greatest, _] = penalty_dissipation(with_nematic(quadrature, |scene, space| {
+            Nematic::new(scene, space, 1.0, untruncated, untruncated_slope)
         }));
         assert!(greatest < -1e-9, "{quadrature}: {greatest:e}");
     }

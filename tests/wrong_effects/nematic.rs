@@ -1,9 +1,9 @@
 //! The nematic energy once more, with what can be wrong in it as parameters.
 
-use vesica::fem::Space;
+use vesica::fem::{Patch, Space};
 use vesica::physics::potentials::{INSIDE_CONVEXITY, inside, inside_majorant};
 use vesica::physics::{
-    DirectorForm, DirectorSample, Effect, MembraneForce, MembraneLinearisation, NamedValue, Sample,
+    DirectorForm, DirectorSample, Effect, MembraneForce, MembraneLinearisation, Sample, Terms,
 };
 use vesica::scene::{Iteration, Scene};
 
@@ -25,6 +25,7 @@ pub struct Nematic {
 impl Nematic {
     pub fn new(
         scene: &Scene,
+        space: &Space,
         convexity: f64,
         potential: fn([f64; 2]) -> f64,
         slope: fn([f64; 2]) -> [f64; 2],
@@ -37,14 +38,14 @@ impl Nematic {
             potential,
             slope,
             offset: 0.0,
-            density: Vec::new(),
+            density: vec![0.0; space.points()],
         }
     }
 
     /// λ_nem (½|∇d|² + P(d)) at the points.
-    fn density_of(&self, space: &Space, director: &DirectorSample) -> Vec<f64> {
-        let mut elastic = vec![0.0; space.points()];
-        space.from_elements(&squares(&director.gradients), &mut elastic);
+    fn density_of(&self, patch: &Patch<'_>, director: &DirectorSample) -> Vec<f64> {
+        let mut elastic = vec![0.0; patch.points()];
+        patch.from_elements(&squares(&director.gradients), &mut elastic);
         elastic
             .iter()
             .enumerate()
@@ -82,18 +83,22 @@ impl Effect for Nematic {
         "nematic"
     }
 
-    fn energy(&mut self, space: &Space, at: &Sample) -> f64 {
-        let mut density = self.density_of(space, director(at));
+    fn integral(&mut self, patch: &Patch<'_>, at: &Sample) -> f64 {
+        let mut density = self.density_of(patch, director(at));
         for (density, phi) in density.iter_mut().zip(&at.phi) {
             *density *= inside(*phi);
         }
-        space.integrate(&density) - self.offset
+        patch.integrate(&density)
     }
 
-    fn add_director_force(&mut self, space: &Space, old: &Sample, form: &mut DirectorForm) {
+    fn energy(&self, integral: f64) -> f64 {
+        integral - self.offset
+    }
+
+    fn add_director_force(&mut self, patch: &Patch<'_>, old: &Sample, form: &mut DirectorForm) {
         let interior = self.interior(&old.phi);
-        let mut means = vec![0.0; space.elements()];
-        space.element_means(&interior, &mut means);
+        let mut means = vec![0.0; patch.elements()];
+        patch.element_means(&interior, &mut means);
         for (stiffness, mean) in form.stiffness.iter_mut().zip(&means) {
             *stiffness += mean;
         }
@@ -113,18 +118,20 @@ impl Effect for Nematic {
         }
     }
 
-    fn begin_membrane(&mut self, space: &Space, _old: &Sample, new: &Sample) {
-        self.density = self.density_of(space, director(new));
+    fn begin_membrane(&mut self, patch: &Patch<'_>, _old: &Sample, new: &Sample) {
+        let density = self.density_of(patch, director(new));
+        self.density[patch.point_range()].copy_from_slice(&density);
     }
 
     fn add_membrane_force(
         &mut self,
-        _space: &Space,
+        patch: &Patch<'_>,
         old: &Sample,
         new: &Sample,
         force: &mut MembraneForce,
     ) {
-        let values = self.density.iter().zip(new.phi.iter().zip(&old.phi));
+        let density = &self.density[patch.point_range()];
+        let values = density.iter().zip(new.phi.iter().zip(&old.phi));
         for (load, (density, (new, old))) in force.load.iter_mut().zip(values) {
             *load += density * inside_majorant(*new, *old);
         }
@@ -132,23 +139,24 @@ impl Effect for Nematic {
 
     fn add_membrane_linearisation(
         &mut self,
-        _space: &Space,
+        patch: &Patch<'_>,
         _old: &Sample,
         _new: &Sample,
         _iteration: Iteration,
         linearisation: &mut MembraneLinearisation,
     ) {
-        for (reaction, density) in linearisation.reaction.iter_mut().zip(&self.density) {
+        let density = &self.density[patch.point_range()];
+        for (reaction, density) in linearisation.reaction.iter_mut().zip(density) {
             *reaction += INSIDE_CONVEXITY * density;
         }
     }
 
-    fn dissipation(
+    fn add_dissipation(
         &mut self,
-        space: &Space,
+        patch: &Patch<'_>,
         old: &Sample,
         new: &Sample,
-        terms: &mut Vec<NamedValue>,
+        terms: &mut Terms,
     ) {
         let (before, after) = (director(old), director(new));
         let interior = self.interior(&old.phi);
@@ -156,8 +164,8 @@ impl Effect for Nematic {
             let gradients = after.gradients[axis].iter().zip(&before.gradients[axis]);
             gradients.map(|(a, b)| [a[0] - b[0], a[1] - b[1]]).collect()
         });
-        let mut elastic = vec![0.0; space.elements()];
-        space.element_means(&interior, &mut elastic);
+        let mut elastic = vec![0.0; patch.elements()];
+        patch.element_means(&interior, &mut elastic);
         for (weight, square) in elastic.iter_mut().zip(squares(&change)) {
             *weight *= 0.5 * square;
         }
@@ -173,26 +181,16 @@ impl Effect for Nematic {
                 weight * self.stiffness * (work - (self.potential)(a) + (self.potential)(b))
             })
             .collect();
-        let values = self.density.iter().zip(new.phi.iter().zip(&old.phi));
+        let density = &self.density[patch.point_range()];
+        let values = density.iter().zip(new.phi.iter().zip(&old.phi));
         let interpolation: Vec<f64> = values
             .map(|(density, (new, old))| {
                 let work = inside_majorant(*new, *old) * (new - old);
                 density * (work - inside(*new) + inside(*old))
             })
             .collect();
-        terms.extend([
-            NamedValue {
-                name: "ND_elast",
-                value: space.integrate_elements(&elastic),
-            },
-            NamedValue {
-                name: "ND_penal",
-                value: space.integrate(&penalty),
-            },
-            NamedValue {
-                name: "ND_interp",
-                value: space.integrate(&interpolation),
-            },
-        ]);
+        terms.add("ND_elast", patch.integrate_elements(&elastic));
+        terms.add("ND_penal", patch.integrate(&penalty));
+        terms.add("ND_interp", patch.integrate(&interpolation));
     }
 }

@@ -1,6 +1,6 @@
 //! An effect of its own, for the membrane.
 
-use vesica::fem::Space;
+use vesica::fem::{Patch, Space};
 use vesica::physics::potentials::double_well;
 use vesica::physics::{Effect, MembraneForce, MembraneLinearisation, Sample};
 use vesica::scene::Iteration;
@@ -20,14 +20,16 @@ pub struct Well {
 
 impl Well {
     /// With the energy 0 at the start.
-    pub fn new(secant: OfTwo, secant_slope: OfTwo, space: &Space, start: &Sample) -> Self {
+    pub fn new(secant: OfTwo, secant_slope: OfTwo, space: &Space, phi: &[f64]) -> Self {
         let mut well = Self {
             weight: 300.0,
             secant,
             secant_slope,
             at_start: 0.0,
         };
-        well.at_start = well.energy(space, start);
+        let mut start = Sample::default();
+        start.set_phi(&space.whole(), phi);
+        well.at_start = well.integral(&space.whole(), &start);
         well
     }
 }
@@ -37,14 +39,18 @@ impl Effect for Well {
         "well"
     }
 
-    fn energy(&mut self, space: &Space, at: &Sample) -> f64 {
+    fn integral(&mut self, patch: &Patch<'_>, at: &Sample) -> f64 {
         let density: Vec<f64> = at.phi.iter().map(|phi| double_well(*phi)).collect();
-        self.weight * space.integrate(&density) - self.at_start
+        self.weight * patch.integrate(&density)
+    }
+
+    fn energy(&self, integral: f64) -> f64 {
+        integral - self.at_start
     }
 
     fn add_membrane_force(
         &mut self,
-        _space: &Space,
+        _patch: &Patch<'_>,
         old: &Sample,
         new: &Sample,
         force: &mut MembraneForce,
@@ -57,7 +63,7 @@ impl Effect for Well {
 
     fn add_membrane_linearisation(
         &mut self,
-        _space: &Space,
+        _patch: &Patch<'_>,
         old: &Sample,
         new: &Sample,
         _iteration: Iteration,

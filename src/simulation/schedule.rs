@@ -1,4 +1,4 @@
-//! Which steps of a run are recorded.
+//! Which steps of a run are recorded, and at which the fields are kept.
 
 use crate::scene::Time;
 

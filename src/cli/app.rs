@@ -1,0 +1,90 @@
+//! `vesica [SCENE]`: the terminal app.
+
+use super::error::CliError;
+use super::{numbers, output};
+use crate::tui::figures::save_figures;
+use crate::tui::theme::ColorTier;
+use crate::tui::{self, Options};
+use clap::ValueEnum;
+use std::ffi::OsString;
+use std::io::{self, IsTerminal};
+
+/// Arguments of the app.
+#[derive(Debug, clap::Args)]
+#[group(id = "app")]
+pub(super) struct Arguments {
+    /// The scene that the terminal app opens: a preset's name, a TOML file or a run's folder
+    /// [default: case3]
+    pub scene: Option<OsString>,
+
+    /// Override a value of the scene, such as anchoring.kind=parallel
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+
+    /// Frames a second, at most
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = numbers::frames,
+          allow_negative_numbers = true)]
+    fps: u32,
+
+    /// Colours of the terminal; auto: what it says of itself
+    #[arg(long, value_name = "WHAT", value_enum, default_value_t = Color::Auto)]
+    color: Color,
+}
+
+/// How many colours to use.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Color {
+    /// What the terminal says of itself
+    Auto,
+    /// 24 bits
+    True,
+    /// The palette of 256
+    #[value(name = "256")]
+    Palette,
+    /// The terminal's own 16
+    #[value(name = "16")]
+    Basic,
+    /// Glyphs alone
+    None,
+}
+
+impl Color {
+    fn tier(self) -> Option<ColorTier> {
+        match self {
+            Self::Auto => None,
+            Self::True => Some(ColorTier::True),
+            Self::Palette => Some(ColorTier::Palette),
+            Self::Basic => Some(ColorTier::Basic),
+            Self::None => Some(ColorTier::None),
+        }
+    }
+}
+
+/// Opens the app on a scene. A wrong scene and a missing terminal are told before the terminal is
+/// touched.
+pub(super) fn open(arguments: Arguments) -> Result<(), CliError> {
+    let scene = arguments.scene.unwrap_or("case3".into());
+    let (slots, active) = tui::open_with_cases(&scene, &arguments.set)?;
+    super::run::some_step(&slots[active].scene.time)?;
+    for (stream, is_terminal) in [
+        ("output", io::stdout().is_terminal()),
+        ("input", io::stdin().is_terminal()),
+    ] {
+        if !is_terminal {
+            return Err(CliError::NoTerminal { stream, scene });
+        }
+    }
+    let ended = tui::run(Options {
+        slots,
+        active,
+        frames_per_second: arguments.fps,
+        tier: arguments.color.tier(),
+        save: save_figures,
+    })?;
+    let told = output::line(&ended.line);
+    match ended.signal() {
+        // Where the terminal has gone there is nobody to tell.
+        Some(number) => Err(CliError::AppEnded { number }),
+        None => told,
+    }
+}

@@ -1,0 +1,116 @@
+//! What is told to a worker, and what it tells.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::super::{Event, Report};
+use crate::fem::Mesh;
+use crate::scene::{AnchoringKind, Scene, Warning};
+use crate::scheme::State;
+
+/// Tells the runs of a process apart: news of a run that was ended may still be under way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct RunId(pub u64);
+
+/// What a worker is told when it is started.
+#[derive(Debug, Clone)]
+pub struct Orders {
+    /// The run's number.
+    pub run: RunId,
+    /// Whether it waits for `Resume` at step 0.
+    pub paused: bool,
+    /// The run does not go beyond the first grid time at or after this one, until told otherwise:
+    /// a common clock for runs that are watched side by side. `None`: it goes on to T.
+    pub horizon: Option<f64>,
+    /// News of scalars are gathered for so long before they are sent.
+    pub gathering: Duration,
+    /// So many states, evenly from t = 0 to T, are sent as [`News::Snapshot`]: none is lost.
+    pub snapshots: u64,
+}
+
+/// What can be asked of a worker. Each is carried out between two steps, in the order in which they
+/// are told. When T is reached `Anchor` alone is still answered, for no step is left to be taken.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Command {
+    /// Stop after the step in hand. Answered by [`News::Paused`], always, also when it stands still
+    /// already.
+    Pause,
+    /// Go on.
+    Resume,
+    /// Take one step, even beyond the horizon, and pause. Answered by [`News::Paused`].
+    Step,
+    /// Another anchoring for the state as it is, from the next step on. Answered by
+    /// [`News::Anchored`]; where there is no director to anchor nothing happens.
+    Anchor(AnchoringKind),
+    /// Move the horizon (see [`Orders`]).
+    Horizon(Option<f64>),
+    /// End the run. Dropping the worker does the same.
+    End,
+}
+
+/// News of a run.
+#[derive(Debug, Clone)]
+pub struct Message {
+    /// Whose.
+    pub run: RunId,
+    /// What.
+    pub news: News,
+}
+
+/// What a worker tells.
+#[derive(Debug, Clone)]
+pub enum News {
+    /// The run was set up: first of all news.
+    Ready(Arc<Setting>),
+    /// The scalars of steps, in order, none left out; the first is step 0.
+    Reports(Vec<Report>),
+    /// Something happened. (That the anchoring was switched is told as `Anchored`.)
+    Event(Event),
+    /// The anchoring is another one: the same state as in the last report, its energy measured anew.
+    Anchored {
+        /// The new kind.
+        kind: AnchoringKind,
+        /// The scalars of the unchanged state, with the new energies and an empty ledger.
+        report: Box<Report>,
+    },
+    /// One of the evenly spaced states that were ordered.
+    Snapshot(Arc<Picture>),
+    /// The worker stands still, as asked: the answer to every `Pause` and every `Step`, and told at
+    /// the start where it was ordered to wait.
+    Paused,
+    /// The worker computes again, after a pause or at a moved horizon.
+    Resumed,
+    /// The worker waits at its horizon.
+    AtHorizon,
+    /// T is reached: the last of all reports was sent before. Told once.
+    Done,
+    /// The run cannot start or go on, and why; the last good state stays what it is. After this the
+    /// thread has ended. A panic of the thread arrives here too.
+    Failed(String),
+}
+
+/// What does not change over a run.
+#[derive(Debug, Clone)]
+pub struct Setting {
+    /// The scene.
+    pub scene: Scene,
+    /// The mesh.
+    pub mesh: Arc<Mesh>,
+    /// Steps to T.
+    pub steps: u64,
+    /// What is allowed in the scene but probably not meant.
+    pub warnings: Vec<Warning>,
+}
+
+/// The fields of a run at one time with the scalars of that time.
+#[derive(Debug, Clone)]
+pub struct Picture {
+    /// The run.
+    pub run: RunId,
+    /// The anchoring at that time, `None` where the scene has no director.
+    pub anchoring: Option<AnchoringKind>,
+    /// The scalars.
+    pub report: Report,
+    /// The fields.
+    pub state: State,
+}

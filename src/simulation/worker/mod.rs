@@ -1,0 +1,122 @@
+//! A run on a thread of its own: commands in, scalars and life-cycle news out on a channel that
+//! loses nothing, fields through a mailbox in which the latest wins.
+//!
+//! The worker never waits for whoever watches: news go to a *sink* that must not block, and a field
+//! that nobody has fetched is overwritten. What a watched run computes is, bit for bit, what
+//! [`Simulation`](super::Simulation) computes without a worker.
+
+mod mailbox;
+mod message;
+mod runner;
+#[cfg(test)]
+mod tests;
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{self, Sender};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+use crate::scene::Scene;
+
+pub use mailbox::Mailbox;
+pub use message::{Command, Message, News, Orders, Picture, RunId, Setting};
+
+use runner::Runner;
+
+/// A run on a thread of its own. Dropping it ends the run and waits for the thread: until the step
+/// in hand, or the set-up, is done.
+#[derive(Debug)]
+pub struct Worker {
+    run: RunId,
+    commands: Sender<Command>,
+    mailbox: Mailbox,
+    computing: Arc<AtomicU64>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Worker {
+    /// The name of every worker's thread begins with this: a panic there is caught, and told as
+    /// [`News::Failed`].
+    pub const THREAD_NAME: &str = "vesica run";
+
+    /// Starts a run. `sink` is called on the run's thread with all its news and must not block.
+    ///
+    /// Whatever goes wrong is told to the sink, a thread that cannot be started too.
+    pub fn start(
+        orders: Orders,
+        scene: Arc<Scene>,
+        sink: impl Fn(Message) + Send + 'static,
+    ) -> Self {
+        let run = orders.run;
+        let (commands, received) = mpsc::channel();
+        let mailbox = Mailbox::default();
+        let computing = Arc::new(AtomicU64::new(0));
+        // Shared until the thread has it, so that it can be told if there is no thread.
+        let sink = Arc::new(Mutex::new(Some(sink)));
+        let taken = {
+            let (sink, mailbox, computing) = (sink.clone(), mailbox.clone(), computing.clone());
+            move || {
+                if let Some(sink) = take(&sink) {
+                    Runner::new(orders, received, sink, mailbox, computing).run(&scene);
+                }
+            }
+        };
+        let thread = thread::Builder::new()
+            .name(format!("{} {}", Self::THREAD_NAME, run.0))
+            .spawn(taken);
+        let thread = match thread {
+            Ok(thread) => Some(thread),
+            Err(reason) => {
+                if let Some(sink) = take(&sink) {
+                    let text = format!("the system starts no thread for the run: {reason}");
+                    let news = News::Failed(text);
+                    sink(Message { run, news });
+                }
+                None
+            }
+        };
+        Self {
+            run,
+            commands,
+            mailbox,
+            computing,
+            thread,
+        }
+    }
+
+    /// The run's number.
+    pub fn run(&self) -> RunId {
+        self.run
+    }
+
+    /// Tells the worker something. A run that has ended takes no notice.
+    pub fn tell(&self, command: Command) {
+        // An error means that the thread has ended, as it has told its sink.
+        let _ = self.commands.send(command);
+    }
+
+    /// Where its latest picture is to be fetched.
+    pub fn mailbox(&self) -> Mailbox {
+        self.mailbox.clone()
+    }
+
+    /// The time that its steps took so far, without set-up and pauses.
+    pub fn computing(&self) -> Duration {
+        Duration::from_nanos(self.computing.load(Ordering::Relaxed))
+    }
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        self.tell(Command::End);
+        if let Some(thread) = self.thread.take() {
+            // A panic of the thread was caught and told.
+            let _ = thread.join();
+        }
+    }
+}
+
+fn take<T>(shared: &Mutex<Option<T>>) -> Option<T> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner).take()
+}

@@ -1,0 +1,272 @@
+//! What a worker's thread does.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, TryRecvError};
+use std::time::{Duration, Instant};
+
+use super::super::{EventKind, Report, Schedule, Simulation, SimulationError, step_count};
+use super::mailbox::{Canvases, Mailbox, PictureOf};
+use super::{Command, Message, News, Orders, RunId, Setting};
+use crate::scene::{AnchoringKind, Scene};
+
+/// The thread's own: everything but the simulation.
+pub(super) struct Runner<Sink> {
+    orders: Orders,
+    commands: Receiver<Command>,
+    teller: Teller<Sink>,
+    mailbox: Mailbox,
+    canvases: Canvases,
+    computing: Arc<AtomicU64>,
+}
+
+/// Why a worker stands still.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Rest {
+    Paused,
+    AtHorizon,
+    Done,
+}
+
+impl Rest {
+    fn news(self) -> News {
+        match self {
+            Self::Paused => News::Paused,
+            Self::AtHorizon => News::AtHorizon,
+            Self::Done => News::Done,
+        }
+    }
+}
+
+impl<Sink: Fn(Message)> Runner<Sink> {
+    pub(super) fn new(
+        orders: Orders,
+        commands: Receiver<Command>,
+        sink: Sink,
+        mailbox: Mailbox,
+        computing: Arc<AtomicU64>,
+    ) -> Self {
+        Self {
+            teller: Teller {
+                run: orders.run,
+                gathering: orders.gathering,
+                sink,
+                gathered: Vec::new(),
+                sent: Instant::now(),
+            },
+            orders,
+            commands,
+            mailbox,
+            canvases: Canvases::default(),
+            computing,
+        }
+    }
+
+    /// Runs the scene until it is told to end or cannot go on, which it tells.
+    pub(super) fn run(mut self, scene: &Scene) {
+        let outcome = catch_unwind(AssertUnwindSafe(|| self.simulate(scene)));
+        let failure = match outcome {
+            Ok(Ok(())) => None,
+            Ok(Err(error)) => Some(error.to_string()),
+            Err(panic) => Some(format!(
+                "the solver has a mistake and stopped: {}",
+                words_of(&*panic)
+            )),
+        };
+        // The sink itself may be what panicked; then there is nobody left to tell.
+        let _ = catch_unwind(AssertUnwindSafe(|| match failure {
+            Some(text) => self.teller.tell(News::Failed(text)),
+            None => self.teller.flush(),
+        }));
+    }
+
+    /// Sets the run up and goes on until `End`.
+    fn simulate(&mut self, scene: &Scene) -> Result<(), SimulationError> {
+        let mut simulation = Simulation::new(scene)?;
+        let schedule = Schedule {
+            steps: step_count(&scene.time),
+            every: 1,
+            snapshots: self.orders.snapshots,
+        };
+        // Before the news, so that whoever hears them finds it; so everywhere.
+        self.show(&simulation);
+        self.teller.tell(News::Ready(Arc::new(Setting {
+            scene: scene.clone(),
+            mesh: simulation.mesh.clone(),
+            steps: schedule.steps,
+            warnings: simulation.warnings().to_vec(),
+        })));
+        self.tell_step(&mut simulation, &schedule);
+
+        let mut going = !self.orders.paused;
+        let mut told = None;
+        loop {
+            let rest = self.rest(&simulation, &schedule, going);
+            if rest != told {
+                match rest {
+                    Some(rest) => {
+                        self.show(&simulation);
+                        self.teller.tell(rest.news());
+                    }
+                    None => self.teller.tell(News::Resumed),
+                }
+                told = rest;
+            }
+            let command = match rest {
+                Some(_) => self.commands.recv().map_err(|_| TryRecvError::Disconnected),
+                None => self.commands.try_recv(),
+            };
+            match command {
+                Err(TryRecvError::Empty) => self.step(&mut simulation, &schedule)?,
+                Ok(Command::Resume) => going = true,
+                Ok(Command::Horizon(horizon)) => self.orders.horizon = horizon,
+                Ok(Command::Anchor(kind)) => self.anchor(&mut simulation, kind),
+                Ok(command @ (Command::Pause | Command::Step)) if rest != Some(Rest::Done) => {
+                    if command == Command::Step {
+                        self.step(&mut simulation, &schedule)?;
+                    }
+                    going = false;
+                    // To be answered, even if it stood still before.
+                    told = None;
+                }
+                Ok(Command::Pause | Command::Step) => {}
+                Ok(Command::End) | Err(TryRecvError::Disconnected) => return Ok(()),
+            }
+        }
+    }
+
+    /// Why the run stands still at present; `None`: it goes on.
+    fn rest(&self, simulation: &Simulation, schedule: &Schedule, going: bool) -> Option<Rest> {
+        let report = simulation.report();
+        if report.step >= schedule.steps {
+            Some(Rest::Done)
+        } else if !going {
+            Some(Rest::Paused)
+        } else if self
+            .orders
+            .horizon
+            .is_some_and(|horizon| report.t >= horizon)
+        {
+            Some(Rest::AtHorizon)
+        } else {
+            None
+        }
+    }
+
+    /// One step and all that is to be told of it.
+    fn step(
+        &mut self,
+        simulation: &mut Simulation,
+        schedule: &Schedule,
+    ) -> Result<(), SimulationError> {
+        let begun = Instant::now();
+        let advanced = simulation.advance().map(|_| ());
+        let nanoseconds = u64::try_from(begun.elapsed().as_nanos()).unwrap_or(u64::MAX);
+        self.computing.fetch_add(nanoseconds, Ordering::Relaxed);
+        if let Err(error) = advanced {
+            self.show(simulation);
+            return Err(error);
+        }
+        if self.mailbox.is_empty() {
+            self.show(simulation);
+        }
+        self.tell_step(simulation, schedule);
+        Ok(())
+    }
+
+    /// The report, the events and, where one is due, the snapshot of the state that was reached.
+    fn tell_step(&mut self, simulation: &mut Simulation, schedule: &Schedule) {
+        self.teller.gather(simulation.report());
+        for event in simulation.drain_events() {
+            self.teller.tell(News::Event(event));
+        }
+        if schedule.snapshot_due(simulation.report().step) {
+            let picture = Arc::new(self.picture(simulation).to_picture());
+            self.teller.tell(News::Snapshot(picture));
+        }
+    }
+
+    fn anchor(&mut self, simulation: &mut Simulation, kind: AnchoringKind) {
+        let Ok(report) = simulation.set_anchoring(kind) else {
+            return;
+        };
+        let report = Box::new(report.clone());
+        for event in simulation.drain_events() {
+            if !matches!(event.kind, EventKind::AnchoringSwitched { .. }) {
+                self.teller.tell(News::Event(event));
+            }
+        }
+        self.show(simulation);
+        self.teller.tell(News::Anchored { kind, report });
+    }
+
+    /// Puts the present state into the mailbox.
+    fn show(&mut self, simulation: &Simulation) {
+        let picture = self.canvases.paint(self.picture(simulation));
+        self.mailbox.put(picture);
+    }
+
+    fn picture<'a>(&self, simulation: &'a Simulation) -> PictureOf<'a> {
+        let scene = simulation.scene();
+        let kind = scene
+            .anchoring
+            .map_or(AnchoringKind::None, |anchoring| anchoring.kind);
+        PictureOf {
+            run: self.orders.run,
+            anchoring: scene.nematic.as_ref().map(|_| kind),
+            report: simulation.report(),
+            state: simulation.state(),
+        }
+    }
+}
+
+/// Tells the news of a run in order, and gathers reports so that they do not come one by one.
+struct Teller<Sink> {
+    run: RunId,
+    gathering: Duration,
+    sink: Sink,
+    gathered: Vec<Report>,
+    /// When reports were sent last.
+    sent: Instant,
+}
+
+impl<Sink: Fn(Message)> Teller<Sink> {
+    /// Takes the report of a step, and sends what was gathered if it is time.
+    fn gather(&mut self, report: &Report) {
+        self.gathered.push(report.clone());
+        if self.sent.elapsed() >= self.gathering {
+            self.flush();
+        }
+    }
+
+    /// Tells something, after all that came before it.
+    fn tell(&mut self, news: News) {
+        self.flush();
+        (self.sink)(Message {
+            run: self.run,
+            news,
+        });
+    }
+
+    fn flush(&mut self) {
+        self.sent = Instant::now();
+        if !self.gathered.is_empty() {
+            let news = News::Reports(std::mem::take(&mut self.gathered));
+            (self.sink)(Message {
+                run: self.run,
+                news,
+            });
+        }
+    }
+}
+
+/// The words of a panic.
+fn words_of(panic: &(dyn Any + Send)) -> &str {
+    panic
+        .downcast_ref::<&str>()
+        .copied()
+        .or_else(|| panic.downcast_ref::<String>().map(String::as_str))
+        .unwrap_or("it panicked without a word")
+}

@@ -1,0 +1,543 @@
+use std::sync::OnceLock;
+use std::sync::mpsc::{Receiver, TryRecvError};
+
+use rand::{Rng, RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::super::tests::small;
+use super::super::{Costs, Event, EventKind, Report, Simulation, State};
+use super::*;
+use crate::scene::{AnchoringKind, NodalValues, ScalarField};
+
+/// Long enough for anything but a hang.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A worker and what it has told.
+struct Watched {
+    worker: Worker,
+    news: Receiver<Message>,
+}
+
+fn orders() -> Orders {
+    Orders {
+        run: RunId(7),
+        paused: true,
+        horizon: None,
+        gathering: Duration::ZERO,
+        snapshots: 0,
+    }
+}
+
+fn start(orders: Orders, scene: Scene) -> Watched {
+    let (sender, news) = mpsc::channel();
+    let sink = move |message| {
+        // Whoever listens may have gone.
+        let _ = sender.send(message);
+    };
+    let worker = Worker::start(orders, Arc::new(scene), sink);
+    Watched { worker, news }
+}
+
+impl Watched {
+    fn next(&self) -> News {
+        let message = self.news.recv_timeout(PATIENCE).unwrap();
+        assert_eq!(message.run, RunId(7));
+        message.news
+    }
+
+    /// All news up to the first of which this holds.
+    fn until(&self, is_last: impl Fn(&News) -> bool) -> Vec<News> {
+        let mut news = vec![self.next()];
+        while !news.last().is_some_and(&is_last) {
+            news.push(self.next());
+        }
+        news
+    }
+
+    /// The words of the news up to the first such word.
+    fn words_until(&self, last: &str) -> Vec<String> {
+        let news = self.until(|news| word(news) == last);
+        news.iter().map(word).collect()
+    }
+}
+
+/// News in a word, with the steps of reports.
+fn word(news: &News) -> String {
+    match news {
+        News::Ready(_) => "ready".to_owned(),
+        News::Reports(reports) => {
+            let steps: Vec<u64> = reports.iter().map(|report| report.step).collect();
+            format!("{steps:?}")
+        }
+        News::Event(event) => event.kind.name().to_owned(),
+        News::Anchored { kind, report } => format!("{kind} at {}", report.step),
+        News::Snapshot(picture) => format!("snapshot {}", picture.report.step),
+        News::Paused => "paused".to_owned(),
+        News::Resumed => "resumed".to_owned(),
+        News::AtHorizon => "at the horizon".to_owned(),
+        News::Done => "done".to_owned(),
+        News::Failed(reason) => format!("failed: {reason}"),
+    }
+}
+
+fn reports(news: &[News]) -> Vec<Report> {
+    let reports = news.iter().filter_map(|news| match news {
+        News::Reports(reports) => Some(reports.clone()),
+        _ => None,
+    });
+    reports.flatten().map(without_costs).collect()
+}
+
+/// What the clock says is never the same twice.
+fn without_costs(report: Report) -> Report {
+    Report {
+        costs: Costs::default(),
+        ..report
+    }
+}
+
+fn fetched(worker: &Worker) -> (u64, State) {
+    let picture = worker.mailbox().fetch().unwrap();
+    (picture.report.step, picture.state.clone())
+}
+
+#[test]
+fn a_watched_run_is_bit_for_bit_the_one_that_nobody_watches() {
+    let scene = small(&[]);
+    let orders = Orders {
+        paused: false,
+        gathering: Duration::from_millis(3),
+        snapshots: 5,
+        ..orders()
+    };
+    let watched = start(orders, scene.clone());
+    let news = watched.until(|news| matches!(news, News::Done));
+
+    let mut simulation = Simulation::new(&scene).unwrap();
+    let mut expected = vec![simulation.report().clone()];
+    let mut states = vec![simulation.state().clone()];
+    for _ in 0..40 {
+        expected.push(without_costs(simulation.advance().unwrap().clone()));
+        states.push(simulation.state().clone());
+    }
+    assert_eq!(reports(&news), expected);
+    let snapshots: Vec<_> = news
+        .iter()
+        .filter_map(|news| match news {
+            News::Snapshot(picture) => Some(picture),
+            _ => None,
+        })
+        .collect();
+    let steps: Vec<u64> = snapshots.iter().map(|kept| kept.report.step).collect();
+    assert_eq!(steps, [0, 10, 20, 30, 40]);
+    for kept in snapshots {
+        let step = kept.report.step as usize;
+        assert_eq!(kept.state, states[step]);
+        assert_eq!(without_costs(kept.report.clone()), expected[step]);
+        assert_eq!(kept.anchoring, Some(AnchoringKind::Parallel));
+    }
+    assert_eq!(fetched(&watched.worker), (40, states[40].clone()));
+    let News::Ready(setting) = &news[0] else {
+        panic!("{:?}", news[0]);
+    };
+    assert_eq!((setting.steps, &setting.scene), (40, &scene));
+    let costs = news.iter().filter_map(|news| match news {
+        News::Reports(reports) => Some(reports),
+        _ => None,
+    });
+    let costs: Duration = costs.flatten().map(|report| report.costs.total()).sum();
+    assert!(!costs.is_zero() && watched.worker.computing() >= costs);
+}
+
+#[test]
+fn news_come_in_the_order_of_the_commands() {
+    let watched = start(orders(), small(&["time.end=6e-6"]));
+    let Watched { worker, .. } = &watched;
+    assert_eq!(watched.words_until("paused"), ["ready", "[0]", "paused"]);
+    assert_eq!(worker.computing(), Duration::ZERO);
+    worker.tell(Command::Step);
+    assert_eq!(watched.words_until("paused"), ["[1]", "paused"]);
+    assert_eq!(fetched(worker).0, 1);
+    worker.tell(Command::Step);
+    worker.tell(Command::Step);
+    worker.tell(Command::Pause);
+    let words: Vec<String> = (0..5).map(|_| word(&watched.next())).collect();
+    assert_eq!(words, ["[2]", "paused", "[3]", "paused", "paused"]);
+    worker.tell(Command::Anchor(AnchoringKind::None));
+    assert_eq!(word(&watched.next()), "none at 3");
+    worker.tell(Command::Resume);
+    let words = watched.words_until("done");
+    assert_eq!(words, ["resumed", "[4]", "[5]", "[6]", "done"]);
+    for command in [
+        Command::Pause,
+        Command::Step,
+        Command::Resume,
+        Command::Horizon(Some(0.0)),
+        Command::Anchor(AnchoringKind::Homeotropic),
+    ] {
+        worker.tell(command);
+    }
+    assert_eq!(word(&watched.next()), "homeotropic at 6");
+    let picture = worker.mailbox().fetch().unwrap();
+    assert_eq!(picture.anchoring, Some(AnchoringKind::Homeotropic));
+    assert_eq!(picture.report.step, 6);
+}
+
+#[test]
+fn a_step_of_a_running_run_pauses_it() {
+    let orders = Orders {
+        paused: false,
+        ..orders()
+    };
+    let watched = start(orders, small(&["time.end=1.0"]));
+    watched.worker.tell(Command::Step);
+    let words = watched.words_until("paused");
+    watched.worker.tell(Command::Step);
+    // Ready, the initial state, all steps up to the one that was asked for, and the pause.
+    assert_eq!(watched.next_steps(), [words.len() as u64 - 2]);
+    assert_eq!(word(&watched.next()), "paused");
+}
+
+impl Watched {
+    fn next_steps(&self) -> Vec<u64> {
+        let news = [self.next()];
+        reports(&news).iter().map(|report| report.step).collect()
+    }
+}
+
+#[test]
+fn a_run_waits_at_its_horizon_until_that_moves() {
+    let orders = Orders {
+        paused: false,
+        horizon: Some(3e-6),
+        ..orders()
+    };
+    let watched = start(orders, small(&["time.end=9e-6"]));
+    let Watched { worker, .. } = &watched;
+    let words = watched.words_until("at the horizon");
+    assert_eq!(words[1..], ["[0]", "[1]", "[2]", "[3]", "at the horizon"]);
+    assert_eq!(fetched(worker).0, 3);
+    worker.tell(Command::Horizon(Some(2e-6)));
+    worker.tell(Command::Resume);
+    // Between two times of the grid: up to the later one.
+    worker.tell(Command::Horizon(Some(3.5e-6)));
+    let words = watched.words_until("at the horizon");
+    assert_eq!(words, ["resumed", "[4]", "at the horizon"]);
+    worker.tell(Command::Anchor(AnchoringKind::Homeotropic));
+    assert_eq!(word(&watched.next()), "homeotropic at 4");
+    assert_eq!(fetched(worker).0, 4);
+    worker.tell(Command::Step);
+    assert_eq!(watched.words_until("paused"), ["[5]", "paused"]);
+    worker.tell(Command::Resume);
+    assert_eq!(word(&watched.next()), "at the horizon");
+    worker.tell(Command::Pause);
+    assert_eq!(word(&watched.next()), "paused");
+    worker.tell(Command::Horizon(None));
+    worker.tell(Command::Resume);
+    let words = watched.words_until("done");
+    assert_eq!(words, ["resumed", "[6]", "[7]", "[8]", "[9]", "done"]);
+}
+
+#[test]
+fn an_event_comes_after_the_report_of_its_step() {
+    let at_wall = small(&["vesicle.center=[0.5, 0.9]", "vesicle.angle=0"]);
+    let watched = start(orders(), at_wall);
+    let words = watched.words_until("paused");
+    assert_eq!(words, ["ready", "[0]", "reached-wall", "paused"]);
+    assert!(watched.news.try_recv().is_err());
+}
+
+#[test]
+fn a_picture_is_painted_only_when_the_last_one_was_fetched() {
+    let mailbox: Arc<OnceLock<Mailbox>> = Arc::default();
+    let (sender, steps) = mpsc::channel();
+    let shared = mailbox.clone();
+    let sink = move |message: Message| match message.news {
+        News::Reports(reports) if reports[0].step % 3 == 1 => {
+            let picture = shared.get().and_then(Mailbox::fetch);
+            let _ = sender.send(picture.map(|picture| picture.report.step));
+        }
+        _ => {}
+    };
+    let worker = Worker::start(orders(), Arc::new(small(&["time.end=1e-5"])), sink);
+    mailbox.set(worker.mailbox()).unwrap();
+    worker.tell(Command::Resume);
+    let fetched: Vec<_> = (0..4).map(|_| steps.recv_timeout(PATIENCE)).collect();
+    // At 1 what was shown at rest; then the one of the next step, before whose news the place was free.
+    assert_eq!(
+        fetched,
+        [Ok(Some(0)), Ok(Some(2)), Ok(Some(5)), Ok(Some(8))]
+    );
+}
+
+#[test]
+fn reports_are_gathered_and_none_is_held_back_at_rest() {
+    let orders = Orders {
+        gathering: Duration::from_secs(3600),
+        ..orders()
+    };
+    let watched = start(orders, small(&["time.end=5e-6"]));
+    assert_eq!(watched.words_until("paused"), ["ready", "[0]", "paused"]);
+    watched.worker.tell(Command::Step);
+    assert_eq!(watched.words_until("paused"), ["[1]", "paused"]);
+    watched.worker.tell(Command::Resume);
+    let words = watched.words_until("done");
+    assert_eq!(words, ["resumed", "[2, 3, 4, 5]", "done"]);
+}
+
+/// Carries out the switches that a worker has told on a simulation that nobody watches.
+fn replay(scene: &Scene, news: &[News]) -> (Vec<Report>, State) {
+    let mut simulation = Simulation::new(scene).unwrap();
+    let mut expected = vec![simulation.report().clone()];
+    let last = reports(news).len() as u64;
+    let mut switches = news.iter().filter_map(|news| match news {
+        News::Anchored { kind, report } => Some((*kind, report)),
+        _ => None,
+    });
+    let mut switch = switches.next();
+    loop {
+        while let Some((kind, report)) = switch
+            && report.step == simulation.report().step
+        {
+            let told = without_costs((**report).clone());
+            let done = without_costs(simulation.set_anchoring(kind).unwrap().clone());
+            assert_eq!(told, done);
+            switch = switches.next();
+        }
+        if expected.len() as u64 == last {
+            assert!(switch.is_none());
+            return (expected, simulation.state().clone());
+        }
+        expected.push(without_costs(simulation.advance().unwrap().clone()));
+    }
+}
+
+#[test]
+fn a_thousand_commands_lose_nothing_and_double_nothing() {
+    let scene = small(&["mesh.cells=8", "time.end=6e-4"]);
+    let steps = 600;
+    let kinds = [
+        AnchoringKind::Homeotropic,
+        AnchoringKind::Parallel,
+        AnchoringKind::None,
+    ];
+    let orders = Orders {
+        gathering: Duration::from_millis(1),
+        snapshots: 7,
+        horizon: Some(0.0),
+        ..orders()
+    };
+    let watched = start(orders, scene.clone());
+    let mut random = ChaCha8Rng::seed_from_u64(3);
+    let (mut news, mut switches, mut answers) = (Vec::new(), Vec::new(), 1);
+    for _ in 0..1000 {
+        let command = match random.random_range(0..20) {
+            0..4 => Command::Pause,
+            4..10 => Command::Resume,
+            // Too few to reach T from the farthest horizon.
+            10..13 => Command::Step,
+            13..15 => Command::Anchor(kinds[random.random_range(0..3)]),
+            _ => Command::Horizon(Some(random.random_range(0.0..3e-4))),
+        };
+        match command {
+            Command::Pause | Command::Step => answers += 1,
+            Command::Anchor(kind) => switches.push(kind),
+            _ => {}
+        }
+        watched.worker.tell(command);
+        for _ in 0..random.next_u32() % 4 {
+            match watched.news.try_recv() {
+                Ok(message) => news.push(message.news),
+                Err(TryRecvError::Empty) => thread::yield_now(),
+                Err(TryRecvError::Disconnected) => panic!("the thread has ended"),
+            }
+        }
+    }
+    watched.worker.tell(Command::Horizon(None));
+    watched.worker.tell(Command::Resume);
+    news.extend(watched.until(|news| matches!(news, News::Done)));
+
+    let told: Vec<u64> = reports(&news).iter().map(|report| report.step).collect();
+    assert_eq!(told, (0..=steps).collect::<Vec<_>>());
+    let count = |word_of: &str| news.iter().filter(|news| word(news) == word_of).count();
+    assert_eq!(count("paused"), answers);
+    assert_eq!((count("ready"), count("done")), (1, 1));
+    assert_eq!(count("snapshot 0") + count("snapshot 600"), 2);
+    assert_eq!(
+        news.iter()
+            .filter(|news| word(news).starts_with("snap"))
+            .count(),
+        7
+    );
+    let anchored: Vec<_> = news
+        .iter()
+        .filter_map(|news| match news {
+            News::Anchored { kind, .. } => Some(*kind),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(anchored, switches);
+    let (expected, state) = replay(&scene, &news);
+    assert_eq!(reports(&news), expected);
+    assert_eq!(fetched(&watched.worker), (steps, state));
+    check_life_cycle(&news);
+}
+
+/// Whoever stands still takes no step but one that is asked for, and goes on only from standing.
+fn check_life_cycle(news: &[News]) {
+    let (mut stands, mut steps_while_standing) = (false, 0);
+    for news in &news[2..] {
+        match news {
+            News::Paused => {
+                assert!(steps_while_standing <= 1);
+                (stands, steps_while_standing) = (true, 0);
+            }
+            News::AtHorizon => {
+                assert_eq!(steps_while_standing, 0);
+                stands = true;
+            }
+            News::Resumed => {
+                assert!(stands && steps_while_standing == 0);
+                stands = false;
+            }
+            News::Reports(reports) if stands => steps_while_standing += reports.len(),
+            _ => {}
+        }
+    }
+}
+
+#[test]
+fn a_set_up_that_fails_is_told() {
+    let mut scene = small(&[]);
+    let mesh = &mut scene.mesh;
+    *mesh = crate::scene::Mesh::Structured {
+        cells: 8,
+        jitter: 0.9,
+        seed: 1,
+    };
+    let expected = Simulation::new(&scene).unwrap_err().to_string();
+    let watched = start(orders(), scene);
+    assert_eq!(word(&watched.next()), format!("failed: {expected}"));
+    assert!(watched.news.recv_timeout(PATIENCE).is_err(), "nothing more");
+    watched.worker.tell(Command::Resume);
+}
+
+#[test]
+fn a_step_that_fails_is_told_after_all_before_it() {
+    let scene = small(&["solver.law_tolerance=1e-300"]);
+    let mut simulation = Simulation::new(&scene).unwrap();
+    let initial = simulation.state().clone();
+    let error = simulation.advance().unwrap_err().to_string();
+    let orders = Orders {
+        paused: false,
+        gathering: Duration::from_secs(3600),
+        ..orders()
+    };
+    let watched = start(orders, scene);
+    let words: Vec<String> = (0..3).map(|_| word(&watched.next())).collect();
+    assert_eq!(words, ["ready", "[0]", &format!("failed: {error}")]);
+    assert!(watched.news.recv_timeout(PATIENCE).is_err(), "nothing more");
+    assert_eq!(fetched(&watched.worker), (0, initial));
+}
+
+#[test]
+fn a_panic_is_told() {
+    let mut scene = small(&[]);
+    // No scene that was read has fewer values than nodes.
+    scene.membrane.spontaneous_curvature = ScalarField::File(NodalValues {
+        path: String::new(),
+        values: Arc::from([0.0]),
+        columns: 1,
+    });
+    let watched = start(orders(), scene);
+    let told = word(&watched.next());
+    assert!(
+        told.starts_with("failed: the solver has a mistake"),
+        "{told}"
+    );
+    assert!(watched.news.recv_timeout(PATIENCE).is_err(), "nothing more");
+}
+
+#[test]
+fn a_sink_that_panics_ends_the_run_and_nothing_else() {
+    let (sender, news) = mpsc::channel();
+    let sink = move |message: Message| {
+        let _ = sender.send(word(&message.news));
+        assert!(!matches!(message.news, News::Ready(_)), "a sink's mistake");
+    };
+    let worker = Worker::start(orders(), Arc::new(small(&[])), sink);
+    assert_eq!(news.recv_timeout(PATIENCE).as_deref(), Ok("ready"));
+    let told = news.recv_timeout(PATIENCE).unwrap();
+    assert!(told.contains("a sink's mistake"), "{told}");
+    drop(worker);
+    assert!(news.recv().is_err());
+}
+
+#[test]
+fn dropping_ends_a_run_within_a_step() {
+    let endless = small(&["time.end=1.0"]);
+    for (paused, horizon) in [(true, None), (false, Some(1e-6)), (false, None)] {
+        let orders = Orders {
+            paused,
+            horizon,
+            ..orders()
+        };
+        let watched = start(orders, endless.clone());
+        watched.next();
+        drop(watched.worker);
+        // All that was told is here, and the thread with its sender is gone.
+        let told = watched.news.iter().count();
+        assert!(told < 1_000_000);
+    }
+}
+
+#[test]
+fn an_end_holds_nothing_back() {
+    let orders = Orders {
+        gathering: Duration::from_secs(3600),
+        paused: false,
+        ..orders()
+    };
+    let watched = start(orders, small(&["time.end=1.0"]));
+    assert_eq!(word(&watched.next()), "ready");
+    watched.worker.tell(Command::End);
+    let news: Vec<News> = watched.news.iter().map(|message| message.news).collect();
+    let steps: Vec<u64> = reports(&news).iter().map(|report| report.step).collect();
+    assert_eq!(steps, (0..steps.len() as u64).collect::<Vec<_>>());
+    assert!(!steps.is_empty());
+}
+
+#[test]
+fn without_a_director_no_anchoring_is_told() {
+    let scene = small(&["anchoring=false", "nematic=false"]);
+    let watched = start(orders(), scene);
+    watched.words_until("paused");
+    watched
+        .worker
+        .tell(Command::Anchor(AnchoringKind::Parallel));
+    watched.worker.tell(Command::Step);
+    assert_eq!(watched.words_until("paused"), ["[1]", "paused"]);
+    let picture = watched.worker.mailbox().fetch().unwrap();
+    assert_eq!((picture.anchoring, &picture.state.director), (None, &None));
+}
+
+#[test]
+fn an_event_of_a_switch_is_told_once() {
+    let watched = start(orders(), small(&[]));
+    watched.words_until("paused");
+    watched.worker.tell(Command::Anchor(AnchoringKind::None));
+    watched.worker.tell(Command::Step);
+    let news = watched.until(|news| matches!(news, News::Paused));
+    let switch = |news: &&News| {
+        matches!(
+            news,
+            News::Event(Event {
+                kind: EventKind::AnchoringSwitched { .. },
+                ..
+            })
+        )
+    };
+    assert_eq!(news.iter().filter(switch).count(), 0);
+    let words: Vec<String> = news.iter().map(word).collect();
+    assert_eq!(words, ["none at 0", "[1]", "paused"]);
+}

@@ -1,0 +1,170 @@
+//! The app and its runs at their beginning, and what is often looked up in them.
+
+use std::collections::VecDeque;
+use std::num::NonZero;
+use std::sync::Arc;
+use std::thread::available_parallelism;
+
+use super::history::History;
+use super::pace::Pace;
+use super::past::Past;
+use super::reins::Reins;
+use super::state::{
+    App, DirectorStyle, Field, Notice, Panel, Run, Saving, Screen, Slot, Status, View,
+};
+use crate::scene::{AnchoringKind, Scene};
+use crate::simulation::{Picture, Report, RunId};
+
+impl App {
+    /// The slots of the four cases come first; those of opened scenes are behind them.
+    pub const CASES: usize = 4;
+    /// The least and the greatest number of redraws a second.
+    pub const FRAME_RATES: [u32; 2] = [1, 30];
+
+    /// The app with the slots of the four cases, and perhaps more behind them, one of which is
+    /// looked at. Its run is started by the first [`update`](super::update::update), whatever the
+    /// message.
+    pub fn new(slots: Vec<Slot>, active: usize, size: (u16, u16), frames_per_second: u32) -> Self {
+        let [least, most] = Self::FRAME_RATES;
+        Self {
+            active: active.min(slots.len().saturating_sub(1)),
+            slots,
+            screen: Screen::Run,
+            overlay: None,
+            view: View {
+                field: Field::Phase,
+                director: DirectorStyle::Arrows,
+                colour_map: 0,
+                logarithmic: false,
+            },
+            focus: Panel::Field,
+            looking_back: None,
+            size,
+            frames_per_second: frames_per_second.clamp(least, most),
+            saving: Saving::Idle,
+            saving_now: None,
+            saving_next: None,
+            remark: None,
+            stale: true,
+            next_run: RunId(1),
+            cores: available_parallelism().map_or(1, NonZero::get),
+            clock: None,
+            editing: None,
+            reloaded: None,
+            ending: None,
+        }
+    }
+
+    /// The slot that is looked at.
+    pub fn active_slot(&self) -> Option<&Slot> {
+        self.slots.get(self.active)
+    }
+
+    /// Its run.
+    pub fn active_run(&self) -> Option<&Run> {
+        self.active_slot()?.run.as_ref()
+    }
+
+    pub(super) fn active_run_mut(&mut self) -> Option<&mut Run> {
+        self.slots.get_mut(self.active)?.run.as_mut()
+    }
+
+    /// The fields that are looked at: the latest of the active run, or older ones.
+    pub fn picture(&self) -> Option<&Arc<Picture>> {
+        let run = self.active_run()?;
+        let older = self.looking_back.and_then(|index| run.past.get(index));
+        older.or(run.picture.as_ref())
+    }
+
+    /// The scalars that belong to what is looked at: those of the last step, or of the older
+    /// picture.
+    pub fn report(&self) -> Option<&Report> {
+        let run = self.active_run()?;
+        let older = self.looking_back.and_then(|index| run.past.get(index));
+        Some(older.map_or(&run.report, |picture| &picture.report))
+    }
+
+    /// The slots of the gallery.
+    pub fn cases(&self) -> std::ops::Range<usize> {
+        0..Self::CASES.min(self.slots.len())
+    }
+
+    /// Whether the space key pauses: the run that is looked at is to go on, or any of the gallery's.
+    pub fn is_going(&self) -> bool {
+        let goes = |slot: &Slot| {
+            let run = slot.run.as_ref();
+            run.is_none_or(|run| run.reins.wanted && !run.is_over())
+        };
+        match self.screen {
+            Screen::Run => self.active_slot().is_some_and(goes),
+            Screen::Gallery => self.slots[self.cases()].iter().any(goes),
+        }
+    }
+
+    /// Whether anything would be lost if the app ended now.
+    pub fn has_unsaved(&self) -> bool {
+        let mut runs = self.slots.iter().filter_map(|slot| slot.run.as_ref());
+        runs.any(|run| run.unsaved)
+    }
+}
+
+impl Slot {
+    /// A slot without a run.
+    pub fn new(name: impl Into<String>, file: Option<std::path::PathBuf>, scene: Scene) -> Self {
+        Self {
+            name: name.into(),
+            file,
+            scene: Arc::new(scene),
+            run: None,
+        }
+    }
+
+    /// The anchoring of the scene; `None` where there is no director to anchor.
+    pub fn anchoring(&self) -> Option<AnchoringKind> {
+        self.scene.nematic.as_ref()?;
+        let anchoring = self.scene.anchoring;
+        Some(anchoring.map_or(AnchoringKind::None, |anchoring| anchoring.kind))
+    }
+}
+
+impl Run {
+    /// Older notices are forgotten when there are more than this.
+    const NOTICES: usize = 50;
+
+    /// A run that is about to be set up.
+    pub fn new(id: RunId, anchoring: Option<AnchoringKind>, horizon: Option<f64>) -> Self {
+        Self {
+            id,
+            status: Status::Starting,
+            reins: Reins::new(horizon),
+            setting: None,
+            report: Report::default(),
+            anchoring,
+            history: History::default(),
+            picture: None,
+            past: Past::default(),
+            snapshots: Vec::new(),
+            pace: Pace::default(),
+            notices: VecDeque::new(),
+            unsaved: false,
+            rising: false,
+        }
+    }
+
+    /// Whether no more steps will be taken.
+    pub fn is_over(&self) -> bool {
+        matches!(self.status, Status::Done | Status::Failed(_))
+    }
+
+    /// Steps to T; `None` until the run is set up.
+    pub fn steps(&self) -> Option<u64> {
+        self.setting.as_ref().map(|setting| setting.steps)
+    }
+
+    pub(super) fn notify(&mut self, notice: Notice) {
+        self.notices.push_back(notice);
+        if self.notices.len() > Self::NOTICES {
+            self.notices.pop_front();
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! What drawing keeps from one frame to the next: where the samples of a picture lie in a mesh.
+//! Nothing of the physics and nothing of the app is in it; without it every frame would look the
+//! same and take longer.
+
+use std::sync::{Arc, Weak};
+
+use crate::fem::{Mesh, Raster, Rectangle};
+
+/// Rasters kept: those of a gallery of four and of the single view, twice over for a resize.
+const KEPT: usize = 16;
+
+/// The rasters of the meshes that were last drawn. It lives with whoever draws, next to the terminal.
+#[derive(Debug, Default)]
+pub struct Canvas {
+    /// The last used last.
+    rasters: Vec<(Weak<Mesh>, Arc<Raster>)>,
+    regions: Vec<(Weak<Mesh>, Rectangle)>,
+}
+
+impl Canvas {
+    /// The rectangle that a mesh covers.
+    pub fn region(&mut self, mesh: &Arc<Mesh>) -> Rectangle {
+        let region = take(&mut self.regions, mesh, |_| true);
+        let region = region.unwrap_or_else(|| Rectangle::around(mesh));
+        keep(&mut self.regions, mesh, region);
+        region
+    }
+
+    /// Samples of so many columns and rows over the rectangle that a mesh covers.
+    pub fn raster(&mut self, mesh: &Arc<Mesh>, columns: usize, rows: usize) -> Arc<Raster> {
+        let fits = |raster: &Arc<Raster>| raster.columns() == columns && raster.rows() == rows;
+        let raster = take(&mut self.rasters, mesh, fits).unwrap_or_else(|| {
+            let region = self.region(mesh);
+            Arc::new(Raster::new(mesh, region, columns, rows))
+        });
+        keep(&mut self.rasters, mesh, raster.clone());
+        raster
+    }
+}
+
+/// Takes what was kept of a mesh out. A mesh is known by its address; the weak reference sees to it
+/// that no other mesh can come to lie there.
+fn take<T>(
+    kept: &mut Vec<(Weak<Mesh>, T)>,
+    mesh: &Arc<Mesh>,
+    fits: impl Fn(&T) -> bool,
+) -> Option<T> {
+    let same = |(of, value): &(Weak<Mesh>, T)| of.as_ptr() == Arc::as_ptr(mesh) && fits(value);
+    let index = kept.iter().position(same)?;
+    Some(kept.remove(index).1)
+}
+
+/// Keeps something of a mesh, and forgets what was not used for the longest time.
+fn keep<T>(kept: &mut Vec<(Weak<Mesh>, T)>, mesh: &Arc<Mesh>, value: T) {
+    kept.retain(|(of, _)| of.strong_count() > 0);
+    if kept.len() >= KEPT {
+        kept.remove(0);
+    }
+    kept.push((Arc::downgrade(mesh), value));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mesh() -> Arc<Mesh> {
+        Arc::new(Mesh::structured(4, 0.0, 0).expect("a regular mesh"))
+    }
+
+    #[test]
+    fn a_raster_is_built_once() {
+        let (mut canvas, mesh, other) = (Canvas::default(), mesh(), mesh());
+        let first = canvas.raster(&mesh, 6, 3);
+        assert!(Arc::ptr_eq(&first, &canvas.raster(&mesh, 6, 3)));
+        assert!(!Arc::ptr_eq(&first, &canvas.raster(&mesh, 3, 6)));
+        assert!(!Arc::ptr_eq(&first, &canvas.raster(&other, 6, 3)));
+        assert!(Arc::ptr_eq(&first, &canvas.raster(&mesh, 6, 3)));
+    }
+
+    #[test]
+    fn what_is_not_needed_is_forgotten() {
+        let mut canvas = Canvas::default();
+        let long_lived = mesh();
+        let first = canvas.raster(&long_lived, 1, 1);
+        for columns in 2..100 {
+            canvas.raster(&long_lived, columns, 1);
+        }
+        assert_eq!(canvas.rasters.len(), KEPT);
+        assert_eq!(canvas.regions.len(), 1);
+        assert!(!Arc::ptr_eq(&first, &canvas.raster(&long_lived, 1, 1)));
+        drop(long_lived);
+        canvas.raster(&mesh(), 2, 2);
+        assert_eq!(canvas.rasters.len(), 1);
+    }
+}

@@ -1,0 +1,84 @@
+//! What the app saves as a report would have it: figures with their data, beside the states.
+
+use std::sync::Arc;
+
+use super::saving::{Job, What, save_states};
+use super::state::{DirectorStyle, Field, View};
+use crate::figure::{self, Director, FigureOptions, RunData, Snapshot};
+use crate::record::RunFolder;
+use crate::simulation::Picture;
+
+/// Saves figures: of a view PNG, SVG, CSV and VTU; of a set all figures of the run up to now, its
+/// fields and its whole history. `scene.toml` stands beside them, and they say how they can be made
+/// again.
+///
+/// # Errors
+/// What could not be written or drawn, and why.
+pub fn save_figures(job: &Job, folder: &RunFolder) -> Result<(), String> {
+    save_states(job, folder)?;
+    if job.in_haste {
+        return Ok(());
+    }
+    let files = match &job.what {
+        What::View(picture, view) => save_view(job, picture, view, folder),
+        What::Set(pictures, history) => {
+            let snapshots = pictures.iter().map(|picture| Snapshot {
+                step: picture.report.step,
+                t: picture.report.t,
+                state: Arc::new(picture.state.clone()),
+            });
+            let run = RunData {
+                name: job.name.clone(),
+                scene: Arc::clone(&job.scene),
+                mesh: Arc::clone(&job.mesh),
+                history: history.rows.clone(),
+                snapshots: snapshots.collect(),
+                command: command("vesica figures scene.toml", job),
+            };
+            figure::save_set(&[run], &FigureOptions::default(), folder.path())
+        }
+    };
+    files.map(|_| ()).map_err(|error| error.to_string())
+}
+
+fn save_view(
+    job: &Job,
+    picture: &Picture,
+    view: &View,
+    folder: &RunFolder,
+) -> Result<Vec<std::path::PathBuf>, figure::FigureError> {
+    let steps = picture.report.step;
+    let command = command(&format!("vesica run scene.toml --steps {steps}"), job);
+    let shown = figure::View {
+        name: &job.name,
+        scene: &job.scene,
+        mesh: &job.mesh,
+        state: &picture.state,
+        report: &picture.report,
+        field: match view.field {
+            Field::Phase | Field::EnergyDensity => figure::Field::Phase,
+            Field::DirectorLength => figure::Field::DirectorLength,
+            Field::Omega => figure::Field::Bending,
+            Field::Mu => figure::Field::Potential,
+        },
+        command: &command,
+    };
+    let options = FigureOptions {
+        director: match view.director {
+            DirectorStyle::Arrows => Director::Arrows,
+            DirectorStyle::Strokes => Director::Strokes,
+            DirectorStyle::Off => Director::Off,
+        },
+        ..FigureOptions::view()
+    };
+    figure::save_view(&shown, &options, folder.path())
+}
+
+/// A command, and what was done by hand that it does not repeat.
+fn command(command: &str, job: &Job) -> String {
+    let mut text = command.to_owned();
+    for (step, kind) in &job.switches {
+        text += &format!("; the anchoring was switched to {kind} after step {step}");
+    }
+    text
+}

@@ -1,0 +1,134 @@
+//! Every scalar of a run, from its first step to its last.
+
+use super::series::Series;
+use crate::record::Columns;
+use crate::scene::AnchoringKind;
+use crate::simulation::Report;
+
+/// Every scalar over the whole run.
+#[derive(Debug, Clone, Default)]
+pub struct History {
+    /// E_tot.
+    pub total_energy: Series,
+    /// The energies of the effects that the scene has, by name.
+    pub energies: Vec<(&'static str, Series)>,
+    /// B.
+    pub surface_area: Series,
+    /// ∫φ − ∫φ⁰.
+    pub phase_drift: Series,
+    /// |law_residual|.
+    pub law_residual: Series,
+    /// Milliseconds a step.
+    pub cost: Series,
+    /// Length, waist and greatest width of the vesicle.
+    pub length: Series,
+    /// See `length`.
+    pub waist: Series,
+    /// See `length`.
+    pub width: Series,
+    /// Where the anchoring was switched: step and new kind.
+    pub marks: Vec<(u64, AnchoringKind)>,
+    /// What E_tot is to be compared with: its value at the start, or just after the last switch of
+    /// the anchoring, since which it can only have fallen.
+    pub baseline: Option<f64>,
+    /// ∫φ⁰.
+    pub phase_integral: Option<f64>,
+    /// Every row of the run, for figures and their data.
+    pub rows: Columns,
+}
+
+impl History {
+    /// Takes the scalars of the next step, or those of step 0.
+    pub fn take(&mut self, report: &Report) {
+        self.rows.push(report);
+        self.take_energies(report);
+        self.baseline.get_or_insert(report.total_energy);
+        let step = report.step;
+        self.surface_area.push(step, report.surface_area);
+        let start = *self.phase_integral.get_or_insert(report.phase_integral);
+        self.phase_drift.push(step, report.phase_integral - start);
+        if let Some(outline) = report.outline {
+            self.length.push(step, outline.length);
+            self.waist.push(step, outline.waist);
+            self.width.push(step, outline.width);
+        }
+        // Neither law nor cost belongs to the initial state.
+        if step > 0 {
+            self.law_residual.push(step, report.law_residual.abs());
+            let seconds = report.costs.total().as_secs_f64();
+            self.cost.push(step, 1e3 * seconds);
+        }
+    }
+
+    /// Takes a switch of the anchoring: the energies of the unchanged state, measured anew.
+    pub fn switch(&mut self, kind: AnchoringKind, report: &Report) {
+        self.rows.push(report);
+        self.take_energies(report);
+        self.baseline = Some(report.total_energy);
+        self.marks.push((report.step, kind));
+    }
+
+    fn take_energies(&mut self, report: &Report) {
+        self.total_energy.push(report.step, report.total_energy);
+        for energy in &report.energies {
+            let known = self
+                .energies
+                .iter_mut()
+                .find(|(name, _)| *name == energy.name);
+            match known {
+                Some((_, series)) => series.push(report.step, energy.value),
+                None => {
+                    let mut series = Series::default();
+                    series.push(report.step, energy.value);
+                    self.energies.push((energy.name, series));
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::NamedValue;
+
+    fn report(step: u64, energies: &[(&'static str, f64)]) -> Report {
+        let named = |&(name, value): &(&'static str, f64)| NamedValue { name, value };
+        Report {
+            step,
+            total_energy: energies.iter().map(|(_, value)| value).sum(),
+            energies: energies.iter().map(named).collect(),
+            phase_integral: 0.5 + step as f64,
+            law_residual: -1e-12,
+            ..Report::default()
+        }
+    }
+
+    #[test]
+    fn a_switch_is_marked_and_moves_the_baseline() {
+        let mut history = History::default();
+        history.take(&report(0, &[("bending", 5.0)]));
+        history.take(&report(1, &[("bending", 4.0)]));
+        assert_eq!(history.baseline, Some(5.0));
+        history.switch(
+            AnchoringKind::Parallel,
+            &report(1, &[("bending", 4.0), ("anchoring", 3.0)]),
+        );
+        assert_eq!(history.baseline, Some(7.0));
+        assert_eq!(history.marks, [(1, AnchoringKind::Parallel)]);
+        assert_eq!(history.total_energy.columns(2, 1)[1], Some([4.0, 7.0]));
+        let names: Vec<_> = history.energies.iter().map(|(name, _)| *name).collect();
+        assert_eq!(names, ["bending", "anchoring"]);
+    }
+
+    #[test]
+    fn the_drift_is_relative_and_the_law_begins_with_the_first_step() {
+        let mut history = History::default();
+        history.take(&report(0, &[]));
+        assert_eq!(history.law_residual.last(), None);
+        assert_eq!(history.cost.last(), None);
+        history.take(&report(2, &[]));
+        assert_eq!(history.phase_drift.last(), Some(2.0));
+        assert_eq!(history.law_residual.last(), Some(1e-12));
+    }
+}

@@ -1,0 +1,93 @@
+//! When keys do something, why they do not, and their words that depend on it.
+
+use super::super::state::{App, Run, Screen, Slot, Status};
+
+pub(super) fn always(_: &App) -> Result<(), &'static str> {
+    Ok(())
+}
+
+pub(super) fn on_one_run(app: &App) -> Result<(), &'static str> {
+    match app.screen {
+        Screen::Run => Ok(()),
+        Screen::Gallery => Err("not in the gallery: g leaves it"),
+    }
+}
+
+pub(super) fn when_not_over(app: &App) -> Result<(), &'static str> {
+    let status = app.active_run().map(|run| &run.status);
+    match (app.screen, status) {
+        (Screen::Run, Some(Status::Done)) => Err("the run is done: r begins it anew"),
+        (Screen::Run, Some(Status::Failed(_))) => {
+            Err("the run has failed: r begins it anew, e edits its scene")
+        }
+        (Screen::Gallery, _) if app.slots[app.cases()].iter().all(is_over) => {
+            Err("all runs are over: Enter looks at one of them")
+        }
+        _ => Ok(()),
+    }
+}
+
+fn is_over(slot: &Slot) -> bool {
+    slot.run.as_ref().is_some_and(Run::is_over)
+}
+
+pub(super) fn when_a_step_is_left(app: &App) -> Result<(), &'static str> {
+    on_one_run(app).and_then(|()| when_not_over(app))
+}
+
+pub(super) fn with_a_past(app: &App) -> Result<(), &'static str> {
+    on_one_run(app)?;
+    match app.active_run() {
+        Some(run) if run.past.len() > 1 => Ok(()),
+        _ => Err("nothing older is stored yet"),
+    }
+}
+
+pub(super) fn with_director(app: &App) -> Result<(), &'static str> {
+    match app.active_slot() {
+        Some(slot) if slot.scene.nematic.is_none() => {
+            Err("this scene has no director: give it a table [nematic]")
+        }
+        _ => Ok(()),
+    }
+}
+
+pub(super) fn with_picture(app: &App) -> Result<(), &'static str> {
+    match app.picture() {
+        Some(_) => Ok(()),
+        None => Err("there is nothing to save yet"),
+    }
+}
+
+pub(super) fn with_opened_scenes(app: &App) -> Result<(), &'static str> {
+    if app.slots.len() > App::CASES {
+        Ok(())
+    } else {
+        Err("no other scene is open: o opens one")
+    }
+}
+
+pub(super) fn pause_or_resume(app: &App) -> &'static str {
+    if app.is_going() { "pause" } else { "resume" }
+}
+
+pub(super) fn gallery(app: &App) -> &'static str {
+    match app.screen {
+        Screen::Run => "gallery",
+        Screen::Gallery => "one run",
+    }
+}
+
+pub(super) fn next_panel(app: &App) -> &'static str {
+    match app.screen {
+        Screen::Run => "panel",
+        Screen::Gallery => "next run",
+    }
+}
+
+pub(super) fn in_gallery(app: &App) -> Result<(), &'static str> {
+    match app.screen {
+        Screen::Gallery => Ok(()),
+        Screen::Run => Err("only in the gallery: g opens it"),
+    }
+}

@@ -1,0 +1,276 @@
+//! All keys, declared once: what a key does, the footer, the help, and the README's table are read
+//! from [`BINDINGS`].
+
+mod conditions;
+mod table;
+
+use std::fmt::Write as _;
+
+use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
+
+use super::state::{App, Overlay};
+
+pub use table::BINDINGS;
+
+/// What a key does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Action {
+    /// Pause or resume the run, in the gallery all runs.
+    PauseOrResume,
+    /// One step.
+    Step,
+    /// Begin the run anew.
+    Restart,
+    /// Look at a slot.
+    Show(usize),
+    /// Switch the anchoring.
+    NextAnchoring,
+    /// Into the gallery or out of it.
+    Gallery,
+    /// So many stored pictures back.
+    Older(usize),
+    /// So many stored pictures on.
+    Newer(usize),
+    /// The oldest picture.
+    Oldest,
+    /// Back to the present.
+    Live,
+    /// Save what is looked at.
+    SaveView,
+    /// Save the report's set.
+    SaveSet,
+    /// The director's next style.
+    Director,
+    /// The next colour map.
+    ColourMap,
+    /// Logarithmic curves or not.
+    Logarithmic,
+    /// The next field.
+    NextField,
+    /// The next panel, in the gallery the next run.
+    Next,
+    /// The one before.
+    Previous,
+    /// More frames a second.
+    Faster,
+    /// Fewer frames a second.
+    Slower,
+    /// Edit the scene and load it anew.
+    Edit,
+    /// Open another scene.
+    Open,
+    /// Show all keys.
+    Help,
+    /// Leave what lies over the screen.
+    Close,
+    /// Stop the process, to be continued.
+    Suspend,
+    /// Leave the app.
+    Quit,
+    /// Do what is asked.
+    Yes,
+    /// Do not.
+    No,
+    /// Scroll by lines.
+    Scroll(i32),
+    /// Another line of the list of scenes.
+    Choose(i32),
+    /// Complete the name that is typed.
+    Complete,
+    /// Load the scene that is typed or chosen.
+    Load,
+    /// Delete the last character.
+    Erase,
+    /// Delete all characters.
+    Clear,
+}
+
+/// Where a key means something.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// With nothing over the screen.
+    Main,
+    /// The list of all keys.
+    Help,
+    /// A question.
+    Confirm,
+    /// Where a scene's name is typed; characters that mean nothing else are typed.
+    Open,
+    /// A long text.
+    Message,
+    /// Everywhere.
+    Anywhere,
+}
+
+impl Place {
+    /// Where the app takes its keys at present.
+    pub fn of(app: &App) -> Self {
+        match &app.overlay {
+            None => Self::Main,
+            Some(Overlay::Help { .. }) => Self::Help,
+            Some(Overlay::Confirm(_)) => Self::Confirm,
+            Some(Overlay::Open { .. }) => Self::Open,
+            Some(Overlay::Message { .. }) => Self::Message,
+        }
+    }
+}
+
+/// A key of the keyboard.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Key {
+    code: KeyCode,
+    control: bool,
+}
+
+impl Key {
+    const fn character(character: char) -> Self {
+        Self::named(KeyCode::Char(character))
+    }
+
+    const fn named(code: KeyCode) -> Self {
+        let control = false;
+        Self { code, control }
+    }
+
+    const fn control(character: char) -> Self {
+        Self {
+            code: KeyCode::Char(character),
+            control: true,
+        }
+    }
+
+    /// Whether it is this key that was pressed. Shift is in the character already.
+    fn is_pressed(self, event: &KeyEvent) -> bool {
+        let modifiers = event.modifiers - KeyModifiers::SHIFT;
+        let expected = if self.control {
+            KeyModifiers::CONTROL
+        } else {
+            KeyModifiers::NONE
+        };
+        self.code == event.code && modifiers == expected
+    }
+}
+
+/// Some keys that belong together, and what they do.
+#[derive(Debug, Clone, Copy)]
+pub struct Binding {
+    /// Where.
+    pub place: Place,
+    /// Each key with its action.
+    pub keys: &'static [(Key, Action)],
+    /// The keys, in words.
+    pub label: &'static str,
+    /// The same in ASCII.
+    pub plain_label: &'static str,
+    /// What they do at present, in a word or two, in ASCII; for the footer.
+    pub brief: fn(&App) -> &'static str,
+    /// What they do, for the help and the README, in ASCII.
+    pub words: &'static str,
+    /// Whether they do anything at present, or why not.
+    pub when: fn(&App) -> Result<(), &'static str>,
+}
+
+/// The bindings of a place, in the order of their weight: where there is no room for all in a
+/// footer the last ones are left out.
+pub fn bindings(place: Place) -> impl Iterator<Item = &'static Binding> {
+    BINDINGS
+        .iter()
+        .filter(move |binding| binding.place == place)
+}
+
+/// What the footer names: the bindings that do something at present.
+pub fn footer(app: &App) -> impl Iterator<Item = &'static Binding> {
+    bindings(Place::of(app)).filter(|binding| (binding.when)(app).is_ok())
+}
+
+/// What the help and the README name: all that keys do when nothing lies over the screen.
+pub fn help() -> impl Iterator<Item = &'static Binding> {
+    bindings(Place::Main).chain(bindings(Place::Anywhere))
+}
+
+/// What a key does where the app is at present: an action, or why it does nothing now. `None`: it
+/// means nothing here.
+pub fn action(app: &App, event: &KeyEvent) -> Option<Result<Action, &'static str>> {
+    let here = bindings(Place::of(app));
+    here.chain(bindings(Place::Anywhere)).find_map(|binding| {
+        let (_, action) = binding.keys.iter().find(|(key, _)| key.is_pressed(event))?;
+        Some((binding.when)(app).map(|()| *action))
+    })
+}
+
+/// The README's table of the keys.
+pub fn markdown() -> String {
+    let mut table = "| key | what it does |\n| --- | --- |\n".to_owned();
+    for binding in help() {
+        // Writing to a string cannot fail.
+        let _ = writeln!(table, "| `{}` | {} |", binding.label, binding.words);
+    }
+    table
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+
+    const PLACES: [Place; 5] = [
+        Place::Main,
+        Place::Help,
+        Place::Confirm,
+        Place::Open,
+        Place::Message,
+    ];
+
+    #[test]
+    fn no_key_means_two_things_in_one_place() {
+        for place in PLACES {
+            let mut seen = HashSet::new();
+            for binding in bindings(place).chain(bindings(Place::Anywhere)) {
+                assert!(!binding.keys.is_empty(), "{}", binding.label);
+                for (key, _) in binding.keys {
+                    let code = format!("{key:?}");
+                    assert!(seen.insert(code), "{key:?} twice in {place:?}");
+                }
+            }
+            assert!(!seen.is_empty(), "{place:?}");
+        }
+    }
+
+    #[test]
+    fn words_and_plain_labels_show_on_any_terminal() {
+        for binding in BINDINGS {
+            for text in [binding.plain_label, binding.words] {
+                assert!(!text.is_empty() && text.is_ascii(), "{text}");
+            }
+            assert!(
+                !binding.words.contains('|'),
+                "a column of the README's table"
+            );
+        }
+    }
+
+    #[test]
+    fn shift_is_in_the_character_but_control_is_not() {
+        let big = Key::character('S');
+        assert!(big.is_pressed(&KeyEvent::new(KeyCode::Char('S'), KeyModifiers::SHIFT)));
+        assert!(big.is_pressed(&KeyEvent::new(KeyCode::Char('S'), KeyModifiers::NONE)));
+        assert!(!big.is_pressed(&KeyEvent::new(KeyCode::Char('s'), KeyModifiers::NONE)));
+        let quit = Key::control('c');
+        assert!(quit.is_pressed(&KeyEvent::new(KeyCode::Char('c'), KeyModifiers::CONTROL)));
+        assert!(!quit.is_pressed(&KeyEvent::new(KeyCode::Char('c'), KeyModifiers::NONE)));
+        let colours = Key::character('c');
+        assert!(!colours.is_pressed(&KeyEvent::new(KeyCode::Char('c'), KeyModifiers::CONTROL)));
+        assert!(!colours.is_pressed(&KeyEvent::new(KeyCode::Char('c'), KeyModifiers::ALT)));
+    }
+
+    #[test]
+    fn the_readme_has_this_table() {
+        let readme = include_str!("../../../README.md");
+        assert!(
+            readme.contains(&markdown()),
+            "put this there:\n{}",
+            markdown()
+        );
+    }
+}

@@ -1,0 +1,65 @@
+//! Everything that happens to the app, and everything that it wants done.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+use crossterm::event::KeyEvent;
+
+use super::state::Slot;
+use crate::scene::Scene;
+use crate::simulation::{Command, Message as WorkerMessage, Orders, Picture, RunId};
+
+/// What happens to the app.
+#[derive(Debug)]
+pub enum Message {
+    /// A key was pressed.
+    Key(KeyEvent),
+    /// The terminal has another size: columns, rows.
+    Resized(u16, u16),
+    /// The terminal is back after Ctrl-Z.
+    Continued,
+    /// News of a worker.
+    Solver(WorkerMessage),
+    /// The latest fields of a run, fetched from its mailbox.
+    Fields(Arc<Picture>),
+    /// Seconds of computing of a run so far.
+    Computing(RunId, Duration),
+    /// A scene was loaded from a name, or why not.
+    Loaded(Result<Box<Slot>, String>),
+    /// What was to be saved is saved, or why not.
+    Saved(Result<PathBuf, String>),
+    /// A signal asks the process to end.
+    Signal(i32),
+    /// The terminal is gone.
+    HungUp,
+    /// Something to say in passing.
+    Remark(String),
+    /// Time goes by.
+    Tick,
+}
+
+/// What the app wants done.
+#[derive(Debug)]
+pub enum Effect {
+    /// Start a worker.
+    Start(Orders, Arc<Scene>),
+    /// Tell a worker something.
+    Tell(RunId, Command),
+    /// End a worker and forget it.
+    Drop(RunId),
+    /// Load a scene by a preset's name or a path, in the background.
+    Load(String),
+    /// Edit the scene of the slot in $EDITOR and load it anew. A preset is written to a file first.
+    Edit(usize),
+    /// Save one view: PNG, SVG, CSV, VTU.
+    SaveView(Arc<Picture>, usize),
+    /// Save the report's whole set of the slot.
+    SaveSet(usize),
+    /// Put a text into the terminal's clipboard (OSC 52).
+    Copy(String),
+    /// Stop the process as Ctrl-Z does.
+    Suspend,
+    /// Leave.
+    Quit,
+}

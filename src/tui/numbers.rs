@@ -1,0 +1,197 @@
+//! Numbers as the screen shows them: few digits, steady widths.
+
+use std::time::Duration;
+
+/// A number to so many significant digits: plain where that is short, with an exponent where not.
+pub fn significant(value: f64, digits: usize) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    if !value.is_finite() {
+        return value.to_string();
+    }
+    let digits = digits.max(1);
+    // The exponent after rounding: 9.9996 to four digits is 10.00.
+    let scientific = format!("{value:.*e}", digits - 1);
+    let exponent: i32 = scientific
+        .split_once('e')
+        .and_then(|(_, exponent)| exponent.parse().ok())
+        .unwrap_or(0);
+    if (-3..6).contains(&exponent) {
+        let decimals = (digits as i32 - 1 - exponent).max(0);
+        format!("{value:.*}", decimals as usize)
+    } else {
+        scientific
+    }
+}
+
+/// The same without the zeros at its end: for numbers that are round.
+pub fn brief(value: f64, digits: usize) -> String {
+    let text = significant(value, digits);
+    let (digits, exponent) = match text.split_once('e') {
+        Some((digits, exponent)) => (digits.to_owned(), format!("e{exponent}")),
+        None => (text, String::new()),
+    };
+    let digits = if digits.contains('.') {
+        digits.trim_end_matches('0').trim_end_matches('.')
+    } else {
+        &digits
+    };
+    format!("{digits}{exponent}")
+}
+
+/// The same with its sign.
+pub fn signed(value: f64, digits: usize) -> String {
+    let text = significant(value, digits);
+    if value > 0.0 {
+        format!("+{text}")
+    } else {
+        text
+    }
+}
+
+/// A relative change in percent, at most eight characters; nothing where there is nothing to relate to.
+pub fn percent(change: f64, whole: f64) -> String {
+    let percent = 100.0 * change / whole.abs();
+    if percent == 0.0 {
+        "0%".to_owned()
+    } else if !percent.is_finite() {
+        String::new()
+    } else if percent.abs() < 0.005 {
+        format!("{percent:+.0e}%")
+    } else if percent.abs() < 9.995 {
+        format!("{percent:+.2}%")
+    } else if percent.abs() < 99.95 {
+        format!("{percent:+.1}%")
+    } else if percent.abs() < 99_999.5 {
+        format!("{percent:+.0}%")
+    } else {
+        format!("{percent:+.0e}%")
+    }
+}
+
+/// A time on the wall: seconds, minutes and seconds, hours and minutes.
+pub fn duration(duration: Duration) -> String {
+    let seconds = duration.as_secs();
+    match seconds {
+        0..60 => format!("{seconds} s"),
+        60..3600 => format!("{} min {:02} s", seconds / 60, seconds % 60),
+        3600..86_400 => format!("{} h {:02} min", seconds / 3600, seconds / 60 % 60),
+        _ => format!("{} d {:02} h", seconds / 86_400, seconds / 3600 % 24),
+    }
+}
+
+/// Milliseconds with three digits.
+pub fn milliseconds(duration: Duration) -> String {
+    significant(1e3 * duration.as_secs_f64(), 3)
+}
+
+/// Of 1, 1.5, 2, 3, 5, 7 times a power of ten, the smallest that is not below: the end of a range
+/// that does not move with every frame. 1 where there is no positive number to begin with.
+pub fn round_up(value: f64) -> f64 {
+    if !(value > 0.0 && value.is_finite()) {
+        return 1.0;
+    }
+    let power = 10_f64.powi(value.log10().floor() as i32);
+    let steps = [1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0];
+    let found = steps.iter().find(|step| **step * power >= value);
+    let rounded = found.unwrap_or(&10.0) * power;
+    if rounded > 0.0 && rounded.is_finite() {
+        rounded
+    } else {
+        value
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn significant_digits() {
+        let table = [
+            (0.0, "0"),
+            (1.0, "1.000"),
+            (1234.56, "1235"),
+            (12.3456, "12.35"),
+            (0.012_345_6, "0.01235"),
+            (-0.5, "-0.5000"),
+            (9.9996, "10.00"),
+            (999_999.9, "1.000e6"),
+            (123_456.0, "123456"),
+            (1.5e-7, "1.500e-7"),
+            (f64::NAN, "NaN"),
+            (f64::NEG_INFINITY, "-inf"),
+        ];
+        for (value, text) in table {
+            assert_eq!(significant(value, 4), text);
+        }
+        let table = [
+            (-1.0, "-1"),
+            (0.0, "0"),
+            (100.0, "100"),
+            (1.01, "1.01"),
+            (1e-7, "1e-7"),
+            (-1.5e6, "-1.5e6"),
+            (0.03, "0.03"),
+        ];
+        for (value, text) in table {
+            assert_eq!(brief(value, 3), text);
+        }
+        assert_eq!(signed(0.25, 2), "+0.25");
+        assert_eq!(signed(-0.25, 2), "-0.25");
+        assert_eq!(signed(0.0, 2), "0");
+    }
+
+    #[test]
+    fn percents_are_short() {
+        let table = [
+            (1.0, 8.0, "+12.5%"),
+            (-1.0, 3000.0, "-0.03%"),
+            (-1.0, -4.0, "-25.0%"),
+            (0.0, 3.0, "0%"),
+            (1e-9, 1.0, "+1e-7%"),
+            (5.0, 1.0, "+500%"),
+            (5e9, 1.0, "+5e11%"),
+            (1.0, 0.0, ""),
+            (0.0, 0.0, ""),
+        ];
+        for (change, whole, text) in table {
+            assert_eq!(percent(change, whole), text);
+            assert!(text.len() <= 8);
+        }
+    }
+
+    #[test]
+    fn durations() {
+        let table = [
+            (5, "5 s"),
+            (65, "1 min 05 s"),
+            (3700, "1 h 01 min"),
+            (200_000, "2 d 07 h"),
+        ];
+        for (seconds, text) in table {
+            assert_eq!(duration(Duration::from_secs(seconds)), text);
+        }
+        assert_eq!(milliseconds(Duration::from_micros(12_345)), "12.3");
+    }
+
+    #[test]
+    fn ranges_end_at_round_numbers() {
+        let table = [
+            (0.9, 1.0),
+            (1.0, 1.0),
+            (1.2, 1.5),
+            (0.021, 0.03),
+            (6100.0, 7000.0),
+            (0.0, 1.0),
+            (-3.0, 1.0),
+            (f64::NAN, 1.0),
+            (f64::INFINITY, 1.0),
+        ];
+        for (value, end) in table {
+            assert!((round_up(value) / end - 1.0).abs() < 1e-12, "{value}");
+        }
+        assert!(round_up(f64::MAX).is_finite() && round_up(5e-324) > 0.0);
+    }
+}

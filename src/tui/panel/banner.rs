@@ -1,0 +1,117 @@
+//! What must be seen: a remark, what was saved, what is wrong.
+
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+use ratatui::text::{Line, Span};
+
+use super::shown::Shown;
+use super::text;
+use crate::tui::state::{App, Notice, Saving, Severity, Status};
+use crate::tui::theme::{Role, Theme};
+
+/// What the banner says: a word for its kind, how it is to be seen, and the text.
+struct Words {
+    kind: String,
+    role: Option<Role>,
+    text: String,
+}
+
+/// The rows that the banner needs in a given width: one at least, so that the screen does not jump
+/// when there is something to say, and more for a text that must be read whole.
+pub fn rows(app: &App, shown: Option<&Shown<'_>>, width: u16) -> u16 {
+    let needed = words(app, shown).map_or(1, |words| lines(&words, width).len());
+    (needed as u16).clamp(1, 4)
+}
+
+/// Draws the banner.
+pub fn draw(app: &App, shown: Option<&Shown<'_>>, theme: &Theme, area: Rect, buffer: &mut Buffer) {
+    let Some(words) = words(app, shown) else {
+        return;
+    };
+    let indent = words.kind.len() + 4;
+    for (row, text) in lines(&words, area.width).into_iter().enumerate() {
+        let mut spans = vec![Span::raw(" ")];
+        match (row, words.role) {
+            (0, Some(role)) => {
+                spans.push(Span::styled(format!(" {} ", words.kind), theme.pill(role)));
+                spans.push(Span::raw(" "));
+            }
+            (0, None) => {
+                spans.push(Span::styled(format!(" {} ", words.kind), theme.muted()));
+                spans.push(Span::raw(" "));
+            }
+            _ => spans.push(Span::raw(" ".repeat(indent - 1))),
+        }
+        spans.push(Span::raw(text));
+        text::line(buffer, area, row as u16, Line::from(spans));
+    }
+}
+
+fn lines(words: &Words, width: u16) -> Vec<String> {
+    let indent = words.kind.len() + 5;
+    text::wrap(&words.text, usize::from(width).saturating_sub(indent))
+}
+
+/// What is said first: what is wrong, then what the last key did, then what was saved, then what is
+/// worth knowing.
+fn words(app: &App, shown: Option<&Shown<'_>>) -> Option<Words> {
+    let run = shown.and_then(|shown| shown.run);
+    let worst = run.and_then(|run| {
+        let severest = run.notices.iter().map(|notice| notice.severity).max()?;
+        let with = |notice: &&Notice| notice.severity == severest;
+        let count = run.notices.len();
+        run.notices.iter().rfind(with).map(|notice| (notice, count))
+    });
+    let failed = match run.map(|run| &run.status) {
+        Some(Status::Failed(why)) => Some(why.as_str()),
+        _ => None,
+    };
+    let is_error = |(notice, _): &(&Notice, usize)| notice.severity == Severity::Error;
+    let error = worst.filter(is_error);
+    if let (Some(why), None) = (failed, error) {
+        return Some(Words {
+            kind: "failed".to_owned(),
+            role: Some(Role::Bad),
+            text: why.to_owned(),
+        });
+    }
+    if let Some(remark) = &app.remark {
+        return Some(Words {
+            kind: "note".to_owned(),
+            role: None,
+            text: remark.clone(),
+        });
+    }
+    if let Some((notice, count)) = error {
+        return Some(said(notice, count));
+    }
+    let (kind, role, text) = match &app.saving {
+        Saving::Busy(what) => ("saving", Some(Role::Accent), what.clone()),
+        Saving::Saved(path) => ("saved", Some(Role::Good), path.display().to_string()),
+        Saving::Failed(why) => ("not saved", Some(Role::Bad), why.clone()),
+        Saving::Idle => return worst.map(|(notice, count)| said(notice, count)),
+    };
+    Some(Words {
+        kind: kind.to_owned(),
+        role,
+        text,
+    })
+}
+
+/// A notice with its step, and how many there are besides.
+fn said(notice: &Notice, count: usize) -> Words {
+    let (kind, role) = match notice.severity {
+        Severity::Note => ("note", None),
+        Severity::Warning => ("warning", Some(Role::Warning)),
+        Severity::Error => ("error", Some(Role::Bad)),
+    };
+    let more = match count {
+        0 | 1 => String::new(),
+        count => format!(" (and {} more)", count - 1),
+    };
+    Words {
+        kind: kind.to_owned(),
+        role,
+        text: format!("step {}: {}{more}", notice.step, notice.text),
+    }
+}

@@ -1,0 +1,167 @@
+//! What a step costs, how hard it was to solve, and how well it was solved.
+//!
+//! The estimated errors of time, space and algebra, side by side, will have their rows below those
+//! of the energy law.
+
+use std::time::Duration;
+
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+use ratatui::text::{Line, Span};
+
+use super::Look;
+use super::rows::{self, Row, Widths};
+use super::shown::Shown;
+use super::text;
+use crate::simulation::{Phase, Report};
+use crate::tui::curve;
+use crate::tui::layout::{Step, Wish};
+use crate::tui::numbers::{brief, milliseconds, significant};
+use crate::tui::theme::{Role, Theme};
+
+/// The rows that the panel needs and can use.
+pub fn wish(_: Step) -> Wish {
+    Wish {
+        least: 4,
+        full: 4 + Phase::ALL.len() as u16,
+    }
+}
+
+/// The part of a step in a word.
+fn name(phase: Phase) -> &'static str {
+    match phase {
+        Phase::Director => "director",
+        Phase::Residual => "residual",
+        Phase::Linearisation => "linearise",
+        Phase::Krylov => "Krylov",
+        Phase::Ledger => "ledger",
+    }
+}
+
+/// Draws the panel: the cost with its curve, the parts of it while there is room, the iterations, and
+/// the energy law.
+pub fn draw(shown: &Shown<'_>, look: Look, theme: &Theme, area: Rect, buffer: &mut Buffer) {
+    let title = Line::styled("Cost of a step", theme.strong());
+    let area = text::title(buffer, area, theme, look.focused, title, Line::default());
+    let Some((run, report)) = shown.run.zip(shown.report) else {
+        return;
+    };
+    let widths = Widths::of(area.width);
+    let marks = shown.marks();
+    let curves = shown.curves(&marks, look.view.logarithmic);
+    let total = report.costs.total();
+    let at = |row: u16| {
+        let row = Rect {
+            y: area.y + row,
+            height: 1,
+            ..area
+        };
+        row.intersection(area)
+    };
+    let cost = Row {
+        name: "total ms",
+        colour: Some(theme.colour(Role::Accent)),
+        value: (!total.is_zero()).then_some(1e3 * total.as_secs_f64()),
+        start: None,
+        digits: Some(3),
+        series: Some(&run.history.cost),
+    };
+    rows::draw(&cost, widths, &curves, theme, at(0), buffer);
+    // All parts or none: some of them would say nothing of the rest.
+    let all = Phase::ALL.len() as u16;
+    let parts = if area.height >= all + 3 { all } else { 0 };
+    for (index, phase) in Phase::ALL.into_iter().enumerate().take(usize::from(parts)) {
+        let area = at(1 + index as u16);
+        phase_row(
+            phase,
+            index,
+            report.costs.of(phase),
+            total,
+            theme,
+            area,
+            buffer,
+        );
+    }
+    text::line(
+        buffer,
+        area,
+        1 + parts,
+        iterations(report, area.width, theme),
+    );
+    let law = law_line(shown, report, theme);
+    let used = law.width() as u16;
+    text::line(buffer, area, 2 + parts, law);
+    let beside = widths.beside(at(2 + parts));
+    if beside.x > area.x + used {
+        let series = &run.history.law_residual;
+        curve::draw(series, &curves, theme.curve(), theme, beside, buffer);
+    }
+}
+
+/// A part of a step: its milliseconds, its share, and a bar.
+fn phase_row(
+    phase: Phase,
+    index: usize,
+    cost: Duration,
+    total: Duration,
+    theme: &Theme,
+    area: Rect,
+    buffer: &mut Buffer,
+) {
+    if total.is_zero() {
+        return;
+    }
+    let share = cost.as_secs_f64() / total.as_secs_f64();
+    let colour = theme.style(Role::Curve(index));
+    let spans = vec![
+        Span::styled(format!(" {:<10}", name(phase)), colour),
+        Span::raw(format!("{:>7}", milliseconds(cost))),
+        Span::styled(format!("{:>5.0}% ", 100.0 * share), theme.muted()),
+    ];
+    let spans = Line::from(spans);
+    let used = spans.width() as u16 + 1;
+    text::line(buffer, area, 0, spans);
+    let bar = Rect {
+        x: area.x + used.min(area.width),
+        width: area.width.saturating_sub(used),
+        ..area
+    };
+    text::line(
+        buffer,
+        bar,
+        0,
+        Span::styled(text::bar(share, bar.width, theme), colour),
+    );
+}
+
+fn iterations<'a>(report: &Report, width: u16, theme: &Theme) -> Line<'a> {
+    let counts = [
+        ("Newton", report.newton),
+        ("Krylov", report.krylov),
+        ("director", report.director_iterations),
+    ];
+    let prefix = if width >= 56 { " iterations  " } else { " " };
+    let mut spans = vec![Span::styled(prefix, theme.muted())];
+    let gap = if width >= 40 { "  " } else { " " };
+    for (name, count) in counts {
+        spans.push(Span::styled(format!("{name} "), theme.muted()));
+        spans.push(Span::raw(format!("{count}{gap}")));
+    }
+    Line::from(spans)
+}
+
+/// The residual of the energy law against what is allowed.
+fn law_line<'a>(shown: &Shown<'_>, report: &Report, theme: &Theme) -> Line<'a> {
+    let tolerance = shown.scene().solver.law_tolerance;
+    let residual = report.law_residual.abs();
+    let style = if residual <= tolerance {
+        theme.style(Role::Good)
+    } else {
+        theme.style(Role::Bad)
+    };
+    Line::from(vec![
+        Span::styled(" energy law ", theme.muted()),
+        Span::styled(significant(residual, 2), style),
+        Span::styled(format!(" of {}", brief(tolerance, 2)), theme.muted()),
+    ])
+}

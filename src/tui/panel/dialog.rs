@@ -1,0 +1,155 @@
+//! What asks or tells something over the screen: questions, the name of a scene, long texts.
+
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+use ratatui::style::Modifier;
+use ratatui::text::{Line, Span};
+
+use super::text;
+use crate::scene::preset_description;
+use crate::tui::layout::centred;
+use crate::tui::state::{App, Question};
+use crate::tui::theme::{Role, Theme};
+use crate::tui::update::offered;
+
+/// Draws a question.
+pub fn confirm(app: &App, question: Question, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
+    let slot = app.slots.get(app.active);
+    let name = slot.map_or("the run", |slot| slot.name.as_str());
+    let step = slot
+        .and_then(|slot| slot.run.as_ref())
+        .map_or(0, |run| run.report.step);
+    let (title, words) = match question {
+        Question::Restart => (
+            "Restart",
+            format!("Begin {name} anew? It is at step {step}, and not saved: S saves it."),
+        ),
+        Question::Reload => (
+            "Reload",
+            format!(
+                "Begin {name} anew with the scene as it stands in its file now? \
+                 It is at step {step}, and not saved."
+            ),
+        ),
+        Question::Quit => ("Quit", quit_words(app)),
+    };
+    let width = 56.min(screen.width.saturating_sub(4));
+    let words = text::wrap(&words, usize::from(width).saturating_sub(4));
+    let area = centred(screen, width, words.len() as u16 + 4);
+    let inside = text::frame(buffer, area, theme, title, theme.style(Role::Warning));
+    let count = words.len() as u16;
+    for (row, words) in words.into_iter().enumerate() {
+        text::line(buffer, inside, row as u16, words);
+    }
+    let answers = Line::from(vec![
+        Span::styled(" y ", theme.pill(Role::Warning)),
+        Span::raw(" yes    "),
+        Span::styled(" n ", theme.pill(Role::Accent)),
+        Span::raw(" no"),
+    ]);
+    text::line(buffer, inside, count + 1, answers);
+}
+
+/// Which runs would be lost.
+fn quit_words(app: &App) -> String {
+    let lost: Vec<String> = app
+        .slots
+        .iter()
+        .filter_map(|slot| {
+            let run = slot.run.as_ref().filter(|run| run.unsaved)?;
+            Some(format!("{} (step {})", slot.name, run.report.step))
+        })
+        .collect();
+    match lost.len() {
+        0 => "Leave vesica?".to_owned(),
+        _ => format!("Leave vesica? Not saved: {}.", lost.join(", ")),
+    }
+}
+
+/// Draws the dialog in which a scene's name is typed.
+pub fn open(
+    typed: &str,
+    chosen: Option<usize>,
+    error: Option<&str>,
+    theme: &Theme,
+    screen: Rect,
+    buffer: &mut Buffer,
+) {
+    let width = 76.min(screen.width.saturating_sub(4));
+    let inner = usize::from(width).saturating_sub(4);
+    let errors = error.map_or_else(Vec::new, |error| text::wrap(error, inner));
+    let names = offered(typed);
+    let height = names.len().max(1) + errors.len() + 5;
+    let area = centred(screen, width, height.min(usize::from(u16::MAX)) as u16);
+    let inside = text::frame(
+        buffer,
+        area,
+        theme,
+        "Open a scene",
+        theme.style(Role::Accent),
+    );
+    // Of a long path the end is what one types at.
+    let room = inner.saturating_sub(4);
+    let skipped = typed.chars().count().saturating_sub(room);
+    let tail: String = typed.chars().skip(skipped).collect();
+    let prompt = Line::from(vec![
+        Span::styled("> ", theme.style(Role::Accent)),
+        Span::raw(tail),
+        Span::styled(" ", theme.strong().add_modifier(Modifier::REVERSED)),
+    ]);
+    text::line(buffer, inside, 0, prompt);
+    let hint = "a preset, a TOML file, or a run's folder";
+    text::line(buffer, inside, 1, Span::styled(hint, theme.muted()));
+    let mut row = 3;
+    for (index, name) in names.iter().enumerate() {
+        let description = preset_description(name).unwrap_or_default();
+        let mut style = theme.strong();
+        if chosen == Some(index) {
+            style = theme.pill(Role::Accent);
+        }
+        let line = Line::from(vec![
+            Span::styled(format!(" {name:<10}"), style),
+            Span::raw(" "),
+            Span::styled(
+                text::shorten(description, inner.saturating_sub(13)),
+                theme.muted(),
+            ),
+        ]);
+        text::line(buffer, inside, row, line);
+        row += 1;
+    }
+    for error in errors {
+        text::line(
+            buffer,
+            inside,
+            row,
+            Span::styled(error, theme.style(Role::Bad)),
+        );
+        row += 1;
+    }
+}
+
+/// Draws a long text. Its lines are broken where they are too long; what there is no room for is
+/// said to be missing.
+pub fn message(title: &str, words: &str, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
+    let width = screen.width.saturating_sub(4).min(100);
+    let lines = text::wrap(words, usize::from(width).saturating_sub(4));
+    let height = (lines.len() as u16).saturating_add(2);
+    let area = centred(screen, width, height.min(screen.height.saturating_sub(2)));
+    let inside = text::frame(buffer, area, theme, title, theme.style(Role::Bad));
+    let room = usize::from(inside.height);
+    let count = lines.len();
+    for (row, line) in lines.into_iter().enumerate().take(room) {
+        if row + 1 == room && count > room {
+            let words = format!("({} more lines)", count - row);
+            text::line(
+                buffer,
+                inside,
+                row as u16,
+                Span::styled(words, theme.muted()),
+            );
+        } else {
+            text::line(buffer, inside, row as u16, line);
+        }
+    }
+}

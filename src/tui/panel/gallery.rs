@@ -1,0 +1,224 @@
+//! Four runs side by side, at a common time.
+
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+use ratatui::text::{Line, Span};
+use ratatui::widgets::{Block, Widget};
+
+use super::plot::Plot;
+use super::shown::Shown;
+use super::text;
+use crate::tui::canvas::Canvas;
+use crate::tui::curve;
+use crate::tui::layout::{fit, take_left, take_top};
+use crate::tui::numbers::{percent, significant};
+use crate::tui::state::{App, Slot};
+use crate::tui::theme::{Role, Theme};
+
+/// Draws the gallery: a header with the common clock, and the cases in the arrangement that makes
+/// the pictures largest.
+pub fn draw(app: &App, theme: &Theme, canvas: &mut Canvas, area: Rect, buffer: &mut Buffer) {
+    let mut area = area;
+    let header = take_top(&mut area, 1);
+    let slots = &app.slots[app.cases()];
+    clock(slots, theme, header, buffer);
+    if slots.is_empty() || area.is_empty() {
+        return;
+    }
+    for (index, tile) in tiles(area, slots.len()).into_iter().enumerate() {
+        let focused = index == app.active;
+        if let Some(slot) = slots.get(index) {
+            draw_tile(app, slot, focused, theme, canvas, tile, buffer);
+        }
+    }
+}
+
+/// The time that every run has reached.
+fn clock(slots: &[Slot], theme: &Theme, area: Rect, buffer: &mut Buffer) {
+    let runs = slots.iter().filter_map(|slot| slot.run.as_ref());
+    let reached = runs.clone().map(|run| run.report.t).reduce(f64::min);
+    let rate: f64 = runs.map(|run| run.pace.steps_per_second).sum();
+    let mut spans = vec![
+        Span::styled(" vesica ", theme.style(Role::Accent)),
+        Span::styled("gallery", theme.strong()),
+    ];
+    if let Some(t) = reached {
+        spans.push(Span::styled("   all have reached t ", theme.muted()));
+        spans.push(Span::raw(format!("{t:.3e}")));
+    }
+    text::line(buffer, area, 0, Line::from(spans));
+    if rate > 0.0 && area.width > 60 {
+        let rate = Line::from(vec![
+            Span::raw(significant(rate, 3)),
+            Span::styled(" steps/s in all ", theme.muted()),
+        ]);
+        text::line_right(buffer, area, 0, rate);
+    }
+}
+
+/// The tiles of so many pictures: in that number of columns that makes the pictures largest.
+fn tiles(area: Rect, count: usize) -> Vec<Rect> {
+    let size = |columns: usize| {
+        let rows = count.div_ceil(columns);
+        let width = area.width / columns as u16;
+        let height = area.height / rows as u16;
+        (width, height)
+    };
+    let picture = |columns: &usize| {
+        let (width, height) = size(*columns);
+        fit(1.0, width.saturating_sub(3), height.saturating_sub(3)).1
+    };
+    // Of equals the one with the fewest columns: it has more room beside each picture.
+    let columns = (1..=count).rev().max_by_key(picture).unwrap_or(1);
+    let (width, height) = size(columns);
+    let tile = |index: usize| Rect {
+        x: area.x + (index % columns) as u16 * width,
+        y: area.y + (index / columns) as u16 * height,
+        width: width.saturating_sub(1),
+        height,
+    };
+    (0..count).map(tile).collect()
+}
+
+/// A picture, its name above it, its scalars beside or below it.
+fn draw_tile(
+    app: &App,
+    slot: &Slot,
+    focused: bool,
+    theme: &Theme,
+    canvas: &mut Canvas,
+    area: Rect,
+    buffer: &mut Buffer,
+) {
+    let shown = Shown::live(slot);
+    let (word, role) = shown.status();
+    let mut title = Line::from(Span::styled(slot.name.as_str(), theme.strong()));
+    if let Some(kind) = shown.anchoring {
+        title.push_span(Span::raw(format!(" {}", kind.name())));
+    }
+    let state = Line::styled(word, theme.style(role));
+    let area = text::title(buffer, area, theme, focused, title, state);
+    let scalars = scalars(&shown, theme);
+    let beside = scalars.iter().map(Line::width).max().unwrap_or(0) as u16 + 2;
+    // Beside the picture if it does not become smaller by that.
+    let with = fit(
+        1.0,
+        area.width.saturating_sub(beside + 2),
+        area.height.saturating_sub(2),
+    );
+    let without = fit(
+        1.0,
+        area.width.saturating_sub(2),
+        area.height.saturating_sub(3),
+    );
+    let below = without.1 > with.1;
+    let Some((setting, picture)) = shown.setting.zip(shown.picture) else {
+        return;
+    };
+    let region = canvas.region(&setting.mesh);
+    let room = if below { 2 } else { beside + 2 };
+    let (columns, rows) = fit(
+        region.width() / region.height(),
+        area.width.saturating_sub(room),
+        area.height.saturating_sub(if below { 3 } else { 2 }),
+    );
+    if columns < 2 || rows < 1 {
+        return;
+    }
+    let frame = Rect {
+        width: columns + 2,
+        height: rows + 2,
+        ..area
+    };
+    let block = Block::bordered()
+        .border_set(theme.glyphs().border)
+        .border_style(theme.muted());
+    let cells = block.inner(frame);
+    block.render(frame, buffer);
+    let plot = Plot {
+        state: &picture.state,
+        mesh: &setting.mesh,
+        interface_width: setting.scene.membrane.interface_width,
+        view: app.view,
+    };
+    plot.draw(theme, canvas, cells, buffer);
+    let mut list = area;
+    if below {
+        take_top(&mut list, frame.height);
+    } else {
+        take_left(&mut list, frame.width + 1);
+        take_top(&mut list, 1);
+    }
+    let rows = scalars.len() as u16;
+    if list.height < 3 {
+        let spans = scalars.into_iter().flat_map(|scalar| scalar.spans);
+        return text::line(buffer, list, 0, spans.collect::<Line<'_>>());
+    }
+    for (row, scalar) in scalars.into_iter().enumerate() {
+        text::line(buffer, list, row as u16, scalar);
+    }
+    energy_curve(&shown, rows, app.view.logarithmic, theme, list, buffer);
+}
+
+/// The curve of the energy, where there is room for it below the scalars.
+fn energy_curve(
+    shown: &Shown<'_>,
+    below: u16,
+    logarithmic: bool,
+    theme: &Theme,
+    list: Rect,
+    buffer: &mut Buffer,
+) {
+    const HEIGHT: u16 = 5;
+    let Some(run) = shown.run.filter(|_| list.height > below + HEIGHT + 1) else {
+        return;
+    };
+    let words = Span::styled(" energy", theme.muted());
+    text::line(buffer, list, below + 1, words);
+    let area = Rect {
+        x: list.x + 1,
+        width: list.width.saturating_sub(1).min(48),
+        y: list.y + below + 2,
+        height: HEIGHT.min(list.height - below - 2),
+    };
+    let marks = shown.marks();
+    let curves = shown.curves(&marks, logarithmic);
+    let colour = theme.colour(Role::Total);
+    let series = &run.history.total_energy;
+    curve::draw(series, &curves, colour, theme, area, buffer);
+}
+
+/// The scalars of a run, the most telling first.
+fn scalars<'a>(shown: &Shown<'_>, theme: &Theme) -> Vec<Line<'a>> {
+    let Some((run, report)) = shown.run.zip(shown.report) else {
+        return Vec::new();
+    };
+    let entry = |name: &str, value: String, note: String| {
+        Line::from(vec![
+            Span::styled(format!(" {name} "), theme.muted()),
+            Span::raw(value),
+            Span::styled(note, theme.muted()),
+        ])
+    };
+    let mut lines = vec![entry("t", format!("{:.3e}", report.t), String::new())];
+    let energy = report.total_energy;
+    let start = run.history.baseline.unwrap_or(energy);
+    let change = percent(energy - start, start);
+    lines.push(entry("E", significant(energy, 5), format!(" {change}")));
+    if let Some(outline) = report.outline {
+        let ratio = outline.waist / outline.width;
+        lines.push(entry("waist/width", significant(ratio, 3), String::new()));
+        lines.push(entry(
+            "length",
+            significant(outline.length, 3),
+            String::new(),
+        ));
+    }
+    if let Some(target) = shown.target() {
+        let name = theme.word("B/β", "B/target");
+        let share = significant(report.surface_area / target, 4);
+        lines.push(entry(name, share, String::new()));
+    }
+    lines.push(entry("step", report.step.to_string(), String::new()));
+    lines
+}

@@ -1,0 +1,111 @@
+//! Scene, anchoring, state and progress: two rows.
+
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+use ratatui::text::{Line, Span};
+
+use super::shown::Shown;
+use super::text;
+use crate::tui::numbers::{brief, duration, significant};
+use crate::tui::theme::{Role, Theme};
+
+/// Draws the header of one run.
+pub fn draw(shown: &Shown<'_>, theme: &Theme, area: Rect, buffer: &mut Buffer) {
+    let (word, role) = shown.status();
+    let mut state = Vec::new();
+    if let Some((index, count)) = shown.back {
+        state.push(Span::styled(
+            format!(" looking back {} of {count} ", index + 1),
+            theme.pill(Role::Warning),
+        ));
+        state.push(Span::raw(" "));
+    }
+    state.push(Span::styled(format!(" {word} "), theme.pill(role)));
+    let state = Line::from(state);
+    let left = Rect {
+        width: area.width.saturating_sub(state.width() as u16 + 1),
+        ..area
+    };
+    text::line_right(buffer, area, 0, state);
+    text::line(buffer, left, 0, scene(shown, theme));
+    progress(shown, theme, area, buffer);
+}
+
+/// Which scene it is.
+fn scene<'a>(shown: &'a Shown<'_>, theme: &Theme) -> Line<'a> {
+    let dot = || Span::styled(format!(" {} ", theme.glyphs().dot), theme.muted());
+    let mut spans = vec![
+        Span::styled(" vesica ", theme.style(Role::Accent)),
+        Span::styled(shown.slot.name.as_str(), theme.strong()),
+    ];
+    let title = shown.scene().name.trim();
+    if !title.is_empty() && title != shown.slot.name {
+        spans.push(dot());
+        spans.push(Span::raw(title));
+    }
+    if shown.scene().nematic.is_some() {
+        spans.push(dot());
+        let anchoring = shown.anchoring.map_or("none", |kind| kind.name());
+        spans.push(Span::styled("anchoring ", theme.muted()));
+        spans.push(Span::raw(anchoring));
+    }
+    Line::from(spans)
+}
+
+/// How far it is: parts that there is no room for are left out, the least important first.
+fn progress(shown: &Shown<'_>, theme: &Theme, area: Rect, buffer: &mut Buffer) {
+    let Some((run, report)) = shown.run.zip(shown.report) else {
+        return;
+    };
+    let steps = shown.setting.map_or(0, |setting| setting.steps);
+    let digits = steps.max(report.step).max(1).ilog10() as usize + 1;
+    let muted = |words: &str| Span::styled(words.to_owned(), theme.muted());
+    let mut parts = vec![Line::from(vec![
+        muted(" step "),
+        Span::raw(format!("{:>digits$}", report.step)),
+        muted(&format!("/{steps}")),
+    ])];
+    parts.push(Line::from(vec![
+        muted("t "),
+        Span::raw(format!("{:.3e}", report.t)),
+    ]));
+    // Rates are those of the present, whatever is looked at.
+    let pace = &run.pace;
+    if let Some(left) = pace.left.filter(|_| shown.back.is_none()) {
+        parts.push(Line::from(vec![Span::raw(duration(left)), muted(" left")]));
+    }
+    if pace.steps_per_second > 0.0 {
+        let rate = significant(pace.steps_per_second, 3);
+        parts.push(Line::from(vec![Span::raw(rate), muted(" steps/s")]));
+    }
+    parts.push(Line::from(vec![
+        muted(theme.word("Δt ", "dt ")),
+        Span::raw(brief(report.dt, 3)),
+    ]));
+    const GAP: &str = "   ";
+    const BAR: usize = 12;
+    let width =
+        |parts: &[Line<'_>]| -> usize { parts.iter().map(|part| part.width() + GAP.len()).sum() };
+    while parts.len() > 1 && width(&parts) > usize::from(area.width) {
+        parts.pop();
+    }
+    let room = usize::from(area.width).saturating_sub(width(&parts) + 6);
+    let mut spans = Vec::new();
+    for (index, part) in parts.into_iter().enumerate() {
+        spans.extend(part.spans);
+        spans.push(Span::raw(GAP));
+        if index == 0 && room >= BAR && steps > 0 {
+            let share = report.step as f64 / steps as f64;
+            let wide = room.min(40) as u16;
+            let bar = text::bar(share, wide, theme);
+            let rest = usize::from(wide) - bar.chars().count();
+            spans.push(Span::styled(bar, theme.style(Role::Accent)));
+            spans.push(muted(&theme.glyphs().rest.repeat(rest)));
+            spans.push(Span::raw(format!(
+                " {:>3.0}%{GAP}",
+                (100.0 * share).floor()
+            )));
+        }
+    }
+    text::line(buffer, area, 1, Line::from(spans));
+}

@@ -1,0 +1,114 @@
+//! What is looked at: a run as it is now, or as it was.
+
+use crate::scene::{AnchoringKind, Scene};
+use crate::simulation::{Picture, Report, Setting};
+use crate::tui::curve;
+use crate::tui::state::{App, Run, Slot, Status};
+use crate::tui::theme::Role;
+
+/// A run as it is shown: with the figures of the time that is looked at.
+#[derive(Debug, Clone, Copy)]
+pub struct Shown<'a> {
+    /// The scene and its run.
+    pub slot: &'a Slot,
+    /// The run, once there is one.
+    pub run: Option<&'a Run>,
+    /// Mesh and steps, once they are known.
+    pub setting: Option<&'a Setting>,
+    /// The fields.
+    pub picture: Option<&'a Picture>,
+    /// The scalars of the time that is looked at.
+    pub report: Option<&'a Report>,
+    /// The anchoring of that time.
+    pub anchoring: Option<AnchoringKind>,
+    /// Which of the stored pictures is looked at, and how many there are; `None`: live.
+    pub back: Option<(usize, usize)>,
+}
+
+impl<'a> Shown<'a> {
+    /// A slot's run as it is.
+    pub fn live(slot: &'a Slot) -> Self {
+        let run = slot.run.as_ref();
+        let setting = run.and_then(|run| run.setting.as_deref());
+        Self {
+            slot,
+            run,
+            setting,
+            picture: run.and_then(|run| run.picture.as_deref()),
+            // Before a run is set up its report says nothing.
+            report: run.filter(|_| setting.is_some()).map(|run| &run.report),
+            anchoring: match run {
+                Some(run) => run.anchoring,
+                None => slot.scene.anchoring.map(|anchoring| anchoring.kind),
+            },
+            back: None,
+        }
+    }
+
+    /// The active run, at the time that is looked at.
+    pub fn active(app: &'a App) -> Option<Self> {
+        let live = Self::live(app.slots.get(app.active)?);
+        let stored = app.looking_back.zip(live.run).and_then(|(index, run)| {
+            let picture = run.past.get(index)?;
+            Some((index, run.past.len(), picture.as_ref()))
+        });
+        Some(match stored {
+            None => live,
+            Some((index, count, picture)) => Self {
+                picture: Some(picture),
+                report: Some(&picture.report),
+                anchoring: picture.anchoring,
+                back: Some((index, count)),
+                ..live
+            },
+        })
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &'a Scene {
+        &self.slot.scene
+    }
+
+    /// The first value of B, from which β is measured.
+    pub fn initial_surface_area(&self) -> Option<f64> {
+        self.run?.history.surface_area.first()
+    }
+
+    /// The target β of the surface area, if the scene has one.
+    pub fn target(&self) -> Option<f64> {
+        let area = self.scene().area?;
+        Some(area.target * self.initial_surface_area()?)
+    }
+
+    /// Steps where the anchoring was switched.
+    pub fn marks(&self) -> Vec<u64> {
+        let marks = self.run.map_or(&[][..], |run| &run.history.marks);
+        marks.iter().map(|(step, _)| *step).collect()
+    }
+
+    /// What the curves of this run have in common.
+    pub fn curves<'m>(&self, marks: &'m [u64], logarithmic: bool) -> curve::Frame<'m> {
+        let step = self.run.map_or(0, |run| run.report.step);
+        let steps = self.setting.map_or(0, |setting| setting.steps);
+        curve::Frame {
+            horizon: curve::horizon(step, steps),
+            marks,
+            cursor: self.back.and(self.report).map(|report| report.step),
+            logarithmic,
+        }
+    }
+
+    /// The word for what the run is doing, and how it is to be seen.
+    pub fn status(&self) -> (&'static str, Role) {
+        match self.run.map(|run| &run.status) {
+            None => ("not started", Role::Warning),
+            Some(Status::Starting) => ("starting", Role::Accent),
+            Some(Status::Running) => ("running", Role::Good),
+            Some(Status::Pausing) => ("pausing", Role::Warning),
+            Some(Status::Paused) => ("paused", Role::Warning),
+            Some(Status::Waiting) => ("waiting", Role::Accent),
+            Some(Status::Done) => ("done", Role::Accent),
+            Some(Status::Failed(_)) => ("failed", Role::Bad),
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! Lines of text within an area: what does not fit is cut, nothing is drawn outside.
+
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+use ratatui::style::{Color, Style};
+use ratatui::text::{Line, Span};
+use ratatui::widgets::{Block, Clear, Widget};
+
+use crate::tui::theme::{Role, Theme};
+
+/// Draws a line in a row of an area, counted from its top; outside of the area nothing.
+pub fn line<'a>(buffer: &mut Buffer, area: Rect, row: u16, spans: impl Into<Line<'a>>) {
+    if row < area.height {
+        let row = Rect {
+            y: area.y + row,
+            height: 1,
+            ..area
+        };
+        spans.into().render(row.intersection(buffer.area), buffer);
+    }
+}
+
+/// Draws a line that ends at the right end of a row of an area.
+pub fn line_right<'a>(buffer: &mut Buffer, area: Rect, row: u16, spans: impl Into<Line<'a>>) {
+    let spans = spans.into();
+    let width = (spans.width() as u16).min(area.width);
+    let area = Rect {
+        x: area.x + area.width - width,
+        width,
+        ..area
+    };
+    line(buffer, area, row, spans);
+}
+
+/// Draws a panel's title into the first row of an area, in a rule over its whole width, with notes
+/// at the right end; gives back what is left below.
+pub fn title(
+    buffer: &mut Buffer,
+    area: Rect,
+    theme: &Theme,
+    focused: bool,
+    title: Line<'_>,
+    notes: Line<'_>,
+) -> Rect {
+    let glyphs = theme.glyphs();
+    let (rule, mark) = if focused {
+        (theme.style(Role::Accent), glyphs.focus)
+    } else {
+        (theme.muted(), glyphs.rule)
+    };
+    line(
+        buffer,
+        area,
+        0,
+        Span::styled(glyphs.rule.repeat(usize::from(area.width)), rule),
+    );
+    let mut words = vec![Span::styled(format!("{mark} "), rule)];
+    words.extend(styled(title));
+    words.push(Span::raw(" "));
+    let words = Line::from(words);
+    let room = usize::from(area.width).saturating_sub(words.width());
+    line(buffer, area, 0, words);
+    if notes.width() > 0 && notes.width() + 4 <= room {
+        let mut spans = vec![Span::raw(" ")];
+        spans.extend(styled(notes));
+        spans.push(Span::styled(format!(" {}", glyphs.rule), rule));
+        line_right(buffer, area, 0, spans);
+    }
+    Rect {
+        y: area.y + area.height.min(1),
+        height: area.height.saturating_sub(1),
+        ..area
+    }
+}
+
+/// The parts of a line, each with the line's own style below its own.
+fn styled(line: Line<'_>) -> impl Iterator<Item = Span<'_>> {
+    // Not in the colour of the rule that lies below.
+    let style = Style::default().fg(Color::Reset).patch(line.style);
+    line.spans.into_iter().map(move |span| {
+        let own = span.style;
+        span.style(style.patch(own))
+    })
+}
+
+/// Clears an area, draws a frame around it with a title, and gives back the inside, which has a
+/// free column at either side.
+pub fn frame(buffer: &mut Buffer, area: Rect, theme: &Theme, title: &str, style: Style) -> Rect {
+    let area = area.intersection(buffer.area);
+    Clear.render(area, buffer);
+    let block = Block::bordered()
+        .border_set(theme.glyphs().border)
+        .border_style(style)
+        .title(Line::styled(format!(" {title} "), theme.strong()));
+    let inside = block.inner(area);
+    block.render(area, buffer);
+    Rect {
+        x: inside.x + inside.width.min(1),
+        width: inside.width.saturating_sub(2),
+        ..inside
+    }
+}
+
+/// A bar that is filled to a share of its width.
+pub fn bar(share: f64, width: u16, theme: &Theme) -> String {
+    let glyphs = theme.glyphs();
+    let parts = glyphs.shares.len() - 1;
+    let share = if share.is_finite() {
+        share.clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    let filled = (share * f64::from(width) * parts as f64).round() as usize;
+    let full = glyphs.shares[parts];
+    let mut bar = full.repeat(filled / parts);
+    bar.push_str(glyphs.shares[filled % parts].trim_end());
+    bar
+}
+
+/// Breaks a text into lines of at most `width` characters, at spaces where there are any; the lines
+/// that the text has stay, with what they are indented by.
+pub fn wrap(text: &str, width: usize) -> Vec<String> {
+    let width = width.max(1);
+    let mut lines = Vec::new();
+    for whole in text.lines() {
+        let mut rest = whole.trim_end();
+        loop {
+            let end = cut(rest, width);
+            if end == rest.len() {
+                lines.push(rest.to_owned());
+                break;
+            }
+            let space = rest[..end].rfind(' ').filter(|space| {
+                // A line of spaces alone would be no progress.
+                !rest[..*space].trim().is_empty()
+            });
+            let end = if rest[end..].starts_with(' ') {
+                end
+            } else {
+                space.unwrap_or(end)
+            };
+            lines.push(rest[..end].trim_end().to_owned());
+            rest = rest[end..].trim_start();
+            if rest.is_empty() {
+                break;
+            }
+        }
+    }
+    lines
+}
+
+/// The first so many cells of a text as a number of bytes, at least one character.
+fn cut(text: &str, width: usize) -> usize {
+    let mut cells = 0;
+    for (index, character) in text.char_indices() {
+        cells += Span::raw(character.encode_utf8(&mut [0; 4]) as &str).width();
+        if cells > width && index > 0 {
+            return index;
+        }
+    }
+    text.len()
+}
+
+/// A text in so many cells, its end cut and marked where it is too long.
+pub fn shorten(text: &str, width: usize) -> String {
+    let end = cut(text, width);
+    if end == text.len() {
+        return text.to_owned();
+    }
+    let end = cut(text, width.saturating_sub(2).max(1));
+    format!("{}..", &text[..end])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_is_broken_at_spaces_and_words_that_are_too_long_anywhere() {
+        assert_eq!(wrap("one two three", 8), ["one two", "three"]);
+        assert_eq!(wrap("one two three", 7), ["one two", "three"]);
+        assert_eq!(wrap("abcdefgh", 3), ["abc", "def", "gh"]);
+        assert_eq!(wrap("  a b\n\nc", 4), ["  a", "b", "", "c"]);
+        assert_eq!(wrap("", 4), Vec::<String>::new());
+        assert_eq!(wrap("漢字漢字", 4), ["漢字", "漢字"]);
+        assert_eq!(wrap("漢", 1), ["漢"]);
+        assert_eq!(wrap("ab", 0), ["a", "b"]);
+    }
+
+    #[test]
+    fn what_is_too_long_says_so() {
+        assert_eq!(shorten("abcdef", 6), "abcdef");
+        assert_eq!(shorten("abcdefg", 6), "abcd..");
+        assert_eq!(shorten("", 0), "");
+    }
+
+    #[test]
+    fn nothing_is_drawn_outside() {
+        let mut buffer = Buffer::empty(Rect::new(0, 0, 6, 2));
+        line(&mut buffer, Rect::new(2, 0, 3, 1), 0, "abcdef");
+        line(&mut buffer, Rect::new(2, 0, 3, 1), 1, "abcdef");
+        line_right(&mut buffer, Rect::new(0, 1, 5, 1), 0, "xy");
+        line(&mut buffer, Rect::new(9, 9, 3, 1), 0, "abcdef");
+        assert_eq!(buffer, Buffer::with_lines(["  abc ", "   xy "]));
+    }
+}

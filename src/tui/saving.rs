@@ -1,0 +1,222 @@
+//! Saving on a thread of its own: what is saved is decided by the app's state, how by a function
+//! that is given.
+
+use std::ffi::OsString;
+use std::io;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::mpsc::{self, Sender};
+
+use super::incoming::{Incoming, panic_words, spawn};
+use super::message::Message;
+use super::state::{History, View};
+use crate::fem::Mesh;
+use crate::record::{RunFolder, write_states};
+use crate::scene::{AnchoringKind, Scene};
+use crate::simulation::Picture;
+
+/// Where what is saved goes, within the working folder: a new folder each time.
+pub(super) const PARENT: &str = "saved";
+
+/// Something to save.
+#[derive(Debug)]
+pub struct Job {
+    /// The word for the scene: the folder's name begins with it.
+    pub name: String,
+    /// The scene, with the anchoring of the pictures where they agree on one.
+    pub scene: Arc<Scene>,
+    /// The mesh.
+    pub mesh: Arc<Mesh>,
+    /// When the anchoring was switched, and to what.
+    pub switches: Vec<(u64, AnchoringKind)>,
+    /// Whether the process is about to be ended, so that there is time for numbers but not for
+    /// pictures, which can be made from them later.
+    pub in_haste: bool,
+    /// What.
+    pub what: What,
+}
+
+/// What is to be saved.
+#[derive(Debug)]
+pub enum What {
+    /// One picture, shown in this way.
+    View(Arc<Picture>, View),
+    /// Pictures in the order of their steps, and the scalars of the whole run up to now.
+    Set(Vec<Arc<Picture>>, Box<History>),
+}
+
+impl Job {
+    /// The name of its folder, which may get a number.
+    fn folder_name(&self) -> OsString {
+        match &self.what {
+            What::View(picture, _) => format!("{}-step-{:07}", self.name, picture.report.step),
+            What::Set(..) => format!("{}-set", self.name),
+        }
+        .into()
+    }
+}
+
+/// How a job is carried out: writes its files into a new folder. An error is told in words.
+pub type Save = fn(&Job, &RunFolder) -> Result<(), String>;
+
+/// Saves the states alone: fields as VTU, scalars as tables, the scene.
+///
+/// # Errors
+/// What could not be written, and why.
+pub fn save_states(job: &Job, folder: &RunFolder) -> Result<(), String> {
+    let pictures = match &job.what {
+        What::View(picture, _) => std::slice::from_ref(picture),
+        What::Set(pictures, _) => pictures,
+    };
+    let states: Vec<_> = pictures
+        .iter()
+        .map(|picture| (&picture.report, &picture.state))
+        .collect();
+    write_states(folder, &job.scene, &job.mesh, &states).map_err(|error| error.to_string())
+}
+
+/// The saving thread.
+#[derive(Debug)]
+pub(super) struct Saver {
+    jobs: Sender<Job>,
+    /// Jobs that were given and not answered.
+    pending: usize,
+}
+
+impl Saver {
+    /// Starts the thread. Every job gets a folder in `parent`, and is answered by a
+    /// [`Message::Saved`].
+    ///
+    /// # Errors
+    /// The system gives no thread.
+    pub fn start(save: Save, parent: PathBuf, incoming: Sender<Incoming>) -> io::Result<Self> {
+        let (jobs, queue) = mpsc::channel();
+        let answers = incoming.clone();
+        spawn("saving", incoming, move || {
+            for job in queue {
+                let saved = carry_out(save, &job, &parent);
+                // If the loop has ended, nobody wants to know.
+                let _ = answers.send(Incoming::Message(Message::Saved(saved)));
+            }
+        })?;
+        Ok(Self { jobs, pending: 0 })
+    }
+
+    /// Gives the thread a job. The state of the app sees to it that they do not pile up.
+    pub fn give(&mut self, job: Job) {
+        // If the thread has gone, its panic was told.
+        if self.jobs.send(job).is_ok() {
+            self.pending += 1;
+        }
+    }
+
+    /// A job was answered.
+    pub fn answered(&mut self) {
+        self.pending = self.pending.saturating_sub(1);
+    }
+
+    /// Whether a job is under way.
+    pub fn is_busy(&self) -> bool {
+        self.pending > 0
+    }
+}
+
+/// Makes the folder and saves into it; a folder that stays empty does not stay. The folder's path,
+/// whole.
+fn carry_out(save: Save, job: &Job, parent: &Path) -> Result<PathBuf, String> {
+    let folder =
+        RunFolder::numbered(parent, &job.folder_name()).map_err(|error| error.to_string())?;
+    let outcome = catch_unwind(AssertUnwindSafe(|| save(job, &folder))).unwrap_or_else(|panic| {
+        let words = panic_words(panic.as_ref());
+        Err(format!("saving has a mistake and stopped: {words}"))
+    });
+    match outcome {
+        Ok(()) => Ok(std::path::absolute(folder.path()).unwrap_or_else(|_| folder.path().into())),
+        Err(words) => {
+            // It stays if it holds anything.
+            let _ = std::fs::remove_dir(folder.path());
+            Err(words)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Scene, preset};
+    use crate::simulation::{Report, RunId, Simulation};
+
+    fn job(step: u64) -> Job {
+        let overrides = ["mesh.cells=8", "membrane.interface_width=0.1"].map(str::to_owned);
+        let text = preset("circle").unwrap();
+        let scene = Scene::parse(text, "circle", &overrides, &mut |_| unreachable!()).unwrap();
+        let simulation = Simulation::new(&scene).unwrap();
+        let picture = Picture {
+            run: RunId(1),
+            anchoring: None,
+            report: Report {
+                step,
+                ..simulation.report().clone()
+            },
+            state: simulation.state().clone(),
+        };
+        Job {
+            name: "circle".into(),
+            mesh: Arc::new(simulation.mesh().clone()),
+            scene: Arc::new(scene),
+            switches: Vec::new(),
+            in_haste: false,
+            what: What::Set(vec![Arc::new(picture)], Box::default()),
+        }
+    }
+
+    #[test]
+    fn every_job_has_a_new_folder_and_its_whole_path_is_told() {
+        let parent = tempfile::tempdir().unwrap();
+        let first = carry_out(save_states, &job(0), parent.path()).unwrap();
+        let second = carry_out(save_states, &job(3), parent.path()).unwrap();
+        assert_eq!(first, parent.path().join("circle-set"));
+        assert_eq!(second, parent.path().join("circle-set-2"));
+        assert!(first.is_absolute() && first.join("state.vtu").is_file());
+        assert!(second.join("history.csv").is_file());
+    }
+
+    #[test]
+    fn failures_are_told_with_their_reason_and_leave_nothing() {
+        let parent = tempfile::tempdir().unwrap();
+        let full: Save = |_, _| Err("cannot write a.png: No space left on device".into());
+        let broken: Save = |_, _| panic!("no such colour");
+        let error = carry_out(full, &job(0), parent.path()).unwrap_err();
+        assert!(error.ends_with("No space left on device"));
+        let error = carry_out(broken, &job(0), parent.path()).unwrap_err();
+        assert!(error.ends_with("stopped: no such colour"), "{error}");
+        assert_eq!(std::fs::read_dir(parent.path()).unwrap().count(), 0);
+
+        let file = parent.path().join("saved");
+        std::fs::write(&file, "").unwrap();
+        let error = carry_out(save_states, &job(0), &file).unwrap_err();
+        assert!(error.contains("there is a file of this name"), "{error}");
+    }
+
+    #[test]
+    fn the_thread_answers_every_job() {
+        let (incoming, answers) = mpsc::channel();
+        let save: Save = |job, _| Err(job.name.clone());
+        let parent = tempfile::tempdir().unwrap();
+        let mut saver = Saver::start(save, parent.path().into(), incoming).unwrap();
+        for _ in 0..2 {
+            saver.give(job(0));
+        }
+        for _ in 0..2 {
+            assert!(saver.is_busy());
+            let answer = answers.recv_timeout(std::time::Duration::from_secs(20));
+            assert!(
+                matches!(&answer, Ok(Incoming::Message(Message::Saved(Err(words)))) if words == "circle"),
+                "{answer:?}"
+            );
+            saver.answered();
+        }
+        assert!(!saver.is_busy());
+    }
+}

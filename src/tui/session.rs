@@ -1,0 +1,473 @@
+//! The main loop: takes what happens into the app's state, carries out what the state wants done,
+//! and draws what has changed.
+//!
+//! The loop waits for nothing but its channel. Keys, signals, output, saving, loading and the runs
+//! have their own threads, which tell it. While nothing happens nothing runs: no tick, no draw.
+
+use std::collections::BTreeMap;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
+use std::time::{Duration, Instant};
+
+use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT};
+
+use super::canvas::Canvas;
+use super::farewell;
+use super::incoming::{Incoming, spawn};
+use super::input::Input;
+use super::message::{Effect, Message};
+use super::pacing::{Occasion, Pacing};
+use super::saving::{Job, PARENT, Save, Saver, What};
+use super::state::{self, App, Ending, Overlay, Run, Slot};
+use super::terminal::{self, Terminal};
+use super::theme::{ColorTier, Theme};
+use super::update::update;
+use super::watch::Watch;
+use super::{editing, job_control, opening, panel};
+use crate::scene::Scene;
+use crate::simulation::{Command, Orders, Picture, RunId, Worker};
+
+/// How long saving may hold up an end that was not asked for by a person.
+const LAST_SAVE: Duration = Duration::from_millis(1200);
+
+/// What the app is started with.
+#[derive(Debug)]
+pub struct Options {
+    /// The scenes to begin with: those of the four cases, and perhaps more.
+    pub slots: Vec<Slot>,
+    /// Which of them is looked at.
+    pub active: usize,
+    /// Frames a second at most, for what the solver tells.
+    pub frames_per_second: u32,
+    /// The colours to use, if not those that the environment tells.
+    pub tier: Option<ColorTier>,
+    /// How things are saved.
+    pub save: Save,
+}
+
+/// How the app ended.
+#[derive(Debug)]
+pub struct Ended {
+    /// Why.
+    pub ending: Ending,
+    /// The line that stays in the scrollback.
+    pub line: String,
+}
+
+impl Ended {
+    /// The signal that ended the app: that of the hang-up where the terminal went away.
+    pub fn signal(&self) -> Option<i32> {
+        match self.ending {
+            Ending::Quit => None,
+            Ending::Signal(signal) => Some(signal),
+            Ending::HungUp => Some(SIGHUP),
+        }
+    }
+}
+
+/// Why the app could not start or go on.
+#[derive(Debug, thiserror::Error)]
+pub enum AppError {
+    /// The terminal cannot be used.
+    #[error("cannot use the terminal: {0}")]
+    Terminal(#[source] io::Error),
+    /// The system refuses what the app needs.
+    #[error("cannot start the app's threads: {0}")]
+    Threads(#[source] io::Error),
+    /// A thread of the app has a mistake.
+    #[error("the app has a mistake and had to end: {0}")]
+    Crashed(String),
+}
+
+/// Runs the app on the terminal that the standard input and output are, until it ends.
+///
+/// # Errors
+/// [`AppError`]; the terminal is as it was before.
+pub fn run(options: Options) -> Result<Ended, AppError> {
+    let theme = Theme::detect(options.tier, |name| std::env::var(name).ok());
+    // NO_COLOR is the theme's affair, and a person may overrule it. (crossterm, on its own, would
+    // send resets of all attributes in place of the colours.)
+    crossterm::style::force_color_output(true);
+    let (incoming, queue) = mpsc::channel();
+    let saver =
+        Saver::start(options.save, PARENT.into(), incoming.clone()).map_err(AppError::Threads)?;
+    let terminal = Terminal::open(incoming.clone()).map_err(AppError::Terminal)?;
+    // In this order, so that the terminal is restored after all that use it are gone.
+    let watch = Watch::start(incoming.clone(), terminal.modes()).map_err(AppError::Threads)?;
+    let input = Input::start(incoming.clone()).map_err(AppError::Threads)?;
+    let app = App::new(
+        options.slots,
+        options.active,
+        terminal::size(),
+        options.frames_per_second,
+    );
+    let session = Session {
+        app,
+        theme,
+        canvas: Canvas::default(),
+        input: Some(input),
+        _watch: watch,
+        terminal,
+        saver,
+        workers: BTreeMap::new(),
+        pacing: Pacing::default(),
+        saved: Vec::new(),
+        incoming,
+        queue,
+        quitting: false,
+    };
+    session.run()
+}
+
+struct Session {
+    app: App,
+    theme: Theme,
+    canvas: Canvas,
+    /// `None` while an editor has the terminal.
+    input: Option<Input>,
+    _watch: Watch,
+    terminal: Terminal,
+    saver: Saver,
+    workers: BTreeMap<RunId, Worker>,
+    pacing: Pacing,
+    /// Where things were saved, in order.
+    saved: Vec<PathBuf>,
+    incoming: Sender<Incoming>,
+    queue: Receiver<Incoming>,
+    quitting: bool,
+}
+
+impl Session {
+    fn run(mut self) -> Result<Ended, AppError> {
+        // The first message starts the run, whatever it is.
+        self.message(Message::Tick)?;
+        self.draw();
+        while !self.quitting {
+            let next = match self.wait() {
+                None => self.queue.recv().ok(),
+                Some(wait) => match self.queue.recv_timeout(wait) {
+                    Ok(next) => Some(next),
+                    Err(RecvTimeoutError::Timeout) => None,
+                    Err(RecvTimeoutError::Disconnected) => break,
+                },
+            };
+            if let Some(next) = next {
+                self.take(next)?;
+                // All that waits is one change of the screen.
+                while !self.quitting
+                    && let Ok(next) = self.queue.try_recv()
+                {
+                    self.take(next)?;
+                }
+            }
+            if self.wait() == Some(Duration::ZERO) {
+                self.look()?;
+                self.draw();
+            }
+        }
+        self.end()
+    }
+
+    /// How long to wait at most: until a frame is due; `None`: until something happens.
+    fn wait(&self) -> Option<Duration> {
+        let due = self.pacing.due()?;
+        // While the terminal is busy its answer comes first.
+        self.terminal
+            .is_free()
+            .then(|| due.saturating_duration_since(Instant::now()))
+    }
+
+    fn ask(&mut self, occasion: Occasion) {
+        let interval = Duration::from_secs(1) / self.app.frames_per_second.max(1);
+        self.pacing.ask(Instant::now(), occasion, interval);
+    }
+
+    fn take(&mut self, incoming: Incoming) -> Result<(), AppError> {
+        match incoming {
+            Incoming::Message(message) => self.message(message),
+            Incoming::SizeChanged => {
+                let (columns, rows) = terminal::size();
+                if (columns, rows) == self.app.size {
+                    return Ok(());
+                }
+                self.ask(Occasion::Size);
+                self.message(Message::Resized(columns, rows))
+            }
+            Incoming::Pasted(text) => self.paste(&text),
+            Incoming::Written(Ok(buffer)) => {
+                self.terminal.written(buffer);
+                Ok(())
+            }
+            // A terminal that takes no bytes is no terminal any more.
+            Incoming::Written(Err(_)) => self.message(Message::HungUp),
+            Incoming::Stop => self.suspend(),
+            Incoming::Continued => self.resume(),
+            Incoming::Edited(edited) => self.edited(edited),
+            Incoming::Crashed(words) => Err(AppError::Crashed(words)),
+        }
+    }
+
+    /// Takes a message into the state, and does what that wants done.
+    fn message(&mut self, message: Message) -> Result<(), AppError> {
+        match &message {
+            // Ctrl-C on a program that has the terminal is its affair.
+            Message::Signal(SIGINT | SIGQUIT) if self.input.is_none() => return Ok(()),
+            // What will be saved is to be the latest.
+            Message::Signal(_) | Message::HungUp => self.look()?,
+            // Also where nothing of it shows: pictures are fetched when it is time.
+            Message::Solver(_) => self.ask(Occasion::News),
+            Message::Saved(saved) => {
+                self.saver.answered();
+                self.saved.extend(saved.iter().cloned());
+            }
+            _ => {}
+        }
+        let is_news = matches!(message, Message::Solver(_));
+        self.update(message)?;
+        if self.app.stale && !is_news {
+            self.ask(Occasion::Key);
+        }
+        Ok(())
+    }
+
+    fn update(&mut self, message: Message) -> Result<(), AppError> {
+        for effect in update(&mut self.app, message) {
+            self.perform(effect)?;
+        }
+        Ok(())
+    }
+
+    /// Fetches what the runs show at present.
+    fn look(&mut self) -> Result<(), AppError> {
+        let fetched: Vec<(RunId, Duration, Option<Arc<Picture>>)> = self
+            .workers
+            .iter()
+            .map(|(run, worker)| (*run, worker.computing(), worker.mailbox().fetch()))
+            .collect();
+        for (run, computing, picture) in fetched {
+            self.update(Message::Computing(run, computing))?;
+            if let Some(picture) = picture {
+                self.update(Message::Fields(picture))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn perform(&mut self, effect: Effect) -> Result<(), AppError> {
+        match effect {
+            Effect::Start(orders, scene) => self.start(orders, scene),
+            Effect::Tell(run, command) => {
+                if let Some(worker) = self.workers.get(&run) {
+                    worker.tell(command);
+                }
+            }
+            Effect::Drop(run) => {
+                if let Some(worker) = self.workers.remove(&run) {
+                    self.aside("end of a run", move || drop(worker))?;
+                }
+            }
+            Effect::Load(text) => {
+                let home = std::env::var_os("HOME").map(PathBuf::from);
+                let source = opening::typed_path(&text, home);
+                self.load(move || opening::open(source.as_os_str(), &[]))?;
+            }
+            Effect::Edit(slot) => return self.edit(slot),
+            Effect::SaveView(picture, slot) => return self.save_view(picture, slot),
+            Effect::SaveSet(slot) => return self.save_set(slot),
+            Effect::Copy(text) => {
+                self.terminal.copy(&text);
+                self.ask(Occasion::Key);
+            }
+            Effect::Suspend => return self.suspend(),
+            Effect::Quit => self.quitting = true,
+        }
+        Ok(())
+    }
+
+    fn start(&mut self, orders: Orders, scene: Arc<Scene>) {
+        let incoming = self.incoming.clone();
+        let run = orders.run;
+        let worker = Worker::start(orders, scene, move |news| {
+            // If the loop has ended, so will the worker.
+            let _ = incoming.send(Incoming::Message(Message::Solver(news)));
+        });
+        self.workers.insert(run, worker);
+    }
+
+    /// Does something that may take long, on a thread of its own.
+    fn aside(&self, name: &str, work: impl FnOnce() + Send + 'static) -> Result<(), AppError> {
+        spawn(name, self.incoming.clone(), work)
+            .map(|_| ())
+            .map_err(AppError::Threads)
+    }
+
+    fn load(
+        &self,
+        open: impl FnOnce() -> Result<Slot, crate::record::LoadError> + Send + 'static,
+    ) -> Result<(), AppError> {
+        let incoming = self.incoming.clone();
+        self.aside("loading", move || {
+            let loaded = open().map(Box::new).map_err(|error| error.to_string());
+            // If the loop has ended, nobody wants it.
+            let _ = incoming.send(Incoming::Message(Message::Loaded(loaded)));
+        })
+    }
+
+    fn save_view(&mut self, picture: Arc<Picture>, slot: usize) -> Result<(), AppError> {
+        let view = self.app.view;
+        self.save(slot, |_| What::View(picture, view))
+    }
+
+    /// Saves what the run has shown at the report's times, and what it shows now.
+    fn save_set(&mut self, slot: usize) -> Result<(), AppError> {
+        self.save(slot, |run| {
+            let mut pictures = run.snapshots.clone();
+            let last = pictures.last().map(|picture| picture.report.step);
+            let is_later = |now: &&Arc<Picture>| last.is_none_or(|last| last < now.report.step);
+            pictures.extend(run.picture.iter().filter(is_later).cloned());
+            What::Set(pictures, Box::new(run.history.clone()))
+        })
+    }
+
+    fn save(&mut self, slot: usize, what: impl FnOnce(&Run) -> What) -> Result<(), AppError> {
+        let slot = self.app.slots.get(slot);
+        let run = slot.and_then(|slot| {
+            let run = slot.run.as_ref()?;
+            Some((slot, run, run.setting.as_ref()?))
+        });
+        let Some((slot, run, setting)) = run else {
+            let reason = "the run has no state yet".to_owned();
+            return self.message(Message::Saved(Err(reason)));
+        };
+        self.saver.give(Job {
+            name: slot.name.clone(),
+            scene: Arc::clone(&slot.scene),
+            mesh: Arc::clone(&setting.mesh),
+            switches: run.history.marks.clone(),
+            in_haste: matches!(self.app.ending, Some(Ending::Signal(_) | Ending::HungUp)),
+            what: what(run),
+        });
+        Ok(())
+    }
+
+    fn draw(&mut self) {
+        let (app, theme, canvas) = (&self.app, &self.theme, &mut self.canvas);
+        self.terminal
+            .draw(app.size, |frame| panel::draw(app, theme, canvas, frame));
+        self.app.stale = false;
+        self.pacing.drawn(Instant::now());
+    }
+
+    /// A pasted text goes where text is typed; elsewhere it would be commands that nobody gave.
+    fn paste(&mut self, text: &str) -> Result<(), AppError> {
+        if !matches!(self.app.overlay, Some(Overlay::Open { .. })) {
+            return Ok(());
+        }
+        for letter in text.chars().filter(|letter| !letter.is_control()) {
+            let key = crossterm::event::KeyCode::Char(letter).into();
+            self.message(Message::Key(key))?;
+        }
+        Ok(())
+    }
+
+    /// Stops the process until a shell continues it.
+    fn suspend(&mut self) -> Result<(), AppError> {
+        if !job_control::can_stop() {
+            return self.message(Message::Remark(
+                "cannot stop here: there is no shell that would continue the app".to_owned(),
+            ));
+        }
+        // Where an editor has the terminal, it has tidied up itself.
+        self.terminal.give_away();
+        job_control::stop().map_err(AppError::Terminal)
+    }
+
+    /// The process goes on after a stop.
+    fn resume(&mut self) -> Result<(), AppError> {
+        if self.input.is_none() {
+            return Ok(());
+        }
+        self.terminal.take_back().map_err(AppError::Terminal)?;
+        let (columns, rows) = terminal::size();
+        self.message(Message::Resized(columns, rows))?;
+        self.message(Message::Continued)?;
+        self.ask(Occasion::Key);
+        Ok(())
+    }
+
+    fn edit(&mut self, slot: usize) -> Result<(), AppError> {
+        let Some(file) = self.app.slots.get(slot) else {
+            return Ok(());
+        };
+        let file = match editing::file(file, Path::new("")) {
+            Ok(file) => file,
+            Err(words) => return self.message(Message::Loaded(Err(words))),
+        };
+        self.input = None;
+        self.terminal.give_away();
+        let incoming = self.incoming.clone();
+        let editor = editing::editor(|name| std::env::var(name).ok());
+        self.aside("editor", move || {
+            let edited = editing::edit(&editor, &file).map(|()| file);
+            // If the loop has ended, nobody wants it.
+            let _ = incoming.send(Incoming::Edited(edited));
+        })
+    }
+
+    fn edited(&mut self, edited: Result<PathBuf, String>) -> Result<(), AppError> {
+        self.input = Some(Input::start(self.incoming.clone()).map_err(AppError::Threads)?);
+        self.resume()?;
+        match edited {
+            Ok(file) => self.load(move || opening::open_file(&file, &[])),
+            Err(words) => self.message(Message::Loaded(Err(words))),
+        }
+    }
+
+    /// Ends: the terminal is given back first, so that nobody waits before a dead screen; then what
+    /// is being saved is waited for, within reason.
+    fn end(mut self) -> Result<Ended, AppError> {
+        let ending = self.app.ending.clone().unwrap_or(Ending::Quit);
+        for worker in self.workers.values() {
+            worker.tell(Command::End);
+        }
+        self.input = None;
+        self.terminal.give_away();
+        match self.app.saving_next.take() {
+            Some(state::Save::View(picture, slot)) => self.save_view(picture, slot)?,
+            Some(state::Save::Set { slot, .. }) => self.save_set(slot)?,
+            None => {}
+        }
+        let until = (ending != Ending::Quit).then(|| Instant::now() + LAST_SAVE);
+        while self.saver.is_busy() {
+            let next = match until {
+                None => self.queue.recv().ok(),
+                Some(until) => {
+                    let wait = until.saturating_duration_since(Instant::now());
+                    self.queue.recv_timeout(wait).ok()
+                }
+            };
+            match next {
+                Some(Incoming::Message(Message::Saved(saved))) => {
+                    self.saver.answered();
+                    self.saved.extend(saved.ok());
+                }
+                // A person who does not want to wait.
+                Some(Incoming::Message(Message::Signal(_) | Message::HungUp))
+                    if until.is_none() =>
+                {
+                    break;
+                }
+                Some(Incoming::Crashed(_)) | None => break,
+                Some(_) => {}
+            }
+        }
+        let line = farewell::line(&self.app, &self.saved);
+        // A step of a large run may take seconds: its thread ends with the process.
+        std::mem::take(&mut self.workers)
+            .into_values()
+            .for_each(std::mem::forget);
+        Ok(Ended { ending, line })
+    }
+}

@@ -1,0 +1,287 @@
+//! What the app knows: plain data, changed by [`update`](super::update) alone and drawn by the panels.
+
+use std::collections::VecDeque;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use super::past::Past;
+use super::reins::Reins;
+use crate::scene::{AnchoringKind, Scene};
+use crate::simulation::{Picture, Report, RunId, Setting};
+
+pub use super::history::History;
+pub use super::pace::Pace;
+
+/// The whole state of the app.
+#[derive(Debug)]
+pub struct App {
+    /// The four cases of Table 2 and every scene that was opened; a slot keeps its run while
+    /// another one is looked at.
+    pub slots: Vec<Slot>,
+    /// The slot that is shown.
+    pub active: usize,
+    /// What fills the screen.
+    pub screen: Screen,
+    /// What lies over it and takes the keys first.
+    pub overlay: Option<Overlay>,
+    /// How the fields are shown.
+    pub view: View,
+    /// The panel that has the focus.
+    pub focus: Panel,
+    /// Which stored picture of the active run is looked at; `None`: live.
+    pub looking_back: Option<usize>,
+    /// Columns and rows of the terminal.
+    pub size: (u16, u16),
+    /// Redraws a second at most.
+    pub frames_per_second: u32,
+    /// What was last saved, or could not be.
+    pub saving: Saving,
+    /// What is being saved.
+    pub saving_now: Option<Save>,
+    /// What will be saved after that: one at most.
+    pub saving_next: Option<Save>,
+    /// A passing remark (a key that does nothing here, a scene that was reloaded).
+    pub remark: Option<String>,
+    /// Set when something that is shown has changed.
+    pub stale: bool,
+    /// The next run's number.
+    pub next_run: RunId,
+    /// How many runs of the gallery compute at the same time, at most.
+    pub cores: usize,
+    /// The time that no run of the gallery goes beyond at present; `None` outside the gallery.
+    pub clock: Option<f64>,
+    /// The slot whose scene is being edited.
+    pub editing: Option<usize>,
+    /// A slot and the scene that waits to replace it, while that is asked.
+    pub reloaded: Option<(usize, Box<Slot>)>,
+    /// Where the app ends.
+    pub ending: Option<Ending>,
+}
+
+/// A scene and its run.
+#[derive(Debug)]
+pub struct Slot {
+    /// The word for it in the header: `case3`, a file's name.
+    pub name: String,
+    /// The file that the scene came from, if it is not a preset.
+    pub file: Option<PathBuf>,
+    /// The scene as loaded, with the anchoring that is in force at present.
+    pub scene: Arc<Scene>,
+    /// The run; `None` until the slot is looked at for the first time.
+    pub run: Option<Run>,
+}
+
+/// What is known of a run.
+#[derive(Debug)]
+pub struct Run {
+    /// Its number: news of another are not its own.
+    pub id: RunId,
+    /// Running, paused, ….
+    pub status: Status,
+    /// What the user wants of it, what its worker was told, and what that has answered.
+    pub reins: Reins,
+    /// Mesh and steps; `None` while the run is set up.
+    pub setting: Option<Arc<Setting>>,
+    /// The scalars of the last step.
+    pub report: Report,
+    /// The anchoring in force.
+    pub anchoring: Option<AnchoringKind>,
+    /// The scalars of all steps, decimated.
+    pub history: History,
+    /// The latest fields.
+    pub picture: Option<Arc<Picture>>,
+    /// Older fields, within a budget of memory.
+    pub past: Past,
+    /// Fields at the report's times, none lost: what `S` draws.
+    pub snapshots: Vec<Arc<Picture>>,
+    /// Steps a second and time left.
+    pub pace: Pace,
+    /// What is wrong or worth knowing, the newest last.
+    pub notices: VecDeque<Notice>,
+    /// Whether anything was computed that is saved nowhere.
+    pub unsaved: bool,
+    /// Whether the energy rose in the last step: said once, when it begins.
+    pub rising: bool,
+}
+
+/// What a run is doing, as its worker has told it: a wish that is under way shows as such.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Status {
+    /// Mesh and first fields are made.
+    Starting,
+    /// Steps are taken.
+    Running,
+    /// Asked to pause; the step in hand is not finished.
+    Pausing,
+    /// Stands still.
+    Paused,
+    /// Waits for the other runs of the gallery: for the common clock, or for a core.
+    Waiting,
+    /// T is reached.
+    Done,
+    /// Could not go on; the words are the error's.
+    Failed(String),
+}
+
+/// Something that the user must see.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Notice {
+    /// How grave.
+    pub severity: Severity,
+    /// At which step.
+    pub step: u64,
+    /// In words.
+    pub text: String,
+}
+
+/// How grave a notice is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Severity {
+    /// Worth knowing.
+    Note,
+    /// Allowed, but probably not meant.
+    Warning,
+    /// Wrong: the run has stopped.
+    Error,
+}
+
+/// What fills the screen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Screen {
+    /// One run.
+    Run,
+    /// The four cases side by side.
+    Gallery,
+}
+
+/// What lies over the screen and takes the keys first.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Overlay {
+    /// All keys.
+    Help {
+        /// First line shown.
+        scroll: u16,
+    },
+    /// Something that would lose a run waits for `y`.
+    Confirm(Question),
+    /// A scene's name or file is typed.
+    Open {
+        /// What was typed so far.
+        text: String,
+        /// The chosen line of the list of presets, if any.
+        chosen: Option<usize>,
+        /// Why the last attempt failed.
+        error: Option<String>,
+    },
+    /// A long text to read: an error of a scene with its lines.
+    Message {
+        /// The heading.
+        title: String,
+        /// The words.
+        text: String,
+    },
+}
+
+/// What is asked before a run is lost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Question {
+    /// Begin the active run anew?
+    Restart,
+    /// Leave the app?
+    Quit,
+    /// Begin anew with the scene as it stands in its file now?
+    Reload,
+}
+
+/// How fields are shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct View {
+    /// Which field.
+    pub field: Field,
+    /// The director over φ and |d|.
+    pub director: DirectorStyle,
+    /// Which of the colour maps, counted modulo their number.
+    pub colour_map: usize,
+    /// Whether the curves have a logarithmic scale.
+    pub logarithmic: bool,
+}
+
+/// A field that can be shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Field {
+    /// φ.
+    Phase,
+    /// |d|.
+    DirectorLength,
+    /// ω.
+    Omega,
+    /// μ.
+    Mu,
+    /// ε/2 ω²: the bending energy's density.
+    EnergyDensity,
+}
+
+/// How the director is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DirectorStyle {
+    /// With heads, eight directions.
+    Arrows,
+    /// Without heads: d and −d mean the same.
+    Strokes,
+    /// Not at all.
+    Off,
+}
+
+/// A part of the screen that can have the focus and fill more of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Panel {
+    /// The field.
+    Field,
+    /// The energies.
+    Energy,
+    /// B, β and ∫φ.
+    Area,
+    /// Costs and the energy law.
+    Cost,
+}
+
+/// The one background job that saves.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub enum Saving {
+    /// Nothing was saved yet.
+    #[default]
+    Idle,
+    /// Under way: in words.
+    Busy(String),
+    /// The files' folder or path, whole.
+    Saved(PathBuf),
+    /// Why not.
+    Failed(String),
+}
+
+/// Something to be saved.
+#[derive(Debug, Clone)]
+pub enum Save {
+    /// One view: the picture and its slot.
+    View(Arc<Picture>, usize),
+    /// The whole set of a slot, as far as its run was at this step.
+    Set {
+        /// The slot.
+        slot: usize,
+        /// Its run.
+        run: RunId,
+        /// The last step.
+        step: u64,
+    },
+}
+
+/// How the app ended, for the line that it leaves behind.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Ending {
+    /// By the user.
+    Quit,
+    /// By a signal of this number.
+    Signal(i32),
+    /// The terminal is gone.
+    HungUp,
+}

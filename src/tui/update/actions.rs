@@ -1,0 +1,290 @@
+//! What the keys do when nothing lies over the screen.
+
+use std::sync::Arc;
+
+use super::super::keys::Action;
+use super::super::message::Effect;
+use super::super::state::{
+    App, DirectorStyle, Ending, Field, Overlay, Panel, Question, Save, Screen, Slot, Status,
+};
+use super::{leave, remark, saving};
+use crate::scene::AnchoringKind;
+use crate::simulation::Command;
+
+/// The frame rates that the keys go through.
+const FRAME_RATES: [u32; 7] = [1, 2, 5, 10, 15, 20, 30];
+
+pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
+    match action {
+        Action::PauseOrResume => pause_or_resume(app),
+        Action::Step => step(app, effects),
+        Action::Restart => ask(app, Question::Restart, effects),
+        Action::Show(index) => look_at(app, index),
+        Action::NextAnchoring => next_anchoring(app, effects),
+        Action::Gallery => gallery(app),
+        Action::Older(pictures) => scrub(app, |index, _| index.saturating_sub(pictures)),
+        Action::Newer(pictures) => scrub(app, |index, _| index.saturating_add(pictures)),
+        Action::Oldest => scrub(app, |_, _| 0),
+        Action::Live => look_back(app, None),
+        Action::SaveView => save_view(app, effects),
+        Action::SaveSet => save_set(app, effects),
+        Action::Director => app.view.director = next_style(app.view.director),
+        Action::ColourMap => app.view.colour_map = app.view.colour_map.wrapping_add(1),
+        Action::Logarithmic => app.view.logarithmic = !app.view.logarithmic,
+        Action::NextField => next_field(app),
+        Action::Next => next(app, 1),
+        Action::Previous => next(app, -1),
+        Action::Faster => change_frame_rate(app, true),
+        Action::Slower => change_frame_rate(app, false),
+        Action::Edit => {
+            app.editing = Some(app.active);
+            effects.push(Effect::Edit(app.active));
+        }
+        Action::Open => {
+            app.overlay = Some(Overlay::Open {
+                text: String::new(),
+                chosen: None,
+                error: None,
+            });
+        }
+        Action::Help => app.overlay = Some(Overlay::Help { scroll: 0 }),
+        Action::Suspend => effects.push(Effect::Suspend),
+        Action::Quit => ask(app, Question::Quit, effects),
+        // Keys of overlays.
+        Action::Close
+        | Action::Yes
+        | Action::No
+        | Action::Scroll(_)
+        | Action::Choose(_)
+        | Action::Complete
+        | Action::Load
+        | Action::Erase
+        | Action::Clear => {}
+    }
+}
+
+/// Asks before something is lost, and does at once what loses nothing.
+pub(super) fn ask(app: &mut App, question: Question, effects: &mut Vec<Effect>) {
+    let loses = match question {
+        Question::Quit => app.has_unsaved(),
+        Question::Restart => app.active_run().is_some_and(|run| run.unsaved),
+        Question::Reload => app.reloaded.as_ref().is_some_and(|(index, _)| {
+            let run = app.slots.get(*index).and_then(|slot| slot.run.as_ref());
+            run.is_some_and(|run| run.unsaved)
+        }),
+    };
+    if loses {
+        app.overlay = Some(Overlay::Confirm(question));
+    } else {
+        consent(app, question, effects);
+    }
+}
+
+/// Does what was asked.
+pub(super) fn consent(app: &mut App, question: Question, effects: &mut Vec<Effect>) {
+    match question {
+        Question::Quit => leave(app, Ending::Quit, effects),
+        Question::Restart => begin_anew(app, app.active, effects),
+        Question::Reload => {
+            if let Some((index, slot)) = app.reloaded.take() {
+                begin_anew(app, index, effects);
+                if let Some(place) = app.slots.get_mut(index) {
+                    *place = *slot;
+                }
+                app.screen = Screen::Run;
+                look_at(app, index);
+            }
+        }
+    }
+}
+
+/// Ends the run of a slot. It begins anew when it is looked at: at once, if it is now.
+fn begin_anew(app: &mut App, index: usize, effects: &mut Vec<Effect>) {
+    if index == app.active {
+        look_back(app, None);
+    }
+    if let Some(run) = app.slots.get_mut(index).and_then(|slot| slot.run.take()) {
+        effects.push(Effect::Drop(run.id));
+    }
+}
+
+/// Shows the run of a slot alone.
+pub(super) fn look_at(app: &mut App, index: usize) {
+    if index >= app.slots.len() {
+        let last = app.slots.len();
+        remark(app, format!("there are {last} scenes; o opens another"));
+        return;
+    }
+    app.screen = Screen::Run;
+    choose(app, index);
+}
+
+/// Makes a slot the active one.
+fn choose(app: &mut App, index: usize) {
+    if index != app.active {
+        look_back(app, None);
+        app.active = index;
+    }
+    if !fields(&app.slots[index]).contains(&app.view.field) {
+        app.view.field = Field::Phase;
+    }
+}
+
+fn gallery(app: &mut App) {
+    match app.screen {
+        Screen::Run => {
+            look_back(app, None);
+            app.screen = Screen::Gallery;
+            if !app.cases().contains(&app.active) && !app.slots.is_empty() {
+                choose(app, 0);
+            }
+        }
+        Screen::Gallery => look_at(app, app.active),
+    }
+}
+
+fn pause_or_resume(app: &mut App) {
+    let wanted = !app.is_going();
+    let slots = match app.screen {
+        Screen::Run => app.active..app.active + 1,
+        Screen::Gallery => app.cases(),
+    };
+    for slot in app.slots.get_mut(slots).unwrap_or_default() {
+        if let Some(run) = &mut slot.run {
+            run.reins.wanted = wanted;
+        }
+    }
+}
+
+fn step(app: &mut App, effects: &mut Vec<Effect>) {
+    if let Some(run) = app.active_run_mut() {
+        let command = run.reins.step();
+        effects.push(Effect::Tell(run.id, command));
+    }
+}
+
+/// Switches the anchoring of the active slot, for its run as it is and for those to come.
+fn next_anchoring(app: &mut App, effects: &mut Vec<Effect>) {
+    let Some(slot) = app.slots.get_mut(app.active) else {
+        return;
+    };
+    let kind = match slot.anchoring() {
+        None => return,
+        Some(AnchoringKind::Homeotropic) => AnchoringKind::Parallel,
+        Some(AnchoringKind::Parallel) => AnchoringKind::None,
+        Some(AnchoringKind::None) => AnchoringKind::Homeotropic,
+    };
+    let scene = Arc::make_mut(&mut slot.scene);
+    scene.anchoring.get_or_insert_default().kind = kind;
+    let mut text = format!("the anchoring is {kind} from here on");
+    match &slot.run {
+        Some(run) if matches!(run.status, Status::Failed(_)) => {
+            text = format!("the anchoring is {kind} when the run begins anew: r");
+        }
+        Some(run) => effects.push(Effect::Tell(run.id, Command::Anchor(kind))),
+        None => {}
+    }
+    remark(app, text);
+}
+
+/// Moves to another stored picture; past the newest is the present.
+fn scrub(app: &mut App, target: impl FnOnce(usize, usize) -> usize) {
+    let Some(run) = app.active_run() else { return };
+    let Some(last) = run.past.len().checked_sub(1) else {
+        return;
+    };
+    let index = target(app.looking_back.unwrap_or(last), last);
+    look_back(app, (index < last).then_some(index));
+}
+
+/// Looks at a stored picture of the active run, or at the present.
+pub(super) fn look_back(app: &mut App, index: Option<usize>) {
+    app.looking_back = index;
+    if let Some(run) = app.active_run_mut() {
+        let picture = index.and_then(|index| run.past.get(index));
+        let step = picture.map(|picture| picture.report.step);
+        run.past.pin(step);
+    }
+}
+
+fn save_view(app: &mut App, effects: &mut Vec<Effect>) {
+    if let Some(picture) = app.picture().cloned() {
+        saving::save(app, Save::View(picture, app.active), effects);
+    }
+}
+
+fn save_set(app: &mut App, effects: &mut Vec<Effect>) {
+    if let Some(run) = app.active_run() {
+        let save = Save::Set {
+            slot: app.active,
+            run: run.id,
+            step: run.report.step,
+        };
+        saving::save(app, save, effects);
+    }
+}
+
+fn next_style(style: DirectorStyle) -> DirectorStyle {
+    match style {
+        DirectorStyle::Arrows => DirectorStyle::Strokes,
+        DirectorStyle::Strokes => DirectorStyle::Off,
+        DirectorStyle::Off => DirectorStyle::Arrows,
+    }
+}
+
+/// The fields that a slot has, in the order of the key.
+fn fields(slot: &Slot) -> Vec<Field> {
+    let all = [
+        Field::Phase,
+        Field::DirectorLength,
+        Field::Omega,
+        Field::Mu,
+        Field::EnergyDensity,
+    ];
+    let has = |field: &Field| *field != Field::DirectorLength || slot.scene.nematic.is_some();
+    all.into_iter().filter(has).collect()
+}
+
+fn next_field(app: &mut App) {
+    let Some(slot) = app.active_slot() else {
+        return;
+    };
+    let fields = fields(slot);
+    let present = fields.iter().position(|field| *field == app.view.field);
+    app.view.field = fields[present.map_or(0, |index| (index + 1) % fields.len())];
+}
+
+/// The next panel, or in the gallery the next run.
+fn next(app: &mut App, by: isize) {
+    let move_by = |index: usize, count: usize| {
+        let count = count.max(1) as isize;
+        (index as isize + by).rem_euclid(count) as usize
+    };
+    match app.screen {
+        Screen::Run => {
+            let panels = [Panel::Field, Panel::Energy, Panel::Area, Panel::Cost];
+            let present = panels.iter().position(|panel| *panel == app.focus);
+            app.focus = panels[move_by(present.unwrap_or(0), panels.len())];
+        }
+        Screen::Gallery => {
+            let index = move_by(app.active, app.cases().len());
+            choose(app, index);
+        }
+    }
+}
+
+fn change_frame_rate(app: &mut App, faster: bool) {
+    let present = app.frames_per_second;
+    let mut rates = FRAME_RATES.into_iter();
+    let rate = if faster {
+        rates.find(|rate| *rate > present)
+    } else {
+        rates.rev().find(|rate| *rate < present)
+    };
+    app.frames_per_second = rate.unwrap_or(present);
+    let text = match app.frames_per_second {
+        1 => "at most 1 frame a second".to_owned(),
+        rate => format!("at most {rate} frames a second"),
+    };
+    remark(app, text);
+}

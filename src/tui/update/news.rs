@@ -1,0 +1,165 @@
+//! What the workers tell.
+
+use std::sync::Arc;
+
+use super::super::reins::Stand;
+use super::super::state::{App, Notice, Run, Screen, Severity, Status};
+use crate::scene::{AnchoringKind, Warning};
+use crate::simulation::{EventKind, Message as WorkerMessage, News, Picture, Report, RunId};
+
+/// The slot and the run of this number; `None`: it was ended, and what is told of it came late.
+pub(super) fn run_of(app: &mut App, id: RunId) -> Option<(usize, &mut Run)> {
+    app.slots
+        .iter_mut()
+        .enumerate()
+        .filter_map(|(index, slot)| slot.run.as_mut().map(|run| (index, run)))
+        .find(|(_, run)| run.id == id)
+}
+
+impl App {
+    /// Whether the run of a slot can be seen at present.
+    pub(super) fn shows(&self, index: usize) -> bool {
+        match self.screen {
+            Screen::Run => index == self.active,
+            Screen::Gallery => self.cases().contains(&index),
+        }
+    }
+}
+
+/// Takes the latest fields of a run.
+pub(super) fn show(app: &mut App, picture: Arc<Picture>) {
+    let Some((index, run)) = run_of(app, picture.run) else {
+        return;
+    };
+    run.picture = Some(picture.clone());
+    run.past.put(picture);
+    app.stale |= app.shows(index);
+    follow(app);
+}
+
+/// Keeps looking at the same picture when thinning has moved it.
+fn follow(app: &mut App) {
+    if app.looking_back.is_some()
+        && let Some(run) = app.active_run()
+    {
+        app.looking_back = run.past.pinned_position();
+    }
+}
+
+/// Takes what a worker tells.
+pub(super) fn hear(app: &mut App, message: WorkerMessage) {
+    let Some((index, _)) = run_of(app, message.run) else {
+        return;
+    };
+    let slot = &mut app.slots[index];
+    let law_tolerance = slot.scene.solver.law_tolerance;
+    let Some(run) = &mut slot.run else { return };
+    match message.news {
+        News::Ready(setting) => {
+            for warning in &setting.warnings {
+                warn(run, warning);
+            }
+            run.setting = Some(setting);
+            run.reins.hear(Stand::Computing);
+        }
+        News::Reports(reports) => {
+            for report in reports {
+                take(run, report, law_tolerance);
+            }
+        }
+        News::Event(event) => {
+            // A switch is told as `Anchored` too, and marked then.
+            if !matches!(event.kind, EventKind::AnchoringSwitched { .. }) {
+                run.notify(Notice {
+                    severity: Severity::Warning,
+                    step: event.step,
+                    text: event.kind.to_string(),
+                });
+            }
+        }
+        News::Anchored { kind, report } => anchored(run, kind, *report),
+        News::Snapshot(picture) => run.snapshots.push(picture),
+        News::Paused => run.reins.hear(Stand::Paused),
+        News::Resumed => run.reins.hear(Stand::Computing),
+        News::AtHorizon => run.reins.hear(Stand::AtHorizon),
+        News::Done => {
+            run.reins.hear(Stand::Over);
+            run.status = Status::Done;
+        }
+        News::Failed(reason) => {
+            run.reins.hear(Stand::Over);
+            run.status = Status::Failed(reason.clone());
+            run.notify(Notice {
+                severity: Severity::Error,
+                step: run.report.step,
+                text: reason,
+            });
+        }
+    }
+    app.stale |= app.shows(index);
+}
+
+fn warn(run: &mut Run, warning: &Warning) {
+    run.notify(Notice {
+        severity: Severity::Warning,
+        step: 0,
+        text: warning.to_string(),
+    });
+}
+
+/// Takes the scalars of a step.
+fn take(run: &mut Run, report: Report, law_tolerance: f64) {
+    let steps = run.steps().unwrap_or(report.step);
+    run.pace.take(&report, steps);
+    run.history.take(&report);
+    let finite = [
+        report.total_energy,
+        report.surface_area,
+        report.phase_integral,
+    ]
+    .iter()
+    .all(|value| value.is_finite());
+    if !finite {
+        let before = &run.report;
+        if before.total_energy.is_finite() || report.step == 0 {
+            run.notify(Notice {
+                severity: Severity::Error,
+                step: report.step,
+                text: "an energy is not a finite number; the run is paused".to_owned(),
+            });
+        }
+        run.reins.wanted = false;
+    }
+    if report.step > 0 {
+        run.unsaved = true;
+        let rise = report.total_energy - run.report.total_energy;
+        let rising = rise > law_tolerance * energy_scale(&run.report).max(energy_scale(&report));
+        if rising && !run.rising {
+            run.notify(Notice {
+                severity: Severity::Warning,
+                step: report.step,
+                text: format!("the energy rises, by {rise:.2e} in this step"),
+            });
+        }
+        run.rising = rising;
+    }
+    run.report = report;
+}
+
+/// Takes a switch of the anchoring: the energy has jumped, not risen.
+fn anchored(run: &mut Run, kind: AnchoringKind, report: Report) {
+    run.anchoring = Some(kind);
+    run.history.switch(kind, &report);
+    run.rising = false;
+    run.unsaved |= report.step > 0;
+    run.report = report;
+}
+
+/// S: the sum of the absolute energies.
+fn energy_scale(report: &Report) -> f64 {
+    report
+        .energies
+        .iter()
+        .map(|energy| energy.value.abs())
+        .sum()
+}

@@ -1,0 +1,175 @@
+//! What lies over the screen and takes the keys first, and scenes that come from there.
+
+use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
+
+use super::super::keys::{self, Action};
+use super::super::message::Effect;
+use super::super::state::{App, Ending, Overlay, Question, Slot};
+use super::actions::{ask, consent, look_at};
+use super::{leave, remark};
+use crate::scene::preset_names;
+
+/// The presets that are offered for what was typed: those that contain it.
+pub fn offered(text: &str) -> Vec<&'static str> {
+    preset_names()
+        .filter(|name| name.contains(text.trim()))
+        .collect()
+}
+
+pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
+    match (action, &mut app.overlay) {
+        (Action::Quit, Some(Overlay::Confirm(Question::Quit))) => {
+            leave(app, Ending::Quit, effects);
+        }
+        (Action::Quit, _) => {
+            app.reloaded = None;
+            app.overlay = None;
+            ask(app, Question::Quit, effects);
+        }
+        (Action::Suspend, _) => effects.push(Effect::Suspend),
+        (Action::Yes, Some(Overlay::Confirm(question))) => {
+            let question = *question;
+            app.overlay = None;
+            consent(app, question, effects);
+        }
+        (Action::No, Some(Overlay::Confirm(question))) => {
+            let question = *question;
+            app.overlay = None;
+            if question == Question::Reload {
+                app.reloaded = None;
+                remark(
+                    app,
+                    "the run goes on with the scene as it was before it was edited",
+                );
+            }
+        }
+        (Action::Close, _) => app.overlay = None,
+        (Action::Scroll(lines), Some(Overlay::Help { scroll })) => {
+            let last = keys::help().count() as i32 - 1;
+            *scroll = i32::from(*scroll)
+                .saturating_add(lines)
+                .clamp(0, last.max(0)) as u16;
+        }
+        (
+            action,
+            Some(Overlay::Open {
+                text,
+                chosen,
+                error,
+            }),
+        ) => {
+            *error = None;
+            let names = offered(text);
+            match action {
+                Action::Choose(by) => *chosen = next_choice(*chosen, by, names.len()),
+                Action::Complete => {
+                    let index = chosen.unwrap_or(0);
+                    if let Some(name) = names.get(index) {
+                        *text = (*name).to_owned();
+                        *chosen = None;
+                    }
+                }
+                Action::Erase => {
+                    text.pop();
+                    *chosen = None;
+                }
+                Action::Clear => {
+                    text.clear();
+                    *chosen = None;
+                }
+                Action::Load => {
+                    let name = chosen.and_then(|index| names.get(index).copied());
+                    let name = name.unwrap_or(text.trim());
+                    if name.is_empty() {
+                        *error = Some("type a preset's name or a file's path".to_owned());
+                    } else {
+                        effects.push(Effect::Load(name.to_owned()));
+                    }
+                }
+                _ => {}
+            }
+        }
+        _ => {}
+    }
+}
+
+/// The next line of a list; before the first and after the last there is none chosen.
+fn next_choice(chosen: Option<usize>, by: i32, count: usize) -> Option<usize> {
+    let lines = count as i32 + 1;
+    let present = chosen.map_or(0, |index| index as i32 + 1);
+    let line = (present + by).rem_euclid(lines);
+    usize::try_from(line - 1).ok()
+}
+
+/// Types a character.
+pub(super) fn type_in(app: &mut App, event: &KeyEvent) {
+    let plain = (event.modifiers - KeyModifiers::SHIFT).is_empty();
+    if let KeyCode::Char(character) = event.code
+        && plain
+        && let Some(Overlay::Open {
+            text,
+            chosen,
+            error,
+        }) = &mut app.overlay
+    {
+        text.push(character);
+        *chosen = None;
+        *error = None;
+        app.stale = true;
+    }
+}
+
+/// Takes a scene that was loaded: one that stands in a slot already is looked at, or replaces the
+/// one there if it was edited; another one gets a slot of its own.
+pub(super) fn loaded(app: &mut App, slot: Box<Slot>, effects: &mut Vec<Effect>) {
+    app.stale = true;
+    if matches!(app.overlay, Some(Overlay::Open { .. })) {
+        app.overlay = None;
+    }
+    let edited = app.editing.take().and_then(|index| app.slots.get(index));
+    if edited.is_some_and(|edited| is_unchanged(edited, &slot)) {
+        remark(app, "the scene is unchanged");
+        return;
+    }
+    let known = app.slots.iter().position(|other| match &slot.file {
+        Some(file) => other.file.as_ref() == Some(file),
+        None => other.file.is_none() && other.name == slot.name,
+    });
+    let Some(index) = known else {
+        app.slots.push(*slot);
+        look_at(app, app.slots.len() - 1);
+        return;
+    };
+    look_at(app, index);
+    if slot.file.is_none() {
+        return;
+    }
+    if is_unchanged(&app.slots[index], &slot) {
+        remark(app, format!("the scene of {} is unchanged", slot.name));
+    } else {
+        app.reloaded = Some((index, slot));
+        ask(app, Question::Reload, effects);
+    }
+}
+
+/// Whether a scene is that of a slot, but for the anchoring that was chosen since it was loaded.
+fn is_unchanged(slot: &Slot, loaded: &Slot) -> bool {
+    let run = slot.run.as_ref();
+    let started = run.and_then(|run| run.setting.as_ref());
+    slot.scene == loaded.scene || started.is_some_and(|setting| setting.scene == *loaded.scene)
+}
+
+/// Takes why a scene could not be loaded.
+pub(super) fn not_loaded(app: &mut App, reason: String) {
+    app.stale = true;
+    app.editing = None;
+    match &mut app.overlay {
+        Some(Overlay::Open { error, .. }) => *error = Some(reason),
+        overlay => {
+            *overlay = Some(Overlay::Message {
+                title: "The scene cannot be loaded".to_owned(),
+                text: reason,
+            });
+        }
+    }
+}

@@ -1,0 +1,185 @@
+//! Four cases side by side.
+
+use crossterm::event::KeyCode;
+
+use super::super::super::state::{Screen, Status};
+use super::rig::{Rig, scene, slot};
+
+const STEP: f64 = 1e-6;
+const END: f64 = 1e-3;
+
+fn times(rig: &Rig) -> Vec<f64> {
+    let time = |worker: &super::rig::Played| worker.report.t;
+    rig.workers.values().map(time).collect()
+}
+
+fn lead(rig: &Rig) -> f64 {
+    let times = times(rig);
+    let least = times.iter().copied().fold(f64::INFINITY, f64::min);
+    times.iter().copied().fold(0.0, f64::max) - least
+}
+
+fn computing(rig: &Rig) -> usize {
+    let computes = |worker: &&super::rig::Played| worker.computes();
+    rig.workers.values().filter(computes).count()
+}
+
+#[test]
+fn all_four_come_up_and_stay_together_on_as_many_cores_as_there_are() {
+    for cores in [1, 2, 3, 4, 16] {
+        let mut rig = Rig::new();
+        rig.app.cores = cores;
+        rig.keys("g");
+        let mut busiest = 0;
+        for _ in 0..10_000 {
+            rig.work(1);
+            let computing = computing(&rig);
+            assert!(computing <= cores, "{computing} of {cores}");
+            busiest = busiest.max(computing);
+            if rig.workers.len() == 4 {
+                assert!(lead(&rig) <= END / 200.0 + STEP, "{:?}", times(&rig));
+            }
+        }
+        assert_eq!(busiest, cores.min(4));
+        for index in 0..4 {
+            assert_eq!(rig.run(index).status, Status::Done, "{cores} cores");
+            assert_eq!(rig.run(index).report.step, 1000);
+        }
+    }
+}
+
+#[test]
+fn a_case_that_is_ahead_waits_for_the_others() {
+    let mut rig = Rig::new();
+    rig.work(100);
+    let ahead = rig.run(2).report.step;
+    rig.keys("g");
+    rig.work(20);
+    assert!(rig.run(2).report.step <= ahead + 1);
+    assert_eq!(rig.run(2).status, Status::Waiting);
+    rig.work(400);
+    assert!(rig.run(2).report.step > ahead + 1);
+    assert!(lead(&rig) <= END / 200.0 + STEP);
+}
+
+#[test]
+fn leaving_the_gallery_leaves_one_run() {
+    let mut rig = Rig::new();
+    rig.keys("g");
+    rig.work(50);
+    rig.keys("2");
+    assert_eq!((rig.app.screen, rig.app.active), (Screen::Run, 1));
+    assert_eq!(rig.app.clock, None);
+    rig.settle();
+    let before = times(&rig);
+    rig.work(50);
+    let status = |index| rig.run(index).status.clone();
+    assert_eq!(
+        [status(0), status(2), status(3)],
+        [(); 3].map(|()| Status::Paused)
+    );
+    assert_eq!(status(1), Status::Running);
+    let moved = before
+        .iter()
+        .zip(times(&rig))
+        .filter(|(before, now)| **before != *now);
+    assert_eq!(moved.count(), 1);
+    assert!(rig.run(1).report.step > 50);
+}
+
+#[test]
+fn space_pauses_and_resumes_all() {
+    let mut rig = Rig::new();
+    rig.keys("g");
+    rig.work(50);
+    rig.keys(" ");
+    rig.settle();
+    let before = times(&rig);
+    rig.work(20);
+    assert_eq!(times(&rig), before);
+    for index in 0..4 {
+        assert_eq!(rig.run(index).status, Status::Paused);
+    }
+    rig.keys(" ");
+    rig.work(50);
+    assert!(
+        times(&rig)
+            .iter()
+            .zip(&before)
+            .all(|(now, before)| now > before)
+    );
+}
+
+#[test]
+fn a_case_that_was_paused_before_does_not_hold_the_others_up() {
+    let mut rig = Rig::new();
+    rig.work(5);
+    rig.keys(" ");
+    rig.settle();
+    let step = rig.run(2).report.step;
+    rig.keys("g");
+    rig.work(300);
+    assert_eq!(
+        (rig.run(2).report.step, rig.run(2).status.clone()),
+        (step, Status::Paused)
+    );
+    assert!(rig.run(0).report.step > 50);
+}
+
+#[test]
+fn a_case_that_fails_frees_its_core() {
+    let mut rig = Rig::new();
+    rig.app.cores = 1;
+    rig.keys("g");
+    rig.work(50);
+    let run = rig.run(0).id;
+    rig.fail(run);
+    rig.work(200);
+    assert!(rig.run(1).report.step > 20);
+    assert!(matches!(rig.run(0).status, Status::Failed(_)));
+}
+
+#[test]
+fn tab_goes_through_the_cases_and_enter_opens_one() {
+    let mut rig = Rig::new();
+    rig.keys("g");
+    rig.press(KeyCode::Tab);
+    rig.press(KeyCode::Tab);
+    assert_eq!((rig.app.screen, rig.app.active), (Screen::Gallery, 0));
+    rig.press(KeyCode::BackTab);
+    rig.press(KeyCode::Enter);
+    assert_eq!((rig.app.screen, rig.app.active), (Screen::Run, 3));
+    // Enter and Esc mean nothing there.
+    rig.press(KeyCode::Esc);
+    assert_eq!(rig.app.screen, Screen::Run);
+}
+
+#[test]
+fn the_gallery_shows_the_cases_only() {
+    let slots = ["case1", "case2", "case3", "case4", "other"].map(slot);
+    let mut rig = Rig::with(slots.into());
+    rig.keys("5");
+    rig.work(5);
+    let step = rig.run(4).report.step;
+    rig.keys("g");
+    assert_eq!(rig.app.active, 0);
+    rig.work(100);
+    assert!(rig.run(4).report.step <= step + 1);
+    assert_eq!(rig.run(4).status, Status::Paused);
+}
+
+#[test]
+fn steps_longer_than_a_tick_of_the_clock_are_taken_one_by_one() {
+    let coarse = |name: &str| {
+        let mut slot = slot(name);
+        slot.scene = scene(&["time.step=1e-4"]).into();
+        slot
+    };
+    let mut rig = Rig::with(["1", "2", "3", "4"].map(coarse).into());
+    rig.keys("g");
+    for _ in 0..500 {
+        rig.work(1);
+        assert!(rig.workers.len() < 4 || lead(&rig) <= 1e-4 * 1.000_001);
+    }
+    assert!((0..4).all(|index| rig.run(index).status == Status::Done));
+}

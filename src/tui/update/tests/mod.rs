@@ -1,0 +1,10 @@
+//! The app without a terminal and without threads: small scripts of what happens to it.
+
+mod gallery;
+mod overlays;
+mod random_walk;
+mod real_workers;
+mod rig;
+mod runs;
+mod saving;
+mod view;

@@ -1,0 +1,227 @@
+//! Help, questions, opening and reloading scenes.
+
+use std::path::PathBuf;
+
+use crossterm::event::{KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
+
+use super::super::super::message::{Effect, Message};
+use super::super::super::state::{Ending, Overlay, Question, Slot, Status};
+use super::super::offered;
+use super::rig::{Rig, scene, slot};
+
+fn typed(rig: &Rig) -> (&str, Option<usize>, Option<&str>) {
+    let Some(Overlay::Open {
+        text,
+        chosen,
+        error,
+    }) = &rig.app.overlay
+    else {
+        panic!("{:?}", rig.app.overlay);
+    };
+    (text, *chosen, error.as_deref())
+}
+
+fn file(settings: &[&str]) -> Box<Slot> {
+    let path = PathBuf::from("my/own.toml");
+    Box::new(Slot::new("own", Some(path), scene(settings)))
+}
+
+#[test]
+fn the_help_scrolls_within_its_lines_and_closes() {
+    let mut rig = Rig::new();
+    rig.keys("?");
+    rig.press(KeyCode::Up);
+    assert_eq!(rig.app.overlay, Some(Overlay::Help { scroll: 0 }));
+    rig.press(KeyCode::End);
+    let Some(Overlay::Help { scroll }) = rig.app.overlay else {
+        panic!("{:?}", rig.app.overlay);
+    };
+    assert!((10..100).contains(&scroll), "{scroll}");
+    rig.press(KeyCode::Home);
+    rig.press(KeyCode::Down);
+    assert_eq!(rig.app.overlay, Some(Overlay::Help { scroll: 1 }));
+    for code in [KeyCode::Esc, KeyCode::Char('q'), KeyCode::Char('?')] {
+        rig.app.overlay = Some(Overlay::Help { scroll: 0 });
+        rig.press(code);
+        assert_eq!(rig.app.overlay, None);
+    }
+    assert_eq!(rig.app.ending, None);
+}
+
+#[test]
+fn quitting_asks_when_something_would_be_lost() {
+    let mut rig = Rig::new();
+    rig.work(3);
+    rig.keys("q");
+    assert_eq!(rig.app.overlay, Some(Overlay::Confirm(Question::Quit)));
+    rig.press(KeyCode::Esc);
+    assert_eq!((&rig.app.overlay, &rig.app.ending), (&None, &None));
+    rig.keys("qy");
+    assert_eq!(rig.app.ending, Some(Ending::Quit));
+    assert!(matches!(rig.effect(), Effect::Quit));
+
+    let mut rig = Rig::new();
+    rig.keys("q");
+    assert_eq!(rig.app.ending, Some(Ending::Quit));
+}
+
+#[test]
+fn control_c_asks_once_and_quits_from_anywhere() {
+    for opening in ["", "?", "o", "r"] {
+        let mut rig = Rig::new();
+        rig.work(3);
+        rig.keys(opening);
+        rig.press_control('c');
+        assert_eq!(rig.app.overlay, Some(Overlay::Confirm(Question::Quit)));
+        rig.press_control('c');
+        assert_eq!(rig.app.ending, Some(Ending::Quit), "{opening}");
+    }
+}
+
+#[test]
+fn releases_are_no_presses() {
+    let mut rig = Rig::new();
+    let mut event = KeyEvent::new(KeyCode::Char('?'), KeyModifiers::NONE);
+    event.kind = KeyEventKind::Release;
+    rig.tell(Message::Key(event));
+    assert_eq!(rig.app.overlay, None);
+}
+
+#[test]
+fn suspending_and_editing_are_effects() {
+    let mut rig = Rig::new();
+    for opening in ["", "?", "o"] {
+        rig.keys(opening);
+        rig.press_control('z');
+        assert!(matches!(rig.effect(), Effect::Suspend));
+        rig.press(KeyCode::Esc);
+    }
+    rig.app.stale = false;
+    rig.tell(Message::Continued);
+    assert!(rig.app.stale);
+    rig.keys("e");
+    assert!(matches!(rig.effect(), Effect::Edit(2)));
+}
+
+#[test]
+fn a_name_is_typed_and_keys_mean_nothing_else_meanwhile() {
+    let mut rig = Rig::new();
+    rig.keys("oq?a");
+    assert_eq!(typed(&rig), ("q?a", None, None));
+    rig.press(KeyCode::Backspace);
+    assert_eq!(typed(&rig).0, "q?");
+    rig.press_control('u');
+    rig.press(KeyCode::Enter);
+    assert!(typed(&rig).2.is_some_and(|error| error.contains("type")));
+    assert!(rig.effects.is_empty());
+    rig.keys("my scene.toml");
+    assert_eq!(typed(&rig), ("my scene.toml", None, None));
+    rig.press(KeyCode::Enter);
+    let Effect::Load(name) = rig.effect() else {
+        panic!("a scene is loaded");
+    };
+    assert_eq!(name, "my scene.toml");
+    rig.tell(Message::Loaded(Err("cannot read it".to_owned())));
+    assert_eq!(typed(&rig), ("my scene.toml", None, Some("cannot read it")));
+    rig.press(KeyCode::Esc);
+    assert_eq!(rig.app.overlay, None);
+}
+
+#[test]
+fn a_preset_is_chosen_or_completed() {
+    assert_eq!(offered("cas"), ["case1", "case2", "case3", "case4"]);
+    let mut rig = Rig::new();
+    rig.keys("ocas");
+    rig.press(KeyCode::Down);
+    rig.press(KeyCode::Down);
+    assert_eq!(typed(&rig).1, Some(1));
+    rig.press(KeyCode::Enter);
+    assert!(matches!(rig.effect(), Effect::Load(name) if name == "case2"));
+    rig.press(KeyCode::Up);
+    rig.press(KeyCode::Up);
+    assert_eq!(typed(&rig).1, None);
+    rig.press(KeyCode::Up);
+    assert_eq!(typed(&rig).1, Some(3));
+    rig.press(KeyCode::Tab);
+    assert_eq!(typed(&rig), ("case4", None, None));
+    rig.press_control('u');
+    rig.keys("nothing like it");
+    rig.press(KeyCode::Down);
+    rig.press(KeyCode::Tab);
+    assert_eq!(typed(&rig), ("nothing like it", None, None));
+}
+
+#[test]
+fn an_opened_scene_gets_a_slot_and_a_run() {
+    let mut rig = Rig::new();
+    rig.work(3);
+    rig.keys("o");
+    rig.tell(Message::Loaded(Ok(file(&[]))));
+    assert_eq!((rig.app.active, rig.app.slots.len()), (4, 5));
+    assert_eq!(rig.app.overlay, None);
+    rig.work(3);
+    assert_eq!(rig.run(4).status, Status::Running);
+    assert_eq!(rig.run(2).status, Status::Paused);
+    rig.keys("35");
+    assert_eq!(rig.app.active, 4);
+    // A preset that is there already is looked at.
+    rig.tell(Message::Loaded(Ok(Box::new(slot("case1")))));
+    assert_eq!((rig.app.active, rig.app.slots.len()), (0, 5));
+    assert_eq!(rig.app.overlay, None);
+}
+
+#[test]
+fn an_edited_scene_replaces_its_run_when_that_is_wanted() {
+    let mut rig = Rig::new();
+    rig.tell(Message::Loaded(Ok(file(&[]))));
+    rig.work(5);
+    let before = rig.run(4).id;
+    rig.keys("a");
+    rig.tell(Message::Loaded(Ok(file(&[]))));
+    assert!(rig.app.remark.clone().unwrap().contains("unchanged"));
+    assert_eq!(rig.run(4).id, before);
+
+    rig.tell(Message::Loaded(Ok(file(&["time.end=2e-3"]))));
+    assert_eq!(rig.app.overlay, Some(Overlay::Confirm(Question::Reload)));
+    rig.keys("n");
+    assert_eq!(rig.run(4).id, before);
+    assert!(rig.app.reloaded.is_none());
+
+    rig.tell(Message::Loaded(Ok(file(&["time.end=2e-3"]))));
+    rig.keys("y");
+    assert_ne!(rig.run(4).id, before);
+    assert_eq!(rig.app.slots[4].scene.time.end, 2e-3);
+    rig.work(2);
+    assert_eq!(rig.run(4).steps(), Some(2000));
+    assert_eq!(rig.app.slots.len(), 5);
+}
+
+#[test]
+fn a_preset_that_was_not_changed_in_the_editor_gets_no_slot() {
+    let mut rig = Rig::new();
+    rig.work(3);
+    rig.keys("ae");
+    rig.effects.clear();
+    rig.tell(Message::Loaded(Ok(file(&[]))));
+    assert_eq!((rig.app.slots.len(), rig.app.active), (4, 2));
+    assert!(rig.app.remark.clone().unwrap().contains("unchanged"));
+    rig.keys("e");
+    rig.tell(Message::Loaded(Ok(file(&["time.end=2e-3"]))));
+    assert_eq!((rig.app.slots.len(), rig.app.active), (5, 4));
+    assert!(rig.app.editing.is_none());
+}
+
+#[test]
+fn an_error_of_an_edited_scene_is_shown_whole() {
+    let mut rig = Rig::new();
+    rig.work(3);
+    let reason = "line 3: no such key\nline 4: nor that one".to_owned();
+    rig.tell(Message::Loaded(Err(reason.clone())));
+    let Some(Overlay::Message { text, .. }) = &rig.app.overlay else {
+        panic!("{:?}", rig.app.overlay);
+    };
+    assert_eq!(*text, reason);
+    rig.press(KeyCode::Enter);
+    assert_eq!(rig.app.overlay, None);
+    assert_eq!(rig.run(2).status, Status::Running);
+}

@@ -1,0 +1,338 @@
+//! The app with workers that are played: they keep to what the real ones promise, but take a step
+//! only when they are told to, and what they tell arrives only when it is delivered.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
+
+use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
+
+use super::super::super::message::{Effect, Message};
+use super::super::super::state::{App, Run, Slot};
+use super::super::update;
+use crate::fem::Mesh;
+use crate::physics::NamedValue;
+use crate::scene::{AnchoringKind, Scene};
+use crate::scheme::State;
+use crate::simulation::{
+    Command, Message as WorkerMessage, News, Orders, Picture, Report, RunId, Setting, step_count,
+};
+
+/// A worker that is played.
+#[derive(Debug)]
+pub(super) struct Played {
+    orders: Orders,
+    scene: Scene,
+    ready: bool,
+    going: bool,
+    told: Option<&'static str>,
+    commands: VecDeque<Command>,
+    pub(super) report: Report,
+    anchoring: AnchoringKind,
+    /// Added to the energy of every step from now on: a mistake of the solver.
+    pub(super) mistake: f64,
+    /// Whether it has failed: its thread has ended.
+    failed: bool,
+}
+
+impl Played {
+    fn new(orders: Orders, scene: &Scene) -> Self {
+        let mut played = Self {
+            going: !orders.paused,
+            orders,
+            scene: scene.clone(),
+            ready: false,
+            told: None,
+            commands: VecDeque::new(),
+            report: Report::default(),
+            anchoring: scene
+                .anchoring
+                .map_or(AnchoringKind::None, |anchoring| anchoring.kind),
+            mistake: 0.0,
+            failed: false,
+        };
+        played.measure();
+        played
+    }
+
+    fn steps(&self) -> u64 {
+        step_count(&self.scene.time)
+    }
+
+    /// An energy that falls from step to step and jumps with the anchoring.
+    fn measure(&mut self) {
+        let anchoring = match self.anchoring {
+            AnchoringKind::None => 0.0,
+            AnchoringKind::Parallel => 50.0,
+            AnchoringKind::Homeotropic => 90.0,
+        };
+        let bending = 100.0 / (1.0 + 1e-3 * self.report.step as f64) + self.mistake;
+        self.report.energies = [("bending", bending), ("anchoring", anchoring)]
+            .map(|(name, value)| NamedValue { name, value })
+            .to_vec();
+        self.report.total_energy = bending + anchoring;
+    }
+
+    fn rest(&self) -> Option<&'static str> {
+        let beyond = |horizon| self.report.t >= horizon;
+        if self.report.step >= self.steps() {
+            Some("done")
+        } else if !self.going {
+            Some("paused")
+        } else if self.orders.horizon.is_some_and(beyond) {
+            Some("at the horizon")
+        } else {
+            None
+        }
+    }
+
+    /// Whether it uses a core.
+    pub(super) fn computes(&self) -> bool {
+        let busy = !self.ready || self.rest().is_none() || self.commands.contains(&Command::Step);
+        busy && !self.failed
+    }
+
+    fn take_step(&mut self, news: &mut Vec<News>) {
+        self.report.step += 1;
+        self.report.t = self.report.step as f64 * self.scene.time.step;
+        self.measure();
+        news.push(News::Reports(vec![self.report.clone()]));
+    }
+
+    /// One turn of the worker's loop: a command or a step. Returns what it tells.
+    fn turn(&mut self) -> Vec<News> {
+        let mut news = Vec::new();
+        if self.failed {
+            return news;
+        }
+        if !self.ready {
+            self.ready = true;
+            news.push(News::Ready(Arc::new(Setting {
+                scene: self.scene.clone(),
+                mesh: Arc::new(Mesh::structured(2, 0.0, 1).unwrap()),
+                steps: self.steps(),
+                warnings: Vec::new(),
+            })));
+            news.push(News::Reports(vec![self.report.clone()]));
+        }
+        let rest = self.rest();
+        if rest != self.told {
+            self.told = rest;
+            news.push(match rest {
+                Some("done") => News::Done,
+                Some("paused") => News::Paused,
+                Some(_) => News::AtHorizon,
+                None => News::Resumed,
+            });
+        }
+        match self.commands.pop_front() {
+            None if rest.is_none() => self.take_step(&mut news),
+            Some(Command::Resume) => self.going = true,
+            Some(Command::Horizon(horizon)) => self.orders.horizon = horizon,
+            Some(Command::Anchor(kind)) => {
+                self.anchoring = kind;
+                self.measure();
+                let report = Box::new(self.report.clone());
+                news.push(News::Anchored { kind, report });
+            }
+            Some(command @ (Command::Pause | Command::Step)) if rest != Some("done") => {
+                if command == Command::Step {
+                    self.take_step(&mut news);
+                }
+                self.going = false;
+                self.told = None;
+            }
+            _ => {}
+        }
+        news
+    }
+
+    /// Whether there is anything to be done or told but the next step.
+    fn is_pending(&self) -> bool {
+        !self.failed && (!self.ready || !self.commands.is_empty() || self.told != self.rest())
+    }
+
+    fn picture(&self) -> Arc<Picture> {
+        let field = vec![self.report.step as f64; 9];
+        Arc::new(Picture {
+            run: self.orders.run,
+            anchoring: Some(self.anchoring),
+            report: self.report.clone(),
+            state: State {
+                phi: field.clone(),
+                omega: field.clone(),
+                mu: field.clone(),
+                director: Some([field.clone(), field]),
+            },
+        })
+    }
+}
+
+/// The app, its workers, and what is on the way from these to that.
+pub(super) struct Rig {
+    pub(super) app: App,
+    pub(super) workers: BTreeMap<RunId, Played>,
+    pub(super) on_the_way: VecDeque<WorkerMessage>,
+    /// Effects that concern no worker.
+    pub(super) effects: Vec<Effect>,
+}
+
+/// A scene of a thousand steps.
+pub(super) fn scene(settings: &[&str]) -> Scene {
+    let text = "
+        [time]
+        step = 1e-6
+        end = 1e-3
+        [nematic]
+        [anchoring]
+    ";
+    let settings: Vec<String> = settings.iter().map(|text| (*text).to_owned()).collect();
+    let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+    Scene::parse(text, "the test", &settings, &mut no_files).unwrap()
+}
+
+pub(super) fn slot(name: &str) -> Slot {
+    Slot::new(name, None, scene(&[]))
+}
+
+impl Rig {
+    /// The four cases, of which the third is looked at.
+    pub(super) fn new() -> Self {
+        Self::with(["case1", "case2", "case3", "case4"].map(slot).into())
+    }
+
+    pub(super) fn with(slots: Vec<Slot>) -> Self {
+        let mut rig = Self {
+            app: App::new(slots, 2, (80, 24), 10),
+            workers: BTreeMap::new(),
+            on_the_way: VecDeque::new(),
+            effects: Vec::new(),
+        };
+        rig.app.cores = 2;
+        rig.tell(Message::Tick);
+        rig
+    }
+
+    /// Tells the app something and carries out what it wants of the workers.
+    pub(super) fn tell(&mut self, message: Message) {
+        for effect in update(&mut self.app, message) {
+            match effect {
+                Effect::Start(orders, scene) => {
+                    let run = orders.run;
+                    let before = self.workers.insert(run, Played::new(orders, &scene));
+                    assert!(before.is_none(), "{run:?} twice");
+                }
+                Effect::Tell(run, command) => {
+                    let worker = self.workers.get_mut(&run).expect("a run that was started");
+                    worker.commands.push_back(command);
+                }
+                Effect::Drop(run) => {
+                    self.workers.remove(&run).expect("a run that was started");
+                }
+                other => self.effects.push(other),
+            }
+        }
+    }
+
+    pub(super) fn press(&mut self, code: KeyCode) {
+        self.tell(Message::Key(KeyEvent::new(code, KeyModifiers::NONE)));
+    }
+
+    pub(super) fn press_control(&mut self, character: char) {
+        let code = KeyCode::Char(character);
+        self.tell(Message::Key(KeyEvent::new(code, KeyModifiers::CONTROL)));
+    }
+
+    /// Presses a key for each character.
+    pub(super) fn keys(&mut self, characters: &str) {
+        for character in characters.chars() {
+            self.press(KeyCode::Char(character));
+        }
+    }
+
+    /// One turn of a worker; what it tells is on the way then.
+    pub(super) fn turn(&mut self, run: RunId) {
+        if let Some(worker) = self.workers.get_mut(&run) {
+            let news = worker.turn().into_iter();
+            self.on_the_way
+                .extend(news.map(|news| WorkerMessage { run, news }));
+        }
+    }
+
+    /// A worker fails.
+    pub(super) fn fail(&mut self, run: RunId) {
+        if let Some(worker) = self.workers.get_mut(&run)
+            && !worker.failed
+            && worker.told != Some("done")
+        {
+            worker.failed = true;
+            let news = News::Failed("it did not converge".to_owned());
+            self.on_the_way.push_back(WorkerMessage { run, news });
+        }
+    }
+
+    /// What arrives first of that which is on the way.
+    pub(super) fn deliver(&mut self) {
+        if let Some(message) = self.on_the_way.pop_front() {
+            self.tell(Message::Solver(message));
+        }
+    }
+
+    pub(super) fn deliver_all(&mut self) {
+        while !self.on_the_way.is_empty() {
+            self.deliver();
+        }
+    }
+
+    /// So many turns of every worker, and all that they tell.
+    pub(super) fn work(&mut self, turns: usize) {
+        for _ in 0..turns {
+            for run in self.workers.keys().copied().collect::<Vec<_>>() {
+                self.turn(run);
+                self.deliver_all();
+            }
+        }
+    }
+
+    /// Lets all workers carry out what they were told, without a step more than that takes.
+    pub(super) fn settle(&mut self) {
+        self.deliver_all();
+        loop {
+            let pending: Vec<RunId> = self
+                .workers
+                .iter()
+                .filter(|(_, worker)| worker.is_pending())
+                .map(|(run, _)| *run)
+                .collect();
+            if pending.is_empty() {
+                return;
+            }
+            for run in pending {
+                self.turn(run);
+                self.deliver_all();
+            }
+        }
+    }
+
+    /// Fetches the latest fields of all runs.
+    pub(super) fn fetch(&mut self) {
+        let pictures: Vec<_> = self.workers.values().map(Played::picture).collect();
+        for picture in pictures {
+            self.tell(Message::Fields(picture));
+        }
+    }
+
+    pub(super) fn run(&self, slot: usize) -> &Run {
+        self.app.slots[slot].run.as_ref().expect("a run")
+    }
+
+    pub(super) fn worker(&mut self, slot: usize) -> &mut Played {
+        let run = self.run(slot).id;
+        self.workers.get_mut(&run).expect("a worker")
+    }
+
+    /// The only effect since the last call that concerns no worker.
+    pub(super) fn effect(&mut self) -> Effect {
+        assert_eq!(self.effects.len(), 1, "{:?}", self.effects);
+        self.effects.remove(0)
+    }
+}

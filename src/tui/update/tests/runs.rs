@@ -1,0 +1,459 @@
+//! Starting, pausing, switching, anchoring, failing.
+
+use crossterm::event::KeyCode;
+
+use super::super::super::message::{Effect, Message};
+use super::super::super::state::{Overlay, Question, Severity, Status};
+use super::rig::{Rig, scene, slot};
+use crate::physics::NamedValue;
+use crate::scene::{AnchoringKind, Warning};
+use crate::simulation::{Event, EventKind, Message as WorkerMessage, News, Report, RunId};
+
+/// A worker of the active run says this.
+fn say(rig: &mut Rig, news: News) {
+    let run = rig.app.active_run().map(|run| run.id).unwrap();
+    rig.tell(Message::Solver(WorkerMessage { run, news }));
+}
+
+fn status(rig: &Rig, slot: usize) -> Status {
+    rig.run(slot).status.clone()
+}
+
+#[test]
+fn the_first_message_starts_the_run_that_is_looked_at() {
+    let mut rig = Rig::new();
+    assert_eq!(rig.workers.len(), 1);
+    assert_eq!(status(&rig, 2), Status::Starting);
+    assert!(rig.app.slots[0].run.is_none());
+    rig.work(1);
+    assert_eq!(status(&rig, 2), Status::Running);
+    rig.work(10);
+    let run = rig.run(2);
+    assert_eq!(run.report.step, 11);
+    assert_eq!(run.history.total_energy.first(), Some(190.0));
+    assert_eq!(run.steps(), Some(1000));
+    assert!(run.unsaved);
+}
+
+#[test]
+fn the_status_is_what_the_worker_has_told() {
+    let mut rig = Rig::new();
+    rig.work(3);
+    rig.keys(" ");
+    assert_eq!(status(&rig, 2), Status::Pausing);
+    let run = rig.run(2).id;
+    rig.turn(run);
+    rig.turn(run);
+    assert_eq!(status(&rig, 2), Status::Pausing);
+    rig.deliver_all();
+    assert_eq!(status(&rig, 2), Status::Paused);
+    let step = rig.run(2).report.step;
+    rig.work(5);
+    assert_eq!(rig.run(2).report.step, step);
+    rig.keys(" ");
+    assert_eq!(status(&rig, 2), Status::Paused);
+    rig.work(2);
+    assert_eq!(status(&rig, 2), Status::Running);
+    rig.work(2000);
+    assert_eq!(status(&rig, 2), Status::Done);
+    assert_eq!(rig.run(2).report.step, 1000);
+    rig.keys(" ");
+    let remark = rig.app.remark.clone().unwrap();
+    assert!(remark.contains("r begins it anew"), "{remark}");
+    assert_eq!(status(&rig, 2), Status::Done);
+}
+
+#[test]
+fn pausing_while_the_run_is_set_up() {
+    let mut rig = Rig::new();
+    rig.keys(" ");
+    assert_eq!(status(&rig, 2), Status::Pausing);
+    rig.work(3);
+    assert_eq!(status(&rig, 2), Status::Paused);
+    assert_eq!(rig.run(2).report.step, 0);
+    assert!(!rig.run(2).unsaved);
+}
+
+#[test]
+fn one_step_of_a_paused_run_and_of_a_running_one() {
+    let mut rig = Rig::new();
+    rig.keys(" ");
+    rig.work(3);
+    rig.keys("n");
+    assert_eq!(status(&rig, 2), Status::Pausing);
+    rig.work(3);
+    assert_eq!(
+        (rig.run(2).report.step, status(&rig, 2)),
+        (1, Status::Paused)
+    );
+    rig.keys("nn");
+    rig.work(5);
+    assert_eq!(
+        (rig.run(2).report.step, status(&rig, 2)),
+        (3, Status::Paused)
+    );
+    rig.keys(" ");
+    rig.work(5);
+    let step = rig.run(2).report.step;
+    rig.keys("n");
+    rig.work(5);
+    assert_eq!(rig.run(2).report.step, step + 1);
+    assert_eq!(status(&rig, 2), Status::Paused);
+}
+
+#[test]
+fn a_case_that_is_left_waits_where_it_is_and_then_goes_on() {
+    let mut rig = Rig::new();
+    rig.work(10);
+    rig.keys("a1");
+    rig.work(3);
+    assert_eq!(status(&rig, 2), Status::Paused);
+    assert_eq!(status(&rig, 0), Status::Running);
+    let (id, step) = (rig.run(2).id, rig.run(2).report.step);
+    rig.work(20);
+    assert_eq!(rig.run(2).report.step, step);
+    assert!(rig.run(0).report.step > 15);
+    rig.keys("3");
+    rig.work(5);
+    assert_eq!(rig.run(2).id, id);
+    assert!(rig.run(2).report.step > step);
+    assert_eq!(status(&rig, 0), Status::Paused);
+    assert_eq!(rig.run(2).anchoring, Some(AnchoringKind::Parallel));
+    assert_eq!(rig.run(0).anchoring, Some(AnchoringKind::Homeotropic));
+    let told = rig.worker(2).report.total_energy;
+    assert!((100.0..150.0).contains(&told), "{told}");
+}
+
+#[test]
+fn a_case_that_was_paused_stays_paused() {
+    let mut rig = Rig::new();
+    rig.work(4);
+    rig.keys(" ");
+    rig.work(2);
+    rig.keys("1");
+    rig.work(4);
+    rig.keys("3");
+    rig.work(4);
+    assert_eq!(status(&rig, 2), Status::Paused);
+    // And without waiting for anything.
+    rig.keys("131313");
+    rig.settle();
+    assert_eq!(status(&rig, 2), Status::Paused);
+    assert_eq!(status(&rig, 0), Status::Paused);
+    rig.keys("1");
+    rig.work(4);
+    assert_eq!(status(&rig, 0), Status::Running);
+}
+
+#[test]
+fn a_slot_that_is_not_there_is_said() {
+    let mut rig = Rig::with(vec![slot("case1"), slot("case2")]);
+    assert_eq!(rig.app.active, 1);
+    rig.keys("4");
+    assert_eq!(rig.app.active, 1);
+    assert!(rig.app.remark.clone().unwrap().contains("2 scenes"));
+}
+
+#[test]
+fn restart_asks_only_when_something_would_be_lost() {
+    let mut rig = Rig::new();
+    let first = rig.run(2).id;
+    rig.keys("r");
+    assert_eq!(rig.app.overlay, None);
+    assert_ne!(rig.run(2).id, first);
+    rig.work(5);
+    let second = rig.run(2).id;
+    rig.keys("r");
+    assert_eq!(rig.app.overlay, Some(Overlay::Confirm(Question::Restart)));
+    rig.keys("xrn");
+    assert_eq!(rig.app.overlay, None);
+    assert_eq!(rig.run(2).id, second);
+    rig.keys("ary");
+    assert_ne!(rig.run(2).id, second);
+    assert_eq!(rig.run(2).report.step, 0);
+    assert_eq!(rig.run(2).anchoring, Some(AnchoringKind::Parallel));
+    assert_eq!(rig.workers.len(), 1);
+    rig.work(3);
+    assert_eq!(status(&rig, 2), Status::Running);
+}
+
+#[test]
+fn news_of_an_ended_run_are_dropped() {
+    let mut rig = Rig::new();
+    rig.work(5);
+    let old = rig.run(2).id;
+    for _ in 0..5 {
+        rig.turn(old);
+    }
+    let late: Vec<_> = rig.on_the_way.drain(..).collect();
+    assert!(!late.is_empty());
+    let picture = {
+        rig.fetch();
+        rig.run(2).picture.clone().unwrap()
+    };
+    rig.keys("ry");
+    rig.app.stale = false;
+    for message in late {
+        rig.tell(Message::Solver(message));
+    }
+    rig.tell(Message::Fields(picture));
+    let computing = std::time::Duration::from_secs(1);
+    rig.tell(Message::Computing(old, computing));
+    assert!(!rig.app.stale);
+    let run = rig.run(2);
+    assert_eq!((run.report.step, run.picture.is_none()), (0, true));
+    assert_eq!(run.history.total_energy.last(), None);
+    assert_eq!(run.past.len(), 0);
+    assert_eq!(run.status, Status::Starting);
+}
+
+#[test]
+fn the_anchoring_goes_round_and_is_marked_and_nothing_rises() {
+    let mut rig = Rig::new();
+    rig.work(4);
+    let kinds = [
+        AnchoringKind::Parallel,
+        AnchoringKind::None,
+        AnchoringKind::Homeotropic,
+    ];
+    for kind in kinds {
+        let before = rig.run(2).report.clone();
+        rig.keys("a");
+        assert!(rig.app.remark.clone().unwrap().contains(kind.name()));
+        // At the first turn of the worker, that is: before its next step.
+        rig.work(1);
+        let run = rig.run(2);
+        assert_eq!(run.anchoring, Some(kind));
+        assert_eq!(run.report.step, before.step);
+        assert_ne!(run.report.total_energy, before.total_energy);
+        assert_eq!(run.history.baseline, Some(run.report.total_energy));
+        rig.work(3);
+    }
+    let run = rig.run(2);
+    let marks: Vec<_> = run.history.marks.iter().map(|(_, kind)| *kind).collect();
+    assert_eq!(marks, kinds);
+    assert!(run.notices.is_empty(), "{:?}", run.notices);
+    assert_eq!(run.history.energies.len(), 2);
+}
+
+#[test]
+fn three_quick_switches_are_three() {
+    let mut rig = Rig::new();
+    rig.work(4);
+    rig.keys("aaa");
+    rig.settle();
+    assert_eq!(rig.run(2).history.marks.len(), 3);
+    assert_eq!(rig.run(2).anchoring, Some(AnchoringKind::Homeotropic));
+}
+
+#[test]
+fn without_a_director_there_is_no_anchoring_and_no_length() {
+    let mut bare = slot("case3");
+    bare.scene = scene(&["anchoring=false", "nematic=false"]).into();
+    let mut rig = Rig::with(vec![slot("case1"), slot("case2"), bare, slot("case4")]);
+    rig.work(3);
+    rig.effects.clear();
+    rig.keys("a");
+    assert!(rig.app.remark.clone().unwrap().contains("no director"));
+    assert!(rig.run(2).history.marks.is_empty());
+    assert_eq!(rig.run(2).anchoring, None);
+}
+
+#[test]
+fn an_energy_that_rises_is_said_once_with_its_step() {
+    let mut rig = Rig::new();
+    rig.work(4);
+    let step = rig.run(2).report.step;
+    rig.worker(2).mistake = 1.0;
+    rig.work(3);
+    let notices: Vec<_> = rig.run(2).notices.iter().cloned().collect();
+    assert_eq!(notices.len(), 1, "{notices:?}");
+    assert_eq!(
+        (notices[0].step, notices[0].severity),
+        (step + 1, Severity::Warning)
+    );
+    assert!(
+        notices[0].text.contains("energy rises"),
+        "{}",
+        notices[0].text
+    );
+    rig.worker(2).mistake = 2.0;
+    rig.work(1);
+    assert_eq!(rig.run(2).notices.len(), 2);
+}
+
+#[test]
+fn what_rounding_does_to_the_energy_is_no_rise() {
+    let mut rig = Rig::new();
+    rig.work(1);
+    for (step, energy) in [(2, 100.0), (3, 100.0 + 0.9e-6), (4, 100.0 + 2.0e-6)] {
+        let energies = vec![NamedValue {
+            name: "bending",
+            value: energy,
+        }];
+        say(
+            &mut rig,
+            News::Reports(vec![Report {
+                step,
+                total_energy: energy,
+                energies,
+                ..Report::default()
+            }]),
+        );
+        // The tolerance of the law is 1e-8 of the energy.
+        assert_eq!(rig.run(2).notices.len(), usize::from(step == 4));
+    }
+}
+
+#[test]
+fn a_number_that_is_none_pauses_the_run() {
+    let mut rig = Rig::new();
+    rig.work(3);
+    rig.worker(2).mistake = f64::NAN;
+    rig.work(1);
+    let step = rig.run(2).report.step;
+    rig.work(5);
+    let run = rig.run(2);
+    assert_eq!((run.report.step, &run.status), (step, &Status::Paused));
+    assert_eq!(run.notices.len(), 1, "{:?}", run.notices);
+    assert_eq!(
+        (run.notices[0].severity, run.notices[0].step),
+        (Severity::Error, step)
+    );
+}
+
+#[test]
+fn a_run_that_fails_says_so_and_the_app_lives() {
+    let mut rig = Rig::new();
+    rig.work(5);
+    let step = rig.run(2).report.step;
+    let id = rig.run(2).id;
+    rig.fail(id);
+    rig.deliver_all();
+    let run = rig.run(2);
+    assert_eq!(run.status, Status::Failed("it did not converge".to_owned()));
+    let notice = run.notices.back().unwrap();
+    assert_eq!((notice.severity, notice.step), (Severity::Error, step));
+    rig.keys(" ");
+    assert!(rig.app.remark.clone().unwrap().contains("has failed"));
+    rig.keys("a");
+    assert!(
+        rig.app
+            .remark
+            .clone()
+            .unwrap()
+            .contains("when the run begins anew")
+    );
+    assert!(rig.app.ending.is_none());
+    rig.keys("1");
+    rig.settle();
+    assert!(matches!(status(&rig, 2), Status::Failed(_)));
+    rig.keys("3ry");
+    rig.work(3);
+    assert_eq!(status(&rig, 2), Status::Running);
+    assert_eq!(rig.run(2).anchoring, Some(AnchoringKind::Parallel));
+}
+
+#[test]
+fn warnings_and_events_become_notices() {
+    let mut rig = Rig::new();
+    rig.work(2);
+    let kind = EventKind::ReachedWall;
+    say(
+        &mut rig,
+        News::Event(Event {
+            step: 2,
+            t: 2e-6,
+            kind,
+        }),
+    );
+    let notice = rig.run(2).notices.back().unwrap().clone();
+    assert_eq!((notice.step, notice.severity), (2, Severity::Warning));
+    assert!(notice.text.contains("wall"));
+    let kind = AnchoringKind::None;
+    let kind = EventKind::AnchoringSwitched { kind };
+    say(
+        &mut rig,
+        News::Event(Event {
+            step: 2,
+            t: 2e-6,
+            kind,
+        }),
+    );
+    assert_eq!(rig.run(2).notices.len(), 1);
+}
+
+#[test]
+fn a_target_out_of_reach_is_said_at_the_start() {
+    let mut rig = Rig::new();
+    rig.work(1);
+    let mut setting = (**rig.run(2).setting.as_ref().unwrap()).clone();
+    setting.warnings = vec![Warning::TargetOutOfReach {
+        target_squared: 0.5625,
+        bound: 0.69,
+    }];
+    rig.keys("ry");
+    say(&mut rig, News::Ready(setting.into()));
+    let notice = &rig.run(2).notices[0];
+    assert_eq!((notice.step, notice.severity), (0, Severity::Warning));
+    assert!(notice.text.contains("0.5625"), "{}", notice.text);
+}
+
+#[test]
+fn only_what_shows_makes_the_screen_stale() {
+    let mut rig = Rig::new();
+    rig.work(3);
+    rig.keys("1");
+    rig.settle();
+    rig.work(3);
+    rig.app.stale = false;
+    rig.tell(Message::Tick);
+    rig.tell(Message::Resized(80, 24));
+    rig.tell(Message::Computing(
+        RunId(999),
+        std::time::Duration::from_secs(1),
+    ));
+    rig.press(KeyCode::F(9));
+    assert!(!rig.app.stale);
+    // A picture of a run that is not looked at.
+    let hidden = rig.run(2).id;
+    rig.turn(hidden);
+    rig.deliver_all();
+    assert!(!rig.app.stale);
+    rig.tell(Message::Resized(81, 24));
+    assert!(rig.app.stale);
+    rig.app.stale = false;
+    let shown = rig.run(0).id;
+    rig.tell(Message::Computing(shown, std::time::Duration::from_secs(1)));
+    assert!(rig.app.stale);
+    rig.app.stale = false;
+    rig.tell(Message::Computing(shown, std::time::Duration::from_secs(1)));
+    assert!(!rig.app.stale);
+    rig.work(1);
+    assert!(rig.app.stale);
+}
+
+#[test]
+fn signals_and_a_lost_terminal_save_what_there_is() {
+    let mut rig = Rig::new();
+    rig.work(3);
+    rig.keys("1");
+    rig.work(3);
+    rig.keys("3");
+    rig.tell(Message::HungUp);
+    let effects = std::mem::take(&mut rig.effects);
+    assert!(
+        matches!(
+            effects[..],
+            [Effect::SaveSet(2), Effect::SaveSet(0), Effect::Quit]
+        ),
+        "{effects:?}"
+    );
+    rig.keys("1q");
+    rig.tell(Message::Signal(15));
+    assert!(rig.effects.is_empty());
+
+    let mut rig = Rig::new();
+    rig.tell(Message::Signal(15));
+    assert!(matches!(rig.effect(), Effect::Quit));
+}

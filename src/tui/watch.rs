@@ -1,0 +1,115 @@
+//! Signals and the terminal's hang-up, waited for by a thread of its own.
+//!
+//! A terminal that goes away sends SIGHUP, but not to everybody: it may be blocked, and an input
+//! thread may be busy. So the thread also polls the terminal for nothing but its hang-up, which
+//! costs nothing while it is there.
+
+use std::io;
+use std::os::unix::net::UnixStream;
+use std::sync::Arc;
+use std::sync::mpsc::Sender;
+use std::time::{Duration, Instant};
+
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::io::Errno;
+use signal_hook::consts::{SIGCONT, SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGTSTP, SIGWINCH};
+use signal_hook::iterator::backend::{Handle, SignalDelivery};
+use signal_hook::iterator::exfiltrator::SignalOnly;
+
+use super::incoming::{Incoming, spawn};
+use super::message::Message;
+use super::terminal::Modes;
+
+const SIGNALS: [i32; 7] = [SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGTSTP, SIGCONT, SIGWINCH];
+
+/// How long the app may take to end by itself once it was told to.
+const PATIENCE: Duration = Duration::from_millis(1700);
+
+/// The watching thread. Dropping it ends it.
+#[derive(Debug)]
+pub(super) struct Watch {
+    handle: Handle,
+}
+
+impl Watch {
+    /// Starts to watch. Where the app does not end in time after the terminal has gone or SIGTERM
+    /// has come, the thread ends the process, with the terminal restored by `modes`.
+    ///
+    /// # Errors
+    /// The system gives no handler, socket or thread.
+    pub fn start(incoming: Sender<Incoming>, modes: Arc<Modes>) -> io::Result<Self> {
+        let (read, write) = UnixStream::pair()?;
+        let mut signals = SignalDelivery::with_pipe(read, write, SignalOnly, SIGNALS)?;
+        let handle = signals.handle();
+        let sink = incoming.clone();
+        spawn("signals", incoming, move || {
+            if let Some(signal) = watch(&mut signals, &sink) {
+                modes.restore();
+                std::process::exit(128 + signal);
+            }
+        })?;
+        Ok(Self { handle })
+    }
+}
+
+impl Drop for Watch {
+    fn drop(&mut self) {
+        self.handle.close();
+    }
+}
+
+/// Watches until it is closed, or until the app should have ended: by which signal.
+fn watch(
+    signals: &mut SignalDelivery<UnixStream, SignalOnly>,
+    sink: &Sender<Incoming>,
+) -> Option<i32> {
+    let terminal = rustix::stdio::stdin();
+    // Until when the app should end, and by which signal.
+    let mut doom: Option<(Instant, i32)> = None;
+    let mut is_there = true;
+    loop {
+        let wait = match doom {
+            None => None,
+            Some((until, signal)) => match until.checked_duration_since(Instant::now()) {
+                None => return Some(signal),
+                // A duration of seconds fits.
+                Some(left) => Timespec::try_from(left).ok(),
+            },
+        };
+        let hung_up = {
+            let mut ready = [
+                PollFd::new(signals.get_read(), PollFlags::IN),
+                PollFd::new(&terminal, PollFlags::empty()),
+            ];
+            // A terminal that has gone is always ready.
+            let count = if is_there { 2 } else { 1 };
+            match poll(&mut ready[..count], wait.as_ref()) {
+                Ok(_) => ready[1].revents(),
+                Err(Errno::INTR) => continue,
+                Err(_) => PollFlags::HUP,
+            }
+            .intersects(PollFlags::HUP | PollFlags::ERR | PollFlags::NVAL)
+        };
+        for signal in signals.pending() {
+            let incoming = match signal {
+                SIGWINCH => Incoming::SizeChanged,
+                SIGTSTP => Incoming::Stop,
+                SIGCONT => Incoming::Continued,
+                _ => Incoming::Message(Message::Signal(signal)),
+            };
+            // If the loop has ended, so will the process.
+            let _ = sink.send(incoming);
+            if matches!(signal, SIGHUP | SIGTERM) {
+                doom.get_or_insert((Instant::now() + PATIENCE, signal));
+            }
+        }
+        if signals.handle().is_closed() {
+            return None;
+        }
+        if is_there && hung_up {
+            is_there = false;
+            let _ = sink.send(Incoming::Message(Message::HungUp));
+            doom.get_or_insert((Instant::now() + PATIENCE, SIGHUP));
+        }
+    }
+}

@@ -1,0 +1,229 @@
+//! How the app ends, and that the terminal is then as it was (points 9, 10, 11, 15, 16).
+
+use super::pty::{ENTER, LEAVE, LIMIT, Pty, child_named, send};
+use super::{VESICA, folder, pause, running, wait_running};
+use rustix::process::Signal;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+/// How long the process may outlive its terminal.
+const OUTLIVE: Duration = Duration::from_secs(2);
+
+#[test]
+fn quitting_asks_restores_the_terminal_and_leaves_a_line() {
+    let folder = folder();
+    let mut app = running(&folder, (120, 40));
+    app.type_keys("q");
+    app.wait_text("Leave vesica?");
+    app.type_keys("y");
+    app.assert_restored(0);
+    let seen = app.seen();
+    assert_eq!((seen.times(ENTER), seen.times(LEAVE)), (1, 1));
+    let text = seen.text();
+    let line = text.lines().find(|line| line.starts_with("small: step "));
+    let line = line.unwrap_or_else(|| panic!("a line stays:\n{text}"));
+    assert!(
+        line.contains(" of 1000000, t = ") && line.contains("E_total = "),
+        "{line}"
+    );
+    assert!(line.contains("nothing was saved"), "{line}");
+    // After the app's screen, and nothing else.
+    assert_eq!(text.trim().lines().count(), 1, "{text}");
+}
+
+#[test]
+fn what_was_saved_stands_in_the_line_and_in_its_place() {
+    let folder = folder();
+    let mut app = running(&folder, (120, 40));
+    pause(&mut app);
+    app.type_keys("S");
+    app.wait("the path", |seen| seen.shows("small-set"));
+    // OSC 52 with the same path.
+    let path = folder
+        .path()
+        .canonicalize()
+        .expect("a path")
+        .join("saved/small-set");
+    let encoded = base64::Engine::encode(
+        &base64::engine::general_purpose::STANDARD,
+        path.display().to_string(),
+    );
+    let copy = format!("\x1b]52;c;{encoded}\x07");
+    app.wait("the copy", |seen| seen.times(copy.as_bytes()) == 1);
+    for file in ["scene.toml", "history.csv"] {
+        assert!(path.join(file).is_file(), "{file}");
+    }
+    app.type_keys("q");
+    app.assert_restored(0);
+    let text = app.seen().text().replace('\n', "");
+    assert!(
+        text.contains(&format!("saved in {}", path.display())),
+        "{text}"
+    );
+}
+
+#[test]
+fn signals_restore_the_terminal_and_save_what_there_is() {
+    for (signal, number) in [(Signal::TERM, 15), (Signal::INT, 2), (Signal::HUP, 1)] {
+        let folder = folder();
+        let mut app = running(&folder, (80, 24));
+        app.signal(signal);
+        app.assert_restored(128 + number);
+        let seen = app.seen();
+        assert_eq!((seen.times(ENTER), seen.times(LEAVE)), (1, 1), "{signal:?}");
+        let text = seen.text().replace('\n', "");
+        assert!(
+            text.contains("small: step ") && text.contains("saved in /"),
+            "{text}"
+        );
+        assert!(
+            folder.path().join("saved/small-set/history.csv").is_file(),
+            "{signal:?}"
+        );
+    }
+}
+
+#[test]
+fn a_terminal_that_goes_away_ends_the_process() {
+    let shells = [
+        ("delivered", format!("exec {VESICA} small.toml")),
+        ("ignored", format!("trap '' HUP; exec {VESICA} small.toml")),
+        // Never delivered at all: only the poll of the terminal can tell.
+        (
+            "blocked",
+            format!("exec env --block-signal=HUP {VESICA} small.toml"),
+        ),
+    ];
+    for (how, command) in shells {
+        for paused in [false, true] {
+            let folder = folder();
+            let program = ["sh", "-c", command.as_str()];
+            let mut app = Pty::start((100, 30), folder.path(), &program, &[]);
+            wait_running(&app);
+            if paused {
+                pause(&mut app);
+            }
+            app.hang_up();
+            let status = app.exit_status(OUTLIVE);
+            assert_eq!(status, 129, "SIGHUP {how}, paused: {paused}");
+            let saved = folder.path().join("saved/small-set/history.csv");
+            assert!(saved.is_file(), "SIGHUP {how}, paused: {paused}");
+        }
+    }
+}
+
+#[test]
+fn a_link_that_takes_nothing_more_does_not_hold_up_the_end() {
+    let folder = folder();
+    let mut app = running(&folder, (300, 100));
+    app.hold(true);
+    // Full frames, until the terminal is full of them.
+    for n in 0..12 {
+        app.resize(299 + n % 2, 100);
+        std::thread::sleep(Duration::from_millis(150));
+    }
+    app.signal(Signal::TERM);
+    assert_eq!(app.exit_status(OUTLIVE), 143);
+    assert!(folder.path().join("saved/small-set/history.csv").is_file());
+}
+
+#[test]
+fn a_stop_gives_the_terminal_back_and_a_return_draws_at_the_new_size() {
+    let folder = folder();
+    let shell = ["bash", "--norc", "--noprofile", "-i"];
+    let mut app = Pty::start((80, 24), folder.path(), &shell, &[("PS1", "shell> ")]);
+    app.wait_text("shell>");
+    app.type_keys(&format!("{VESICA} small.toml\r"));
+    app.wait_text("running");
+    app.type_keys("\x1a");
+    app.wait("the shell", |seen| {
+        !seen.terminal.screen().alternate_screen() && seen.shows("Stopped")
+    });
+    assert!(!app.seen().terminal.screen().hide_cursor());
+    assert!(!app.seen().terminal.screen().bracketed_paste() || app.seen().shows("shell>"));
+    app.type_keys("stty -a | tr ' ' '\\n' | grep -x -e icanon -e echo\r");
+    app.wait("the modes", |seen| seen.text().contains("\nicanon\necho\n"));
+
+    app.resize(110, 36);
+    app.type_keys("clear; fg\r");
+    app.wait("the app", |seen| {
+        seen.terminal.screen().alternate_screen() && seen.shows("running") && seen.shows("quit")
+    });
+    let last = app.seen().terminal.screen().rows(0, 110).nth(35);
+    assert!(
+        last.is_some_and(|row| row.contains("quit")),
+        "the footer is in the last row"
+    );
+
+    // Another process may ask for the stop.
+    let vesica = child_named(app.pid(), "vesica").expect("the app");
+    send(vesica, Signal::TSTP);
+    app.wait("the shell", |seen| {
+        !seen.terminal.screen().alternate_screen()
+    });
+    app.type_keys("fg\r");
+    app.wait("the app", |seen| {
+        seen.terminal.screen().alternate_screen() && seen.shows("running")
+    });
+    app.type_keys("qy");
+    app.wait("the line", |seen| seen.shows("small: step "));
+    assert_eq!(app.seen().times(ENTER), 3);
+    assert_eq!(app.seen().times(LEAVE), 3);
+    app.type_keys("exit\r");
+    app.assert_restored(0);
+}
+
+#[test]
+fn without_a_shell_a_stop_is_refused() {
+    let folder = folder();
+    let mut app = running(&folder, (100, 30));
+    app.type_keys("\x1a");
+    app.wait_text("no shell that would continue");
+    app.type_keys("qy");
+    app.assert_restored(0);
+}
+
+#[test]
+fn without_a_terminal_the_app_points_to_the_command_that_needs_none() {
+    let folder = folder();
+    for arguments in [&["small.toml"][..], &[]] {
+        let output = Command::new(VESICA)
+            .args(arguments)
+            .current_dir(folder.path())
+            .stdin(Stdio::null())
+            .output()
+            .expect("it starts");
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{told}");
+        let scene = arguments.first().unwrap_or(&"case3");
+        assert!(told.contains(&format!("vesica run {scene}")), "{told}");
+        assert!(told.contains("output is not a terminal"), "{told}");
+        assert!(output.stdout.is_empty() && !told.contains('\x1b'), "{told}");
+    }
+    // Only the input is none.
+    let command = format!("{VESICA} small.toml < /dev/null");
+    let mut app = Pty::start((80, 24), folder.path(), &["sh", "-c", &command], &[]);
+    assert_eq!(app.exit_status(LIMIT), 2);
+    app.wait_text("input is not a terminal");
+    assert_eq!(app.seen().times(b"\x1b"), 0);
+}
+
+#[test]
+fn a_wrong_scene_is_told_before_the_terminal_is_touched() {
+    let folder = folder();
+    std::fs::write(folder.path().join("wrong.toml"), "[mesh]\nsells = 8\n").expect("a file");
+    for arguments in [
+        &["wrong.toml"][..],
+        &["nowhere.toml"],
+        &["case33"],
+        &["case3", "--set", "mesh.cells=-1"],
+        &["case3", "--fps", "0"],
+        &["case3", "--color", "blue"],
+    ] {
+        let program = [&[VESICA], arguments].concat();
+        let mut app = Pty::start((80, 24), folder.path(), &program, &[]);
+        assert_eq!(app.exit_status(LIMIT), 2, "{arguments:?}");
+        app.wait_text("error");
+        assert_eq!(app.seen().times(ENTER), 0, "{arguments:?}");
+    }
+}
