@@ -150,7 +150,7 @@ impl CliError {
     pub fn tell(&self) {
         match self {
             CliError::Interrupted { .. } => output::note(self),
-            // The line that it left says how far it came.
+            // It has left a line that says how far it came.
             CliError::AppEnded { .. } => {}
             _ => output::error(self),
         }
