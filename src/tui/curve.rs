@@ -91,8 +91,8 @@ fn fill(low: usize, high: usize, colour: Color, theme: &Theme) -> (&'static str,
     let glyphs: &'static Glyphs = theme.glyphs();
     let full = glyphs.levels.len() - 1;
     let style = Style::default().fg(colour);
-    if high == low || high < full {
-        // What varies by less than a cell is shown at its greatest; the difference would not be seen.
+    if high - low < 2 || high < full {
+        // What varies by less is shown at its greatest; the difference would hardly be seen.
         return (glyphs.levels[high.min(full)], style);
     }
     match theme.tier {

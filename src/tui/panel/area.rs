@@ -61,13 +61,10 @@ pub fn draw(shown: &Shown<'_>, look: Look, theme: &Theme, area: Rect, buffer: &m
         let column = widths.relative(row);
         text::line_right(buffer, column, 0, Span::styled(relative, theme.muted()));
         let name = theme.word("β", "to");
-        let words = format!("{name} {}", significant(target, 4));
-        text::line(
-            buffer,
-            widths.beside(row),
-            0,
-            Span::styled(words, theme.muted()),
-        );
+        let beside = widths.beside(row);
+        let digits = if beside.width < 8 { 3 } else { 5 };
+        let words = format!("{name} {}", significant(target, digits));
+        text::line(buffer, beside, 0, Span::styled(words, theme.muted()));
     }
     if let Some(outline) = report.outline {
         let sizes = [

@@ -140,14 +140,12 @@ fn iterations<'a>(report: &Report, width: u16, theme: &Theme) -> Line<'a> {
         ("Krylov", report.krylov),
         ("director", report.director_iterations),
     ];
-    let mut spans = Vec::new();
-    if width >= 56 {
-        spans.push(Span::styled(" iterations ", theme.muted()));
-    }
+    let prefix = if width >= 56 { " iterations  " } else { " " };
+    let mut spans = vec![Span::styled(prefix, theme.muted())];
     let gap = if width >= 40 { "  " } else { " " };
     for (name, count) in counts {
-        spans.push(Span::styled(format!("{gap}{name} "), theme.muted()));
-        spans.push(Span::raw(count.to_string()));
+        spans.push(Span::styled(format!("{name} "), theme.muted()));
+        spans.push(Span::raw(format!("{count}{gap}")));
     }
     Line::from(spans)
 }

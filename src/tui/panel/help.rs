@@ -5,7 +5,7 @@ use ratatui::layout::Rect;
 use ratatui::text::{Line, Span};
 
 use super::text;
-use crate::tui::keys::{self, Place};
+use crate::tui::keys;
 use crate::tui::layout::centred;
 use crate::tui::theme::{Role, Theme};
 
@@ -41,10 +41,10 @@ pub fn draw(scroll: u16, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
 
 fn lines<'a>(theme: &Theme, width: usize) -> Vec<Line<'a>> {
     let label = |binding: &keys::Binding| theme.word(binding.label, binding.plain_label);
-    let labels = keys::bindings(Place::Main).map(|binding| label(binding).chars().count());
+    let labels = keys::help().map(|binding| label(binding).chars().count());
     let keys = labels.max().unwrap_or(0) + 2;
     let mut lines = Vec::new();
-    for binding in keys::bindings(Place::Main) {
+    for binding in keys::help() {
         let label = label(binding);
         let words = text::wrap(binding.words, width.saturating_sub(keys));
         for (row, words) in words.into_iter().enumerate() {

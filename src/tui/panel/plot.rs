@@ -126,17 +126,9 @@ impl Plot<'_> {
         let (first_row, first_column) = (rows / 2 % every, columns / 2 % (2 * every));
         for row in (first_row..rows).step_by(every) {
             for column in (first_column..columns).step_by(2 * every) {
-                // Inside, and clear of the contour: in all samples of the cell and of its neighbours.
                 let top = row * samples_a_cell;
-                let inside = (top..top + samples_a_cell).all(|row| {
-                    [column.saturating_sub(1), column, column + 1]
-                        .iter()
-                        .all(|&column| {
-                            let index = row * columns + column.min(columns - 1);
-                            let phase = sampled.phase.get(index).copied().flatten();
-                            phase.is_some_and(|phase| phase > 0.0)
-                        })
-                });
+                let inside = (top..top + samples_a_cell)
+                    .all(|row| is_inside(sampled, contour, columns, column, row));
                 let director = raster.at(dx, column, row).zip(raster.at(dy, column, row));
                 let Some((x, y)) = director.filter(|_| inside) else {
                     continue;
@@ -165,6 +157,23 @@ impl Plot<'_> {
             }
         }
     }
+}
+
+/// Whether a sample lies inside the vesicle with both its neighbours, and not on the contour.
+fn is_inside(
+    sampled: &Sampled,
+    contour: &[bool],
+    columns: usize,
+    column: usize,
+    row: usize,
+) -> bool {
+    let start = row * columns;
+    let positive = |column: usize| {
+        let phase = sampled.phase.get(start + column.min(columns - 1));
+        phase.copied().flatten().is_some_and(|phase| phase > 0.0)
+    };
+    (column.saturating_sub(1)..=column + 1).all(positive)
+        && !contour.get(start + column).copied().unwrap_or(false)
 }
 
 /// How a director of this length is drawn on a level.

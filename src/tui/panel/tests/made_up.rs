@@ -14,6 +14,9 @@ use crate::tui::state::{App, Notice, Run, Severity, Slot, Status};
 /// Steps of the made-up run, of 10,000.
 pub const STEPS: u64 = 400;
 
+/// √2 ε of Table 1.
+const INTERFACE: f64 = std::f64::consts::SQRT_2 * 0.01;
+
 /// A preset's scene.
 pub fn scene(name: &str) -> Scene {
     let text = find_preset(name).expect("it is built in");
@@ -26,7 +29,7 @@ pub fn state(mesh: &Mesh, time: f64) -> State {
     let phi = |[x, y]: &[f64; 2]| {
         let (x, y) = (x - 0.5, y - 0.5);
         let half_width = 0.1 - 0.02 * time + 0.5 * y * y - 4.2 * y.powi(4);
-        ((half_width - x.abs()) / 0.02).tanh()
+        ((half_width - x.abs()) / INTERFACE).tanh()
     };
     let phi: Vec<f64> = mesh.nodes().iter().map(phi).collect();
     let omega: Vec<f64> = phi
