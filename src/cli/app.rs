@@ -1,7 +1,7 @@
 //! `vesica [SCENE]`: the terminal app.
 
 use super::error::CliError;
-use super::{numbers, output};
+use super::numbers;
 use crate::tui::figures::save_figures;
 use crate::tui::theme::ColorTier;
 use crate::tui::{self, Options};
@@ -74,17 +74,15 @@ pub(super) fn open(arguments: Arguments) -> Result<(), CliError> {
             return Err(CliError::NoTerminal { stream, scene });
         }
     }
-    let ended = tui::run(Options {
+    let ending = tui::run(Options {
         slots,
         active,
         frames_per_second: arguments.fps,
         tier: arguments.color.tier(),
         save: save_figures,
     })?;
-    let told = output::line(&ended.line);
-    match ended.signal() {
-        // Where the terminal has gone there is nobody to tell.
+    match ending.signal() {
         Some(number) => Err(CliError::AppEnded { number }),
-        None => told,
+        None => Ok(()),
     }
 }

@@ -200,7 +200,7 @@ impl CliError {
             CliError::Interrupted { .. } | CliError::FiguresInterrupted { .. } => {
                 output::note(self)
             }
-            // The line that it left says how far it came.
+            // It has left a line that says how far it came.
             CliError::AppEnded { .. } => {}
             _ => output::error(self),
         }

@@ -35,4 +35,4 @@ pub mod update;
 mod watch;
 
 pub use opening::{open, open_with_cases};
-pub use session::{AppError, Ended, Options, run};
+pub use session::{AppError, Options, run};

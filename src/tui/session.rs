@@ -11,7 +11,7 @@ use std::sync::Arc;
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::time::{Duration, Instant};
 
-use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT};
+use signal_hook::consts::{SIGINT, SIGQUIT};
 
 use super::canvas::Canvas;
 use super::farewell;
@@ -47,26 +47,6 @@ pub struct Options {
     pub save: Save,
 }
 
-/// How the app ended.
-#[derive(Debug)]
-pub struct Ended {
-    /// Why.
-    pub ending: Ending,
-    /// The line that stays in the scrollback.
-    pub line: String,
-}
-
-impl Ended {
-    /// The signal that ended the app: that of the hang-up where the terminal went away.
-    pub fn signal(&self) -> Option<i32> {
-        match self.ending {
-            Ending::Quit => None,
-            Ending::Signal(signal) => Some(signal),
-            Ending::HungUp => Some(SIGHUP),
-        }
-    }
-}
-
 /// Why the app could not start or go on.
 #[derive(Debug, thiserror::Error)]
 pub enum AppError {
@@ -81,11 +61,12 @@ pub enum AppError {
     Crashed(String),
 }
 
-/// Runs the app on the terminal that the standard input and output are, until it ends.
+/// Runs the app on the terminal that the standard input and output are, until it ends: how, is told.
+/// A line stays in the scrollback.
 ///
 /// # Errors
 /// [`AppError`]; the terminal is as it was before.
-pub fn run(options: Options) -> Result<Ended, AppError> {
+pub fn run(options: Options) -> Result<Ending, AppError> {
     let theme = Theme::detect(options.tier, |name| std::env::var(name).ok());
     // NO_COLOR is the theme's affair, and a person may overrule it. (crossterm, on its own, would
     // send resets of all attributes in place of the colours.)
@@ -140,7 +121,7 @@ struct Session {
 }
 
 impl Session {
-    fn run(mut self) -> Result<Ended, AppError> {
+    fn run(mut self) -> Result<Ending, AppError> {
         // The first message starts the run, whatever it is.
         self.message(Message::Tick)?;
         self.draw();
@@ -427,7 +408,7 @@ impl Session {
 
     /// Ends: the terminal is given back first, so that nobody waits before a dead screen; then what
     /// is being saved is waited for, within reason.
-    fn end(mut self) -> Result<Ended, AppError> {
+    fn end(mut self) -> Result<Ending, AppError> {
         let ending = self.app.ending.clone().unwrap_or(Ending::Quit);
         for worker in self.workers.values() {
             worker.tell(Command::End);
@@ -463,11 +444,12 @@ impl Session {
                 Some(_) => {}
             }
         }
-        let line = farewell::line(&self.app, &self.saved);
+        self.terminal
+            .leave_behind(&farewell::line(&self.app, &self.saved));
         // A step of a large run may take seconds: its thread ends with the process.
         std::mem::take(&mut self.workers)
             .into_values()
             .for_each(std::mem::forget);
-        Ok(Ended { ending, line })
+        Ok(ending)
     }
 }

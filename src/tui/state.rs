@@ -275,7 +275,7 @@ pub enum Save {
     },
 }
 
-/// How the app ended, for the line that it leaves behind.
+/// How the app ended.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Ending {
     /// By the user.
@@ -284,4 +284,15 @@ pub enum Ending {
     Signal(i32),
     /// The terminal is gone.
     HungUp,
+}
+
+impl Ending {
+    /// The signal that ended the app: that of a hang-up where the terminal went away.
+    pub fn signal(&self) -> Option<i32> {
+        match self {
+            Self::Quit => None,
+            Self::Signal(signal) => Some(*signal),
+            Self::HungUp => Some(signal_hook::consts::SIGHUP),
+        }
+    }
 }

@@ -132,6 +132,16 @@ impl Terminal {
         Ok(terminal)
     }
 
+    /// Leaves a line in the scrollback, once the terminal was given away. A link that takes nothing
+    /// is not waited for.
+    pub fn leave_behind(&self, line: &str) {
+        if !self.is_ours() {
+            // Nobody is there to be told that it could not be said.
+            let line = format!("{line}\n");
+            let _ = self.modes.output.write_within(line.as_bytes(), PATIENCE);
+        }
+    }
+
     /// The way to put the terminal back from another thread.
     pub fn modes(&self) -> Arc<Modes> {
         Arc::clone(&self.modes)

@@ -5,10 +5,10 @@ use super::{VESICA, folder, step, wait_running};
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-const STEPS: u64 = 1500;
+const STEPS: u64 = 400;
 /// Steps before the measurement: the set-up is not part of it.
-const FIRST: u64 = 100;
-const ROUNDS: usize = 3;
+const FIRST: u64 = 50;
+const ROUNDS: usize = 4;
 
 /// Measures, and prints: the speed of the solver under the app on a terminal of 120 × 40 against
 /// that of `vesica run`, at Table 1's size, by turns.
