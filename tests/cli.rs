@@ -396,7 +396,7 @@ fn the_app_says_where_to_go() {
     let folder = folder_with_scene();
     refused(folder.path(), &[], &["vesica run case3"]);
     refused(folder.path(), &["case1"], &["vesica run case1"]);
-    refused(folder.path(), &["a.toml"], &["vesica run a.toml"]);
+    refused(folder.path(), &["small.toml"], &["vesica run small.toml"]);
 }
 
 #[test]
