@@ -286,12 +286,16 @@ pub fn send(pid: u32, signal: Signal) {
     kill_process(pid, signal).expect("the process is there");
 }
 
-/// The time that all threads of a process have computed.
-pub fn computed(pid: u32) -> Duration {
-    let tasks = fs::read_dir(format!("/proc/{pid}/task")).expect("the process is there");
+/// The time that the threads of a process have computed whose names begin so.
+pub fn computed(pid: u32, name: &str) -> Duration {
+    let tasks = fs::read_dir(format!("/proc/{pid}/task"))
+        .into_iter()
+        .flatten();
+    let read = |task: &fs::DirEntry, file| fs::read_to_string(task.path().join(file)).ok();
     let nanoseconds = tasks
         .flatten()
-        .filter_map(|task| fs::read_to_string(task.path().join("schedstat")).ok())
+        .filter(|task| read(task, "comm").is_some_and(|comm| comm.starts_with(name)))
+        .filter_map(|task| read(&task, "schedstat"))
         .filter_map(|text| text.split_whitespace().next()?.parse::<u64>().ok())
         .sum();
     Duration::from_nanos(nanoseconds)

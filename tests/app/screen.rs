@@ -14,11 +14,16 @@ fn paused_and_untouched_nothing_is_written_and_nothing_computed() {
     let folder = folder();
     let mut app = running(&folder, (120, 40));
     pause(&mut app);
-    let before = (app.seen().count, computed(app.pid()), Instant::now());
+    let before = (app.seen().count, computed(app.pid(), ""), Instant::now());
     // The measurement is over this time; nothing is waited for.
     thread::sleep(Duration::from_secs(2));
-    let (count, cost, elapsed) = (app.seen().count, computed(app.pid()), before.2.elapsed());
+    let (count, cost, elapsed) = (
+        app.seen().count,
+        computed(app.pid(), ""),
+        before.2.elapsed(),
+    );
     assert_eq!(count, before.0, "bytes");
+    assert!(before.1 > Duration::ZERO, "the system counts");
     let cost = cost.saturating_sub(before.1);
     assert!(
         1000 * cost < elapsed,
