@@ -2,7 +2,7 @@
 
 use super::pty::{ENTER, LEAVE, LIMIT, Pty, child_named, send};
 use super::{VESICA, folder, pause, running, wait_running};
-use rustix::process::Signal;
+use nix::sys::signal::Signal;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
@@ -64,7 +64,11 @@ fn what_was_saved_stands_in_the_line_and_in_its_place() {
 
 #[test]
 fn signals_restore_the_terminal_and_save_what_there_is() {
-    for (signal, number) in [(Signal::TERM, 15), (Signal::INT, 2), (Signal::HUP, 1)] {
+    for (signal, number) in [
+        (Signal::SIGTERM, 15),
+        (Signal::SIGINT, 2),
+        (Signal::SIGHUP, 1),
+    ] {
         let folder = folder();
         let mut app = running(&folder, (80, 24));
         app.signal(signal);
@@ -122,7 +126,7 @@ fn a_link_that_takes_nothing_more_does_not_hold_up_the_end() {
         app.resize(299 + n % 2, 100);
         std::thread::sleep(Duration::from_millis(150));
     }
-    app.signal(Signal::TERM);
+    app.signal(Signal::SIGTERM);
     assert_eq!(app.exit_status(OUTLIVE), 143);
     assert!(folder.path().join("saved/small-set/history.csv").is_file());
 }
@@ -157,7 +161,7 @@ fn a_stop_gives_the_terminal_back_and_a_return_draws_at_the_new_size() {
 
     // Another process may ask for the stop.
     let vesica = child_named(app.pid(), "vesica").expect("the app");
-    send(vesica, Signal::TSTP);
+    send(vesica, Signal::SIGTSTP);
     app.wait("the shell", |seen| {
         !seen.terminal.screen().alternate_screen()
     });

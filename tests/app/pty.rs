@@ -1,7 +1,8 @@
 //! A program in a terminal: what it writes is seen as a screen and counted in bytes.
 
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
 use portable_pty::{Child, CommandBuilder, MasterPty, PtySize, native_pty_system};
-use rustix::process::{Pid, Signal, kill_process};
 use std::fs;
 use std::io::{Read, Write};
 use std::num::NonZeroU16;
@@ -282,8 +283,8 @@ pub fn child_named(parent: u32, name: &str) -> Option<u32> {
 
 /// Sends a signal.
 pub fn send(pid: u32, signal: Signal) {
-    let pid = Pid::from_raw(pid as i32).expect("a process");
-    kill_process(pid, signal).expect("the process is there");
+    let pid = Pid::from_raw(i32::try_from(pid).expect("a process"));
+    kill(pid, signal).expect("the process is there");
 }
 
 /// The time that the threads of a process have computed whose names begin so.
