@@ -74,5 +74,9 @@ fn nodes(scene: &Scene) -> usize {
 
 fn describe(scene: &Scene) -> String {
     let steps = step_count(&scene.time);
-    format!("{} nodes, {steps} steps", nodes(scene))
+    let nodes = nodes(scene);
+    match steps {
+        Some(steps) => format!("{nodes} nodes, {steps} steps"),
+        None => format!("{nodes} nodes, chosen steps"),
+    }
 }

@@ -38,6 +38,12 @@ pub(super) enum CliError {
         /// Δt.
         step: f64,
     },
+    /// The number of chosen steps cannot be given.
+    #[error(
+        "--steps needs steps of one length, but the scene has them chosen by time.tolerance; give \
+         --until T, or --set time.step=…"
+    )]
+    StepsOfChosen,
     /// The folder for the run could not be had.
     #[error(transparent)]
     Folder(RecordError),

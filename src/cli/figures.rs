@@ -323,8 +323,9 @@ fn compute_one(
             return Ok(Outcome::Failed(error.to_string()));
         }
     };
+    simulation.follow(preparation.schedule());
     let mut recorder = preparation.start(&simulation, begun.elapsed())?;
-    let progress = Progress::among(bars, &job.name, recorder.schedule().steps);
+    let progress = Progress::among(bars, &job.name, recorder.schedule());
     progress.above(|| {
         for warning in simulation.warnings() {
             output::warning(format_args!("{}: {warning}", job.name));

@@ -1,6 +1,6 @@
 //! The bar that shows how far a run is.
 
-use crate::simulation::Report;
+use crate::simulation::{Report, Schedule};
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use std::fmt;
 use std::time::{Duration, Instant};
@@ -12,36 +12,48 @@ const INTERVAL: Duration = Duration::from_millis(200);
 #[derive(Debug)]
 pub(super) struct Progress {
     bar: ProgressBar,
+    schedule: Schedule,
     updated: Instant,
 }
 
+/// Parts of a bar whose number of steps is not known.
+const PARTS: u64 = 1000;
+
 impl Progress {
-    /// A bar for a run of so many steps; none if `quiet`.
-    pub fn new(steps: u64, quiet: bool) -> Progress {
+    /// A bar for a run of this schedule; none if `quiet`.
+    pub fn new(schedule: &Schedule, quiet: bool) -> Progress {
         let target = if quiet {
             ProgressDrawTarget::hidden()
         } else {
             // Hidden as well where the standard error is no terminal.
             ProgressDrawTarget::stderr()
         };
-        Progress::with(ProgressBar::with_draw_target(Some(steps), target))
+        let length = schedule.steps.unwrap_or(PARTS);
+        Progress::with(
+            schedule,
+            ProgressBar::with_draw_target(Some(length), target),
+        )
     }
 
     /// A bar among others, for the run of this name.
-    pub fn among(bars: &MultiProgress, name: &str, steps: u64) -> Progress {
-        let bar = bars.add(ProgressBar::new(steps));
+    pub fn among(bars: &MultiProgress, name: &str, schedule: &Schedule) -> Progress {
+        let bar = bars.add(ProgressBar::new(schedule.steps.unwrap_or(PARTS)));
         bar.set_prefix(format!("{name}  "));
-        Progress::with(bar)
+        Progress::with(schedule, bar)
     }
 
-    fn with(bar: ProgressBar) -> Progress {
-        let template = "{prefix}{bar:24} {pos}/{len}  {rate}  {eta} left  {msg}";
+    fn with(schedule: &Schedule, bar: ProgressBar) -> Progress {
+        let template = match schedule.steps {
+            Some(_) => "{prefix}{bar:24} {pos}/{len}  {rate}  {eta} left  {msg}",
+            None => "{prefix}{bar:24} {percent} %  {eta} left  {msg}",
+        };
         // The template is right; if it ever were not, the plain bar serves.
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style.with_key("rate", rate));
         }
         Progress {
             bar,
+            schedule: *schedule,
             updated: Instant::now(),
         }
     }
@@ -54,7 +66,10 @@ impl Progress {
         self.updated = Instant::now();
         self.bar
             .set_message(format!("E = {:.6}", report.total_energy));
-        self.bar.set_position(report.step);
+        self.bar.set_position(match self.schedule.steps {
+            Some(_) => report.step,
+            None => (PARTS as f64 * self.schedule.share(report.step, report.t)) as u64,
+        });
     }
 
     /// Prints something on the standard error, above the bar.

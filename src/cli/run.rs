@@ -92,12 +92,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
             return Err(CliError::SetUp(error));
         }
     };
+    simulation.follow(preparation.schedule());
     let mut recorder = preparation.start(&simulation, begun.elapsed())?;
     if !arguments.quiet {
         simulation.warnings().iter().for_each(output::warning);
     }
 
-    let progress = Progress::new(recorder.schedule().steps, arguments.quiet);
+    let progress = Progress::new(recorder.schedule(), arguments.quiet);
     let stop = simulate(
         &mut simulation,
         &mut recorder,
@@ -169,7 +170,11 @@ pub(super) fn simulate(
 ) -> Stop {
     let mut computing = Duration::ZERO;
     let mut told = 0;
-    for _ in 0..recorder.schedule().steps {
+    loop {
+        let report = simulation.report();
+        if recorder.schedule().is_over(report.step, report.t) {
+            return Stop::Done;
+        }
         if let Some(signal) = signal.received() {
             return Stop::Signal(signal);
         }
@@ -189,7 +194,6 @@ pub(super) fn simulate(
         told += events.len();
         progress.show(simulation.report());
     }
-    Stop::Done
 }
 
 /// Tells of something that happened in a run.
@@ -204,6 +208,7 @@ fn scene(arguments: &Arguments) -> Result<(Scene, OsString), CliError> {
     let time = &mut loaded.scene.time;
     match (arguments.until, arguments.steps) {
         (Some(end), _) => time.end = end,
+        (None, Some(_)) if time.tolerance.is_some() => return Err(CliError::StepsOfChosen),
         (None, Some(steps)) => time.end = steps as f64 * time.step,
         (None, None) => {}
     }
@@ -214,7 +219,7 @@ fn scene(arguments: &Arguments) -> Result<(Scene, OsString), CliError> {
 /// Refuses a scene that ends before its first step.
 pub(super) fn some_step(time: &Time) -> Result<(), CliError> {
     match step_count(time) {
-        0 => Err(CliError::NoStep {
+        Some(0) => Err(CliError::NoStep {
             end: time.end,
             step: time.step,
         }),

@@ -71,17 +71,32 @@ impl CosineTransform {
     /// A multiplier for [`filter`](Self::filter): `factor(k, l)` for every pair of wave numbers.
     pub fn multiplier(&self, factor: impl Fn(usize, usize) -> f64) -> Multiplier {
         let part = |rows: usize, columns: usize| {
-            let (along, across) = (self.waves[columns].nrows(), self.waves[rows].nrows());
-            Mat::from_fn(along, across, |l, k| {
-                let (k, l) = (2 * k + rows, 2 * l + columns);
-                if k > self.intervals || l > self.intervals {
-                    0.0
-                } else {
-                    factor(k, l)
-                }
-            })
+            Mat::zeros(self.waves[columns].nrows(), self.waves[rows].nrows())
         };
-        Multiplier([0, 1].map(|rows| [0, 1].map(|columns| part(rows, columns))))
+        let mut multiplier =
+            Multiplier([0, 1].map(|rows| [0, 1].map(|columns| part(rows, columns))));
+        self.set_multiplier(&mut multiplier, factor);
+        multiplier
+    }
+
+    /// Other factors for a multiplier of this transform, without allocation.
+    pub fn set_multiplier(
+        &self,
+        multiplier: &mut Multiplier,
+        factor: impl Fn(usize, usize) -> f64,
+    ) {
+        for (rows, parts) in multiplier.0.iter_mut().enumerate() {
+            for (columns, part) in parts.iter_mut().enumerate() {
+                for column in 0..part.ncols() {
+                    let k = 2 * column + rows;
+                    for (row, value) in part.col_as_slice_mut(column).iter_mut().enumerate() {
+                        let l = 2 * row + columns;
+                        let padding = k > self.intervals || l > self.intervals;
+                        *value = if padding { 0.0 } else { factor(k, l) };
+                    }
+                }
+            }
+        }
     }
 
     /// y ← C (D · (Cᵀ x)): the transform of x, a multiplication of each coefficient by the

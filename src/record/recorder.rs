@@ -4,7 +4,7 @@ use super::folder::{SERIES, SUMMARY};
 use super::history::Tables;
 use super::scene_file::write_scene;
 use super::summary::{EventRecord, seconds};
-use super::{Ending, RecordError, RunFolder, RunSummary, Schedule, step_count, vtu};
+use super::{Ending, RecordError, RunFolder, RunSummary, Schedule, vtu};
 use crate::scene::Scene;
 use crate::simulation::Simulation;
 use std::path::{Path, PathBuf};
@@ -53,11 +53,7 @@ impl Preparation {
         scene: &Scene,
         settings: Settings,
     ) -> Result<Preparation, RecordError> {
-        let schedule = Schedule {
-            steps: step_count(&scene.time),
-            every: settings.every,
-            snapshots: settings.snapshots,
-        };
+        let schedule = Schedule::new(&scene.time, settings.every, settings.snapshots);
         write_scene(folder.path(), scene)?;
         let preparation = Preparation {
             summary: RunSummary::new(scene, schedule.steps),
@@ -66,6 +62,11 @@ impl Preparation {
         };
         preparation.summary.write(&preparation.summary_path())?;
         Ok(preparation)
+    }
+
+    /// What is recorded when.
+    pub fn schedule(&self) -> &Schedule {
+        &self.schedule
     }
 
     /// The set-up is done, in `setup` of computing: records the initial state.
@@ -91,7 +92,7 @@ impl Preparation {
         };
         recorder.tables.append(simulation.report(), 0.0)?;
         recorder.tables.flush()?;
-        if recorder.schedule.snapshot_due(0) {
+        if recorder.schedule.snapshot_due(0, 0.0) {
             recorder.snapshot(simulation)?;
         }
         recorder.summarise()?;
@@ -163,10 +164,10 @@ impl Recorder {
         let report = simulation.report();
         self.summary.step(report);
         self.tables.observe(report);
-        if self.schedule.row_due(report.step) {
+        if self.schedule.row_due(report.step, report.t) {
             self.tables.append(report, self.summary.seconds)?;
         }
-        if self.schedule.snapshot_due(report.step) {
+        if self.schedule.snapshot_due(report.step, report.t) {
             self.snapshot(simulation)?;
         }
         let now = Instant::now();
@@ -217,7 +218,7 @@ impl Recorder {
     fn snapshot(&mut self, simulation: &Simulation) -> Result<(), RecordError> {
         let fields = self.folder.make_fields()?;
         let report = simulation.report();
-        let digits = STEP_DIGITS.max(self.schedule.steps.to_string().len());
+        let digits = STEP_DIGITS.max(self.schedule.steps.unwrap_or(0).to_string().len());
         let name = format!("step-{:0digits$}.vtu", report.step);
         vtu::write_fields(
             &fields.join(&name),

@@ -55,8 +55,10 @@ pub struct RunSummary {
     pub setup_seconds: f64,
     /// Steps done.
     pub steps: u64,
-    /// Steps to do.
-    pub planned_steps: u64,
+    /// Steps to do; `null` where Δt is chosen.
+    pub planned_steps: Option<u64>,
+    /// Attempts at a step that were refused, where Δt is chosen.
+    pub refused: u64,
     /// The time reached.
     pub t: f64,
     /// E_total there.
@@ -145,7 +147,7 @@ impl From<&Event> for EventRecord {
 
 impl RunSummary {
     /// Of a run that is about to be set up.
-    pub(super) fn new(scene: &Scene, planned_steps: u64) -> RunSummary {
+    pub(super) fn new(scene: &Scene, planned_steps: Option<u64>) -> RunSummary {
         RunSummary {
             version: env!("CARGO_PKG_VERSION"),
             scene: scene.name.clone(),
@@ -157,6 +159,7 @@ impl RunSummary {
             setup_seconds: 0.0,
             steps: 0,
             planned_steps,
+            refused: 0,
             t: 0.0,
             total_energy: None,
             nodes: None,
@@ -194,6 +197,7 @@ impl RunSummary {
 
     /// Takes in a step.
     pub(super) fn step(&mut self, report: &Report) {
+        self.refused += u64::from(report.refused);
         self.newton += u64::from(report.newton);
         self.krylov += u64::from(report.krylov);
         self.largest_law_residual = largest(self.largest_law_residual, report.law_residual.abs());

@@ -5,7 +5,7 @@
 
 use super::model::{
     Anchoring, AnchoringKind, Area, Boundary, Curve, InitialDirector, Iteration, LinearMethod,
-    Membrane, Mesh, Nematic, Outline, Projection, Quadrature, ScalarField, Scene, Shape, Solver,
+    Membrane, Mesh, Nematic, Order, Outline, Projection, Quadrature, ScalarField, Scene, Shape, Solver,
     Time, Vesicle,
 };
 
@@ -78,6 +78,8 @@ impl Default for Time {
     fn default() -> Self {
         Self {
             step: 1e-7,
+            tolerance: None,
+            order: Order::First,
             end: 1e-3,
         }
     }

@@ -143,6 +143,11 @@ pub enum Problem {
         /// What can be done now.
         instead: &'static str,
     },
+    /// Δt cannot be given and chosen.
+    #[error(
+        "time.step keeps Δt, time.tolerance has it chosen: give one of them, not both"
+    )]
+    StepAndTolerance,
     /// There is nothing to anchor.
     #[error(
         "anchoring.kind = \"{kind}\" needs a director to anchor, and the scene has no [nematic]; \

@@ -17,7 +17,7 @@ pub(super) const TOP: &Keys = &[
 ];
 pub(super) const DOMAIN: &Keys = &["boundary"];
 pub(super) const MESH: &Keys = &["kind", "cells", "jitter", "seed"];
-pub(super) const TIME: &Keys = &["step", "end"];
+pub(super) const TIME: &Keys = &["step", "tolerance", "order", "end"];
 pub(super) const MEMBRANE: &Keys = &["interface_width", "mobility", "spontaneous_curvature"];
 pub(super) const AREA: &Keys = &["target", "penalty"];
 pub(super) const NEMATIC: &Keys = &["weight", "mobility", "penalty", "initial"];

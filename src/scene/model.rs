@@ -134,10 +134,25 @@ pub enum Projection {
 /// The time axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Time {
-    /// Δt.
+    /// Δt; with a `tolerance` the Δt that is tried first.
     pub step: f64,
+    /// Bound of the estimated error of φ in one step, in L2, by which Δt is chosen; `None`: Δt is
+    /// `step` throughout.
+    pub tolerance: Option<f64>,
+    /// Of the method in time.
+    pub order: Order,
     /// T.
     pub end: f64,
+}
+
+/// The order of the method in time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Order {
+    /// The scheme as it is, (3.20)–(3.21).
+    First,
+    /// Each step is taken once whole and once in halves, and the two are combined so that the error
+    /// of first order falls out.
+    Second,
 }
 
 /// The membrane.

@@ -6,7 +6,7 @@ use super::expression::Expression;
 use super::keys;
 use super::model::{
     Anchoring, AnchoringKind, Area, Boundary, Defect, InitialDirector, LinearMethod, Membrane,
-    Mesh, Nematic, NodalValues, ScalarField, Scene, Solver, Time,
+    Mesh, Nematic, NodalValues, Order, ScalarField, Scene, Solver, Time,
 };
 use super::names::{ANCHORINGS, BOUNDARIES, ITERATIONS, LINEAR_METHODS, QUADRATURES, name_of};
 use super::nodal_file;
@@ -130,14 +130,34 @@ fn read_mesh(table: &Reader<'_>) -> Result<Mesh, SceneError> {
 }
 
 fn read_time(table: &Reader<'_>) -> Result<Time, SceneError> {
-    table.not_yet(
-        "tolerance",
-        "give time.step, which is kept throughout the run",
-    )?;
     table.allow(keys::TIME)?;
     let default = Time::default();
+    // An override of the one takes the place of the other.
+    let (step, tolerance, replaces) = match (table.get("step"), table.get("tolerance")) {
+        (Some(step), Some(tolerance)) => match (step.is_override(), tolerance.is_override()) {
+            (false, true) => (None, Some(tolerance), true),
+            (true, false) => (Some(step), None, true),
+            _ => return Err(tolerance.key_error(Problem::StepAndTolerance)),
+        },
+        (step, tolerance) => (step, tolerance, false),
+    };
+    let tolerance = tolerance.map(|field| field.number(POSITIVE)).transpose()?;
+    // So does the order that belongs to it.
+    let order = table
+        .get("order")
+        .filter(|field| field.is_override() || !replaces);
+    let order = match order {
+        Some(field) => match field.integer(1..=2)? {
+            1 => Order::First,
+            _ => Order::Second,
+        },
+        None if tolerance.is_some() => Order::Second,
+        None => default.order,
+    };
     Ok(Time {
-        step: table.number("step", default.step, POSITIVE)?,
+        step: step.map_or(Ok(default.step), |field| field.number(POSITIVE))?,
+        tolerance,
+        order,
         end: table.number("end", default.end, POSITIVE)?,
     })
 }

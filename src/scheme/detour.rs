@@ -1,12 +1,51 @@
-//! When the fast path, having failed, is tried again: a small state machine without numerics.
+//! When the fast path is left, and when it is tried again: small state machines without numerics.
 
 /// Steps with the factor before the fast path is tried again; doubled each time it fails once more.
 const PATIENCE: u32 = 16;
 
+/// So many slow solves one after the other, and the factor takes over. The first solves of a run, whose
+/// guesses are poor, are fewer.
+const SLOW_SOLVES: u32 = 6;
+
+/// Whether the fast path is worth its time. It takes more iterations the longer the step is, the
+/// sparse factor about the same time at any Δt: at 120 cells as much as some 130 iterations. That number grows as
+/// the factor does against a product, as the square root of the number of nodes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Slowness {
+    /// Iterations of a solve at which both take the same time.
+    break_even: u32,
+    /// Slow solves since the last that was not.
+    slow: u32,
+}
+
+impl Slowness {
+    /// On a mesh of so many nodes.
+    pub(super) fn new(nodes: usize) -> Self {
+        Self {
+            break_even: (1.1 * (nodes as f64).sqrt()) as u32,
+            slow: 0,
+        }
+    }
+
+    /// A solve took so many iterations; returns whether the factor is to take over.
+    pub(super) fn is_proved_by(&mut self, iterations: u32) -> bool {
+        self.slow = if iterations > self.break_even {
+            self.slow + 1
+        } else {
+            0
+        };
+        let proved = self.slow >= SLOW_SOLVES;
+        if proved {
+            self.slow = 0;
+        }
+        proved
+    }
+}
+
 /// A detour over the sparse factor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Detour {
-    /// The Δt at which the fast path failed.
+    /// The Δt at which the fast path failed, or was slow.
     failed_at: f64,
     /// Steps solved with the factor since.
     solved: u32,
@@ -15,7 +54,7 @@ pub(super) struct Detour {
 }
 
 impl Detour {
-    /// Begins because the fast path failed at this Δt; `last` is the detour before, if there was one.
+    /// Begins because the fast path failed or was slow at this Δt; `last` is the detour before, if there was one.
     pub(super) fn new(dt: f64, last: Option<Self>) -> Self {
         let patience = last.map_or(PATIENCE, |last| last.patience.saturating_mul(2));
         Self {
@@ -40,6 +79,21 @@ impl Detour {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn slow_solves_in_a_row_prove_it() {
+        let mut slowness = Slowness::new(121 * 121);
+        let mut hear = |iterations| slowness.is_proved_by(iterations);
+        for _ in 1..SLOW_SOLVES {
+            assert!(!hear(134));
+        }
+        assert!(!hear(133), "as fast as the factor");
+        for _ in 1..SLOW_SOLVES {
+            assert!(!hear(134));
+        }
+        assert!(hear(134));
+        assert!(!hear(134), "counts anew");
+    }
 
     #[test]
     fn a_detour_ends_with_a_smaller_step_or_after_a_while_and_then_lasts_longer() {

@@ -24,6 +24,8 @@ pub(super) struct DirectorStep {
     /// Of the last steps, to extrapolate the guess from.
     last_increments: [Vec<f64>; 3],
     steps_known: usize,
+    /// Whether the next guess is what stands in the place of the new director.
+    given: bool,
     method: ConjugateGradients,
 }
 
@@ -65,6 +67,7 @@ impl DirectorStep {
             increment: vec![0.0; size],
             last_increments: [vec![0.0; size], vec![0.0; size], vec![0.0; size]],
             steps_known: 0,
+            given: false,
             method: ConjugateGradients::new(size),
         }
     }
@@ -72,6 +75,12 @@ impl DirectorStep {
     /// Forgets the increments of the last steps, from which the guess for the next one is made.
     pub(super) fn forget(&mut self) {
         self.steps_known = 0;
+    }
+
+    /// Whether the next solve starts from what stands in the place of the new director, not from the
+    /// last increments.
+    pub(super) fn start_from_given(&mut self, given: bool) {
+        self.given = given;
     }
 
     /// Takes the increment of an accepted step.
@@ -107,7 +116,16 @@ impl DirectorStep {
         to: &mut [Vec<f64>; 2],
     ) -> Result<u32, StepError> {
         self.assemble(space, effects, old, dt, (phi, from));
-        self.guess();
+        if std::mem::take(&mut self.given) {
+            let (x, y) = self.increment.split_at_mut(space.nodes());
+            for ((increment, to), from) in [x, y].into_iter().zip(&*to).zip(from) {
+                for ((increment, to), from) in increment.iter_mut().zip(to).zip(from) {
+                    *increment = to - from;
+                }
+            }
+        } else {
+            self.guess();
+        }
         let solution = self
             .method
             .solve(

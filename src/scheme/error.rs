@@ -45,6 +45,16 @@ pub enum StepError {
         /// In which iteration of substep 2; 0 before it.
         iteration: u32,
     },
+    /// The step was solved, but Δt is too long for the tolerance.
+    #[error(
+        "the estimated error of phi in the step is {error:.2e}; time.tolerance is {tolerance:.1e}"
+    )]
+    Inaccurate {
+        /// The estimate, in L2.
+        error: f64,
+        /// time.tolerance.
+        tolerance: f64,
+    },
     /// The step converged but the energy law (3.26) does not close.
     #[error(
         "the energy law misses by {residual:.2e} of the energy; solver.law_tolerance is {tolerance:.1e}"

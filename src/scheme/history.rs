@@ -51,6 +51,27 @@ impl History {
         }
     }
 
+    /// Interpolation to the time t between the last states and the one that `state` holds, of the time
+    /// `ahead`; the result takes its place.
+    pub(super) fn interpolate(&self, t: f64, ahead: f64, state: &mut State) {
+        let times = || self.entries.iter().map(|entry| entry.t);
+        let targets = [&mut state.phi, &mut state.omega, &mut state.mu];
+        let own: f64 = times()
+            .map(|other| (t - other) / (ahead - other))
+            .product();
+        for (field, target) in targets.into_iter().enumerate() {
+            crate::linalg::vector::scale(target, own);
+            for entry in &self.entries {
+                let among: f64 = times()
+                    .filter(|other| *other != entry.t)
+                    .map(|other| (t - other) / (entry.t - other))
+                    .product();
+                let weight = among * (t - ahead) / (entry.t - ahead);
+                crate::linalg::vector::add_scaled(target, weight, &entry.fields[field]);
+            }
+        }
+    }
+
     /// Lagrange's extrapolation of all three fields to the time t; does nothing without a history.
     pub(super) fn extrapolate(&self, t: f64, state: &mut State) {
         let targets = [&mut state.phi, &mut state.omega, &mut state.mu];

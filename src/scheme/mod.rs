@@ -3,6 +3,7 @@
 
 mod detour;
 mod director;
+mod doubled;
 mod error;
 mod factored;
 mod history;
@@ -23,11 +24,13 @@ use crate::linalg::LinalgError;
 use crate::physics::{Effects, NamedValue, Sample, Terms, area_integral};
 use crate::scene::{self, Boundary, LinearMethod, Quadrature, Scene, Solver};
 
-use detour::Detour;
+use detour::{Detour, Slowness};
 use director::DirectorStep;
+use doubled::Trial;
 use history::History;
 use membrane::{Limits, MembraneStep, Places, Samples};
 
+pub use doubled::Difference;
 pub use error::StepError;
 pub use initial::{InitialError, initial_fields};
 pub use state::{Phase, State, StepReport};
@@ -52,10 +55,15 @@ pub struct Scheme {
     history: History,
     /// The detour that the linear solver is on or was on last.
     detour: Option<Detour>,
+    slowness: Slowness,
+    /// The Δt by which the way to solve is chosen: that of the whole step, where halves are taken too.
+    length: f64,
     /// The clock of the history: only differences matter.
     t: f64,
     report: StepReport,
     next_report: StepReport,
+    /// Made with the first step that is taken whole and in halves.
+    trial: Option<Box<Trial>>,
 }
 
 impl Scheme {
@@ -88,6 +96,7 @@ impl Scheme {
             .nematic
             .as_ref()
             .map(|nematic| DirectorStep::new(&space, nematic.mobility));
+        let slowness = Slowness::new(space.nodes());
         let zeros = vec![0.0; space.nodes()];
         let state = State {
             phi,
@@ -107,9 +116,12 @@ impl Scheme {
             membrane,
             history: History::new(EXTRAPOLATION),
             detour: None,
+            slowness,
+            length: 0.0,
             t: 0.0,
             report: StepReport::default(),
             next_report: StepReport::default(),
+            trial: None,
         };
         scheme.start();
         Ok(scheme)
@@ -182,6 +194,8 @@ impl Scheme {
         watch: &mut dyn FnMut(Phase),
     ) -> Result<&StepReport, StepError> {
         let energy_scale = energy_scale(&self.report.energies);
+        self.length = dt;
+        self.history.extrapolate(self.t + dt, &mut self.next);
         let mut report = std::mem::take(&mut self.next_report);
         let outcome = self.try_step(dt, energy_scale, &mut report, watch);
         self.next_report = report;
@@ -212,8 +226,12 @@ impl Scheme {
         if let Some(director) = &mut self.director {
             director.forget();
         }
+        if let Some(trial) = &mut self.trial {
+            trial.forget();
+        }
     }
 
+    /// One step from the state, from the guess of φ, ω and μ that stands in `next`, to there.
     fn try_step(
         &mut self,
         dt: f64,
@@ -246,14 +264,13 @@ impl Scheme {
             &self.state.phi,
             self.next.director.as_ref(),
         );
-        self.history.extrapolate(self.t + dt, &mut self.next);
         let limits = Limits {
             iteration: self.solver.iteration,
             tolerance: self.solver.tolerance,
             law_tolerance: self.solver.law_tolerance,
         };
         let fell_back = self.detour.is_some() && !self.membrane.uses_transform();
-        if fell_back && self.detour.is_some_and(|detour| detour.is_over(dt)) {
+        if fell_back && self.detour.is_some_and(|detour| detour.is_over(self.length)) {
             self.membrane.return_to_transform();
         }
         let mut places = Places {
@@ -273,7 +290,7 @@ impl Scheme {
             && let Err(reason) = outcome
         {
             report.fallback = Some(reason);
-            self.detour = Some(Detour::new(dt, self.detour));
+            self.detour = Some(Detour::new(self.length, self.detour));
             self.membrane
                 .fall_back(space)
                 .map_err(|source| StepError::Membrane {
@@ -291,6 +308,18 @@ impl Scheme {
             && !self.membrane.uses_transform()
         {
             detour.advance();
+        }
+        if self.solver.linear == LinearMethod::Automatic
+            && self.membrane.uses_transform()
+            && self.slowness.is_proved_by(work.krylov)
+        {
+            self.detour = Some(Detour::new(self.length, self.detour));
+            self.membrane
+                .fall_back(space)
+                .map_err(|source| StepError::Membrane {
+                    iteration: 0,
+                    source,
+                })?;
         }
         report.newton = work.newton;
         report.krylov = work.krylov;

@@ -119,7 +119,8 @@ impl BulkPreconditioner {
         self.made_for = [mobility, width];
         let n = self.grid.cells as f64;
         let (transform, rule) = (&self.transform, self.rule);
-        self.multiplier = transform.multiplier(|k, l| {
+        let multiplier = &mut self.multiplier;
+        transform.set_multiplier(multiplier, |k, l| {
             let [a, b] = [k, l].map(|k| (std::f64::consts::PI * k as f64 / n).cos());
             let kappa = 2.0 * n * n * (2.0 - a - b);
             let mass = match rule {

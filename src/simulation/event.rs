@@ -25,6 +25,9 @@ pub enum EventKind {
         /// How it failed.
         reason: StepError,
     },
+    /// The sparse factor took over, for the transform needs so many iterations at this Δt that the
+    /// factor is faster.
+    FactorIsFaster,
     /// The cosine transform is in use again.
     ReturnedToTransform,
     /// The step could not be solved whole and was divided.
@@ -48,6 +51,7 @@ impl EventKind {
     pub fn name(&self) -> &'static str {
         match self {
             Self::FellBackToFactor { .. } => "fell-back-to-factor",
+            Self::FactorIsFaster => "factor-is-faster",
             Self::ReturnedToTransform => "returned-to-transform",
             Self::StepDivided { .. } => "step-divided",
             Self::ReachedWall => "reached-wall",
@@ -62,6 +66,9 @@ impl fmt::Display for EventKind {
             EventKind::FellBackToFactor { reason } => write!(
                 f,
                 "the sparse factor took over from the cosine transform for a while, which had failed: {reason}"
+            ),
+            EventKind::FactorIsFaster => f.write_str(
+                "the sparse factor took over from the cosine transform, which takes longer at this \u{394}t",
             ),
             EventKind::ReturnedToTransform => f.write_str("the cosine transform is in use again"),
             EventKind::StepDivided { smallest, reason } => write!(

@@ -1,5 +1,7 @@
-//! A run in time: the fixed grid t_n = n Δt, what is reported of each step, and what happens on the way.
+//! A run in time: the fixed grid t_n = n Δt or steps that are chosen, what is reported of each step,
+//! and what happens on the way.
 
+mod controller;
 mod division;
 mod error;
 mod event;
@@ -13,8 +15,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::fem::{Contour, FemError, Mesh};
-use crate::scene::{self, AnchoringKind, Scene, Shape, Warning};
-use crate::scheme::{Scheme, StepReport, initial_fields};
+use crate::scene::{self, AnchoringKind, Order, Scene, Shape, Time, Warning};
+use crate::scheme::{Scheme, StepError, StepReport, initial_fields};
 
 pub use crate::fem::OutlineMeasure;
 pub use crate::physics::NamedValue;
@@ -25,6 +27,7 @@ pub use schedule::{Schedule, step_count};
 pub use warnings::warnings;
 pub use worker::{Command, Mailbox, Message, News, Orders, Picture, RunId, Setting, Worker};
 
+use controller::Controller;
 use division::Division;
 use warnings::NearWall;
 
@@ -61,18 +64,44 @@ pub struct Simulation {
     /// The long axis of the vesicle, in degrees to the x axis.
     axis: f64,
     near_wall: NearWall,
-    division: Division,
+    pacing: Pacing,
+    /// When snapshots are due: chosen steps end there.
+    schedule: Schedule,
+}
+
+/// How long steps are.
+#[derive(Debug)]
+enum Pacing {
+    /// Those of the fixed grid, divided where they cannot be solved whole.
+    Fixed(Division),
+    /// Chosen by their estimated error.
+    Chosen(Controller),
+}
+
+impl Pacing {
+    fn of(time: &Time) -> Self {
+        match time.tolerance {
+            None => Self::Fixed(Division::default()),
+            Some(tolerance) => Self::Chosen(Controller::new(tolerance, time.step)),
+        }
+    }
 }
 
 /// The scalars of one step.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Report {
-    /// n; 0 is the initial state.
+    /// n, counting accepted steps; 0 is the initial state.
     pub step: u64,
     /// t_n.
     pub t: f64,
     /// The smallest Δt that was used.
     pub dt: f64,
+    /// Attempts at this step that were refused, for their error was too large or they could not be
+    /// solved; only where Δt is chosen.
+    pub refused: u32,
+    /// The estimated error of φ in this step, in L2: that of the solution of first order by halves. Only
+    /// where steps are taken whole and in halves.
+    pub time_error: Option<f64>,
     /// The energy of each effect, weighted as in E_tot.
     pub energies: Vec<NamedValue>,
     /// E_tot.
@@ -179,24 +208,30 @@ impl Simulation {
             warnings,
             events: Vec::new(),
             axis,
-            division: Division::default(),
+            pacing: Pacing::of(&scene.time),
+            schedule: Schedule::new(&scene.time, 1, 1),
         };
         simulation.report.take(simulation.scheme.report());
         simulation.look();
         Ok(simulation)
     }
 
-    /// Takes one step of the fixed grid; in smaller ones that end at the same time, where it cannot be
-    /// solved whole. What the report says of a step is then said of all of them: the sum of their
-    /// ledgers and iterations, the largest law residual, the smallest Δt. On an error the state is the
-    /// last good one, and the report's t says when that was.
+    /// Has chosen steps end at the times of this schedule's snapshots. A fixed grid takes no notice.
+    pub fn follow(&mut self, schedule: &Schedule) {
+        self.schedule = *schedule;
+    }
+
+    /// Takes one step: the next one of the fixed grid, or one whose length is chosen.
+    ///
+    /// A step of the grid that cannot be solved whole is taken in smaller ones that end at the same
+    /// time. What the report says of a step is then said of all of them: the sum of their ledgers and
+    /// iterations, the largest law residual, the smallest Δt. Of a chosen step, iterations and costs
+    /// are those of refused attempts too. On an error the state is the last good one, and the
+    /// report's t says when that was.
     ///
     /// # Errors
-    /// `Step`: not even the smallest step was solved.
+    /// `Step`: not even the smallest step was solved, or accurate enough.
     pub fn advance(&mut self) -> Result<&Report, SimulationError> {
-        let step = self.report.step + 1;
-        let dt = self.scene.time.step;
-        let (begin, end) = (grid_time(step - 1, dt), grid_time(step, dt));
         let mut costs = Costs::default();
         let mut begun = Instant::now();
         let mut watch = |phase: Phase| {
@@ -205,60 +240,141 @@ impl Simulation {
             begun = now;
         };
         let was_fast = self.scheme.uses_transform();
-        let mut fallback = None;
-        let mut divided = None;
-        self.division.begin();
-        let mut first = true;
-        loop {
-            let piece = dt * self.division.piece();
-            match self.scheme.step_watched(piece, &mut watch) {
-                Ok(solved) => {
-                    if let Some(reason) = &solved.fallback {
-                        fallback.get_or_insert_with(|| reason.clone());
-                    }
-                    if std::mem::take(&mut first) {
-                        self.report.take(solved);
-                    } else {
-                        self.report.add(solved);
-                    }
-                    self.report.dt = dt * self.division.smallest();
-                    if self.division.accept() {
-                        break;
-                    }
-                    self.report.t = begin + dt * self.division.done();
-                }
-                Err(reason) => {
-                    if !self.division.refuse() {
-                        return Err(SimulationError::Step {
-                            step,
-                            t: end,
-                            smallest: dt * self.division.smallest(),
-                            source: reason,
-                        });
-                    }
-                    divided = Some(reason);
-                }
-            }
-        }
-        self.report.step = step;
-        self.report.t = end;
-        let event = |kind| Event { step, t: end, kind };
-        if let Some(reason) = divided {
+        let taken = match self.pacing {
+            Pacing::Fixed(_) => self.grid_step(&mut watch)?,
+            Pacing::Chosen(controller) => self.chosen_step(controller, &mut watch)?,
+        };
+        let (step, t) = (self.report.step, self.report.t);
+        let mut tell = |kind| self.events.push(Event { step, t, kind });
+        if let Some(reason) = taken.divided {
             let smallest = self.report.dt;
-            self.events
-                .push(event(EventKind::StepDivided { smallest, reason }));
+            tell(EventKind::StepDivided { smallest, reason });
         }
-        match (was_fast, self.scheme.uses_transform(), fallback) {
-            (true, false, Some(reason)) => self
-                .events
-                .push(event(EventKind::FellBackToFactor { reason })),
-            (false, true, _) => self.events.push(event(EventKind::ReturnedToTransform)),
+        match (was_fast, self.scheme.uses_transform(), taken.fallback) {
+            (true, false, Some(reason)) => tell(EventKind::FellBackToFactor { reason }),
+            (true, false, None) => tell(EventKind::FactorIsFaster),
+            (false, true, _) => tell(EventKind::ReturnedToTransform),
             _ => {}
         }
         self.look();
         watch(Phase::Ledger);
         self.report.costs = costs;
         Ok(&self.report)
+    }
+
+    /// The next step of the fixed grid.
+    fn grid_step(&mut self, watch: &mut dyn FnMut(Phase)) -> Result<Taken, SimulationError> {
+        let step = self.report.step + 1;
+        let dt = self.scene.time.step;
+        let (begin, end) = (grid_time(step - 1, dt), grid_time(step, dt));
+        let mut taken = Taken::default();
+        let mut first = true;
+        let Pacing::Fixed(division) = &mut self.pacing else {
+            return Ok(taken);
+        };
+        division.begin();
+        loop {
+            let piece = dt * division.piece();
+            let mut error = None;
+            let outcome = match self.scene.time.order {
+                Order::First => self.scheme.step_watched(piece, watch),
+                Order::Second => match self.scheme.try_doubled(piece, true, watch) {
+                    Ok(difference) => {
+                        error = Some(difference.phase);
+                        Ok(self.scheme.accept_doubled())
+                    }
+                    Err(reason) => Err(reason),
+                },
+            };
+            match outcome {
+                Ok(solved) => {
+                    if let Some(reason) = &solved.fallback {
+                        taken.fallback.get_or_insert_with(|| reason.clone());
+                    }
+                    if std::mem::take(&mut first) {
+                        self.report.take(solved);
+                        self.report.time_error = error;
+                    } else {
+                        self.report.add(solved);
+                        let sum = self.report.time_error.zip(error);
+                        self.report.time_error = sum.map(|(sum, error)| sum + error);
+                    }
+                    self.report.dt = dt * division.smallest();
+                    if division.accept() {
+                        break;
+                    }
+                    self.report.t = begin + dt * division.done();
+                }
+                Err(reason) => {
+                    if !division.refuse() {
+                        return Err(SimulationError::Step {
+                            step,
+                            t: end,
+                            smallest: dt * division.smallest(),
+                            source: reason,
+                        });
+                    }
+                    taken.divided = Some(reason);
+                }
+            }
+        }
+        self.report.step = step;
+        self.report.t = end;
+        Ok(taken)
+    }
+
+    /// A step whose length is chosen.
+    fn chosen_step(
+        &mut self,
+        mut controller: Controller,
+        watch: &mut dyn FnMut(Phase),
+    ) -> Result<Taken, SimulationError> {
+        let (step, t) = (self.report.step + 1, self.report.t);
+        let landing = self.schedule.landing_after(t);
+        let combine = self.scene.time.order == Order::Second;
+        let mut taken = Taken::default();
+        let (mut refused, mut work) = (0, [0; 3]);
+        loop {
+            let attempt = controller.attempt(t, landing);
+            let outcome = self.scheme.try_doubled(attempt.dt, combine, watch);
+            let (again, reason) = match outcome {
+                Ok(difference) if controller.judge(attempt.dt, difference.phase) => {
+                    let solved = self.scheme.accept_doubled();
+                    if let Some(reason) = &solved.fallback {
+                        taken.fallback.get_or_insert_with(|| reason.clone());
+                    }
+                    self.report.take(solved);
+                    self.report.newton += work[0];
+                    self.report.krylov += work[1];
+                    self.report.director_iterations += work[2];
+                    self.report.time_error = Some(difference.phase);
+                    self.report.refused = refused;
+                    self.report.dt = attempt.dt;
+                    self.report.t = attempt.end;
+                    self.report.step = step;
+                    self.pacing = Pacing::Chosen(controller);
+                    return Ok(taken);
+                }
+                Ok(difference) => {
+                    let tried = self.scheme.tried_work();
+                    work.iter_mut().zip(tried).for_each(|(sum, one)| *sum += one);
+                    let error = difference.phase;
+                    let tolerance = self.scene.time.tolerance.unwrap_or_default();
+                    let reason = StepError::Inaccurate { error, tolerance };
+                    (controller.may_go_on(), reason)
+                }
+                Err(reason) => (controller.fail(attempt.dt), reason),
+            };
+            refused += 1;
+            if !again {
+                return Err(SimulationError::Step {
+                    step,
+                    t: attempt.end,
+                    smallest: attempt.dt,
+                    source: reason,
+                });
+            }
+        }
     }
 
     /// Another anchoring for the state as it is, with the scene's weight, or the scene's own default
@@ -273,6 +389,9 @@ impl Simulation {
         let anchoring = self.scene.anchoring.get_or_insert_default();
         anchoring.kind = kind;
         self.scheme.set_anchoring(Some(anchoring));
+        if let Pacing::Chosen(controller) = &mut self.pacing {
+            controller.forget();
+        }
         self.report.take(self.scheme.report());
         let (step, t) = (self.report.step, self.report.t);
         let kind = EventKind::AnchoringSwitched { kind };
@@ -334,6 +453,15 @@ impl Simulation {
             "factor"
         }
     }
+}
+
+/// What is to be told of a step beyond its report.
+#[derive(Debug, Default)]
+struct Taken {
+    /// Why the transform gave way to the factor.
+    fallback: Option<StepError>,
+    /// Why the step was taken in parts.
+    divided: Option<StepError>,
 }
 
 /// t_n = n Δt. Where 1/Δt is a whole number n is divided by it, so that t prints as one expects:

@@ -206,3 +206,115 @@ fn an_anchoring_comes_to_a_scene_without_one() {
         energy(of_default.report(), "anchoring")
     );
 }
+
+/// A run to its end, with what is to hold at every step checked on the way.
+fn whole(settings: &[&str], snapshots: u64) -> (Simulation, Vec<Report>, u32) {
+    let scene = small(settings);
+    let schedule = Schedule::new(&scene.time, 1, snapshots);
+    let mut simulation = Simulation::new(&scene).unwrap();
+    simulation.follow(&schedule);
+    let mut reports = vec![simulation.report().clone()];
+    let mut kept = u32::from(schedule.snapshot_due(0, 0.0));
+    loop {
+        let before = &reports[reports.len() - 1];
+        if schedule.is_over(before.step, before.t) {
+            return (simulation, reports, kept);
+        }
+        let report = simulation.advance().unwrap().clone();
+        assert_eq!(report.step, before.step + 1);
+        assert!(report.total_energy <= before.total_energy, "never a rise");
+        let drift = report.phase_integral - before.phase_integral;
+        assert!(drift.abs() < 1e-13, "{drift}");
+        let sum: f64 = report.ledger.iter().map(|term| term.value).sum();
+        assert!(report.law_residual.abs() <= scene.solver.law_tolerance);
+        // The ledger is that of two steps and the correction.
+        let scale: f64 = report.energies.iter().map(|energy| energy.value.abs()).sum();
+        assert!(sum.abs() <= 2.1 * scene.solver.law_tolerance * scale, "{sum}");
+        assert_eq!(report.ledger[0].name, "dE");
+        let change = report.total_energy - before.total_energy;
+        assert!((report.ledger[0].value - change).abs() <= 1e-12 * scale);
+        kept += u32::from(schedule.snapshot_due(report.step, report.t));
+        reports.push(report);
+    }
+}
+
+/// The distance of two φ in L2, nearly: on a uniform mesh the factor does not matter.
+fn distance(one: &Simulation, other: &Simulation) -> f64 {
+    let pairs = one.state().phi.iter().zip(&other.state().phi);
+    let sum: f64 = pairs.map(|(a, b)| (a - b) * (a - b)).sum();
+    (sum / one.state().phi.len() as f64).sqrt()
+}
+
+#[test]
+fn chosen_steps_meet_snapshots_and_the_end_exactly() {
+    let (_, reports, kept) = whole(&["time.tolerance=1e-5"], 4);
+    assert_eq!(kept, 4);
+    let last = &reports[reports.len() - 1];
+    assert_eq!(last.t, 4e-5);
+    for landing in [4e-5 / 3.0, 2.0 * 4e-5 / 3.0] {
+        assert!(reports.iter().any(|report| report.t == landing), "{landing}");
+    }
+    for pair in reports.windows(2) {
+        let [before, after] = pair else { continue };
+        let dt = after.t - before.t;
+        assert!((after.dt - dt).abs() <= 1e-12 * last.t, "{} {dt}", after.dt);
+        assert!(after.time_error.unwrap() <= 1e-5);
+    }
+    let names: Vec<_> = last.ledger.iter().map(|term| term.name).collect();
+    assert_eq!(names[names.len() - 1], "extrapolation");
+    let halved = whole(&["time.tolerance=1e-5", "time.order=1"], 4).1;
+    assert!(halved[halved.len() - 1].ledger.iter().all(|term| term.name != "extrapolation"));
+}
+
+#[test]
+fn what_is_too_inaccurate_is_refused_and_the_iterations_are_counted() {
+    let (_, reports, _) = whole(&["time.tolerance=1e-9", "time.end=2e-7"], 2);
+    assert!(reports[1].refused > 0 && reports[1].dt < 1e-7);
+    assert!(reports[1].newton > reports[2].newton);
+    let refused: u32 = reports.iter().map(|report| report.refused).sum();
+    assert!(refused < 4, "{refused}");
+}
+
+#[test]
+fn the_combination_is_of_second_order_and_the_scheme_of_first() {
+    let tight = ["solver.tolerance=1e-10", "solver.law_tolerance=1e-12"];
+    let at = |order: &str, step: &str| whole(&[order, step, tight[0], tight[1]], 1).0;
+    let reference = at("time.order=2", "time.step=2.5e-7");
+    let errors = |order: &str| {
+        ["time.step=4e-6", "time.step=2e-6"].map(|step| distance(&at(order, step), &reference))
+    };
+    let [coarse, fine] = errors("time.order=2");
+    let second = (coarse / fine).log2();
+    let [plain, halved] = errors("time.order=1");
+    let first = (plain / halved).log2();
+    assert!((1.7..2.4).contains(&second), "{second}: {coarse:e} {fine:e}");
+    assert!((0.8..1.2).contains(&first), "{first}: {plain:e} {halved:e}");
+    assert!(coarse < 0.2 * plain, "{coarse:e} {plain:e}");
+}
+
+#[test]
+fn the_error_at_the_end_is_in_proportion_to_the_tolerance() {
+    let tight = ["solver.tolerance=1e-10", "solver.law_tolerance=1e-12"];
+    let at = |tolerance: &str| whole(&[tolerance, tight[0], tight[1]], 1).0;
+    let reference = at("time.tolerance=3e-8");
+    let [coarse, fine] =
+        ["time.tolerance=1e-4", "time.tolerance=1e-5"].map(|text| distance(&at(text), &reference));
+    let ratio = coarse / fine;
+    assert!((3.0..30.0).contains(&ratio), "{ratio}: {coarse:e} {fine:e}");
+    assert!(coarse < 1e-3, "{coarse:e}");
+}
+
+#[test]
+fn another_anchoring_comes_between_chosen_steps() {
+    let scene = small(&["time.tolerance=1e-5"]);
+    let mut simulation = Simulation::new(&scene).unwrap();
+    for _ in 0..3 {
+        simulation.advance().unwrap();
+    }
+    let measured = simulation
+        .set_anchoring(AnchoringKind::Homeotropic)
+        .unwrap()
+        .total_energy;
+    let after = simulation.advance().unwrap();
+    assert!(after.total_energy < measured && after.time_error.unwrap() <= 1e-5);
+}

@@ -156,9 +156,9 @@ impl Run {
         matches!(self.status, Status::Done | Status::Failed(_))
     }
 
-    /// Steps to T; `None` until the run is set up.
+    /// Steps to T; `None` until the run is set up, and where Δt is chosen.
     pub fn steps(&self) -> Option<u64> {
-        self.setting.as_ref().map(|setting| setting.steps)
+        self.setting.as_ref()?.steps
     }
 
     pub(super) fn notify(&mut self, notice: Notice) {

@@ -53,10 +53,13 @@ fn progress(run: &Run) -> String {
         return "not yet at its first state".to_owned();
     };
     let report = &run.report;
+    let of = match setting.steps {
+        Some(steps) => format!(" of {steps}"),
+        None => String::new(),
+    };
     format!(
-        "step {} of {}, t = {}, E_total = {:.6}",
+        "step {}{of}, t = {}, E_total = {:.6}",
         report.step,
-        setting.steps,
         Brief(report.t),
         report.total_energy,
     )

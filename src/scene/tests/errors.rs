@@ -115,6 +115,8 @@ fn values_without_sense() {
     let refused = [
         ("time.step", "0", "a finite number > 0"),
         ("time.step", "-1e-7", "a finite number > 0"),
+        ("time.tolerance", "0", "a finite number > 0"),
+        ("time.order", "3", "a whole number from 1 to 2"),
         ("time.end", "inf", "a finite number > 0"),
         ("time.end", "nan", "a finite number > 0"),
         ("time.end", "1e999", "a finite number > 0"),
@@ -216,11 +218,6 @@ fn an_anchoring_needs_a_director() {
 
 #[test]
 fn what_a_later_version_will_have() {
-    assert_eq!(
-        message("[time]\ntolerance = 1e-3"),
-        "a.toml:2:1: this version of vesica does not have time.tolerance yet; give time.step, \
-         which is kept throughout the run",
-    );
     assert!(message("[mesh]\nkind = 'delaunay'").starts_with("a.toml:2:8: this version"));
     assert!(message("[mesh]\nkind = 'file'").contains("does not have mesh.kind = \"file\" yet"));
     for table in ["field", "pull", "noise"] {

@@ -2,7 +2,7 @@
 
 use super::{read, read_with};
 use crate::scene::{
-    AnchoringKind, Curve, InitialDirector, Origin, Outline, ScalarField, Scene, Shape, preset,
+    AnchoringKind, Curve, InitialDirector, Order, Origin, Outline, ScalarField, Scene, Shape, preset,
 };
 
 fn case3(overrides: &[&str]) -> Scene {
@@ -35,6 +35,32 @@ fn values_take_the_place_of_the_scenes() {
         2.0,
         "the last one holds"
     );
+}
+
+#[test]
+fn a_chosen_step_takes_the_place_of_a_given_one_and_the_other_way_round() {
+    let given = case3(&[]);
+    assert_eq!((given.time.tolerance, given.time.order), (None, Order::First));
+    let chosen = case3(&["time.tolerance=1e-4"]);
+    assert_eq!(
+        (chosen.time.tolerance, chosen.time.order),
+        (Some(1e-4), Order::Second)
+    );
+    assert_eq!(case3(&["time.tolerance=1e-4", "time.order=1"]).time.order, Order::First);
+    assert_eq!(case3(&["time.order=2"]).time.order, Order::Second);
+    let written = given.to_toml();
+    let again = read_with(&written, &["time.tolerance=1e-4"], &[]).expect("right");
+    assert_eq!(again, chosen);
+    let back = read_with(&chosen.to_toml(), &["time.step=1e-7"], &[]).expect("right");
+    assert_eq!(back, given);
+    for both in [
+        message(&["time.tolerance=1e-4", "time.step=1e-7"]),
+        read_with("time = { step = 1e-7, tolerance = 1e-4 }", &[], &[])
+            .expect_err("both")
+            .to_string(),
+    ] {
+        assert!(both.contains("give one of them, not both"), "{both}");
+    }
 }
 
 #[test]

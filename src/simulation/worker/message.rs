@@ -96,8 +96,8 @@ pub struct Setting {
     pub scene: Scene,
     /// The mesh.
     pub mesh: Arc<Mesh>,
-    /// Steps to T.
-    pub steps: u64,
+    /// Steps to T; `None` where Δt is chosen.
+    pub steps: Option<u64>,
     /// What is allowed in the scene but probably not meant.
     pub warnings: Vec<Warning>,
 }

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError};
 use std::time::{Duration, Instant};
 
-use super::super::{EventKind, Report, Schedule, Simulation, SimulationError, step_count};
+use super::super::{EventKind, Report, Schedule, Simulation, SimulationError};
 use super::mailbox::{Canvases, Mailbox, PictureOf};
 use super::{Command, Message, News, Orders, RunId, Setting};
 use crate::scene::{AnchoringKind, Scene};
@@ -85,11 +85,8 @@ impl<Sink: Fn(Message)> Runner<Sink> {
     /// Sets the run up and goes on until `End`.
     fn simulate(&mut self, scene: &Scene) -> Result<(), SimulationError> {
         let mut simulation = Simulation::new(scene)?;
-        let schedule = Schedule {
-            steps: step_count(&scene.time),
-            every: 1,
-            snapshots: self.orders.snapshots,
-        };
+        let schedule = Schedule::new(&scene.time, 1, self.orders.snapshots);
+        simulation.follow(&schedule);
         // Before the news, so that whoever hears them finds it; so everywhere.
         self.show(&simulation);
         self.teller.tell(News::Ready(Arc::new(Setting {
@@ -140,7 +137,7 @@ impl<Sink: Fn(Message)> Runner<Sink> {
     /// Why the run stands still at present; `None`: it goes on.
     fn rest(&self, simulation: &Simulation, schedule: &Schedule, going: bool) -> Option<Rest> {
         let report = simulation.report();
-        if report.step >= schedule.steps {
+        if schedule.is_over(report.step, report.t) {
             Some(Rest::Done)
         } else if !going {
             Some(Rest::Paused)
@@ -182,7 +179,8 @@ impl<Sink: Fn(Message)> Runner<Sink> {
         for event in simulation.drain_events() {
             self.teller.tell(News::Event(event));
         }
-        if schedule.snapshot_due(simulation.report().step) {
+        let report = simulation.report();
+        if schedule.snapshot_due(report.step, report.t) {
             let picture = Arc::new(self.picture(simulation).to_picture());
             self.teller.tell(News::Snapshot(picture));
         }

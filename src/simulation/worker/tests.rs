@@ -140,7 +140,7 @@ fn a_watched_run_is_bit_for_bit_the_one_that_nobody_watches() {
     let News::Ready(setting) = &news[0] else {
         panic!("{:?}", news[0]);
     };
-    assert_eq!((setting.steps, &setting.scene), (40, &scene));
+    assert_eq!((setting.steps, &setting.scene), (Some(40), &scene));
     let costs = news.iter().filter_map(|news| match news {
         News::Reports(reports) => Some(reports),
         _ => None,

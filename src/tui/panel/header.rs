@@ -57,13 +57,13 @@ fn progress(shown: &Shown<'_>, theme: &Theme, area: Rect, buffer: &mut Buffer) {
     let Some((run, report)) = shown.run.zip(shown.report) else {
         return;
     };
-    let steps = shown.setting.map_or(0, |setting| setting.steps);
-    let digits = steps.max(report.step).max(1).ilog10() as usize + 1;
+    let steps = shown.setting.and_then(|setting| setting.steps);
+    let digits = steps.unwrap_or(0).max(report.step).max(1).ilog10() as usize + 1;
     let muted = |words: &str| Span::styled(words.to_owned(), theme.muted());
     let mut parts = vec![Line::from(vec![
         muted(" step "),
         Span::raw(format!("{:>digits$}", report.step)),
-        muted(&format!("/{steps}")),
+        muted(&steps.map_or(String::new(), |steps| format!("/{steps}"))),
     ])];
     parts.push(Line::from(vec![
         muted("t "),
@@ -94,8 +94,8 @@ fn progress(shown: &Shown<'_>, theme: &Theme, area: Rect, buffer: &mut Buffer) {
     for (index, part) in parts.into_iter().enumerate() {
         spans.extend(part.spans);
         spans.push(Span::raw(GAP));
-        if index == 0 && room >= BAR && steps > 0 {
-            let share = report.step as f64 / steps as f64;
+        if index == 0 && room >= BAR && shown.setting.is_some() {
+            let share = shown.share();
             let wide = room.min(40) as u16;
             let bar = text::bar(share, wide, theme);
             let rest = usize::from(wide) - bar.chars().count();

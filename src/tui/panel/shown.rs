@@ -1,7 +1,7 @@
 //! What is looked at: a run as it is now, or as it was.
 
 use crate::scene::{AnchoringKind, Scene};
-use crate::simulation::{Picture, Report, Setting};
+use crate::simulation::{Picture, Report, Schedule, Setting};
 use crate::tui::curve;
 use crate::tui::state::{App, Run, Slot, Status};
 use crate::tui::theme::Role;
@@ -80,6 +80,14 @@ impl<'a> Shown<'a> {
         Some(area.target * self.initial_surface_area()?)
     }
 
+    /// How much of the run is done at what is looked at, from 0 to 1.
+    pub fn share(&self) -> f64 {
+        let (Some(setting), Some(report)) = (self.setting, self.report) else {
+            return 0.0;
+        };
+        Schedule::new(&setting.scene.time, 1, 0).share(report.step, report.t)
+    }
+
     /// Steps where the anchoring was switched.
     pub fn marks(&self) -> Vec<u64> {
         let marks = self.run.map_or(&[][..], |run| &run.history.marks);
@@ -89,7 +97,7 @@ impl<'a> Shown<'a> {
     /// What the curves of this run have in common.
     pub fn curves<'m>(&self, marks: &'m [u64], logarithmic: bool) -> curve::Frame<'m> {
         let step = self.run.map_or(0, |run| run.report.step);
-        let steps = self.setting.map_or(0, |setting| setting.steps);
+        let steps = self.setting.and_then(|setting| setting.steps).unwrap_or(0);
         curve::Frame {
             horizon: curve::horizon(step, steps),
             marks,

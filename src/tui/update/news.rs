@@ -109,7 +109,11 @@ fn warn(run: &mut Run, warning: &Warning) {
 
 /// Takes the scalars of a step.
 fn take(run: &mut Run, report: Report, law_tolerance: f64) {
-    let steps = run.steps().unwrap_or(report.step);
+    // With chosen steps, as many as there would be if all took as long as this one.
+    let steps = run.steps().unwrap_or_else(|| {
+        let end = run.setting.as_ref().map_or(0.0, |it| it.scene.time.end);
+        report.step + ((end - report.t) / report.dt).max(0.0).ceil() as u64
+    });
     run.pace.take(&report, steps);
     run.history.take(&report);
     let finite = [

@@ -101,7 +101,7 @@ pub fn slot(name: &str, mesh: &Arc<Mesh>) -> Slot {
     run.setting = Some(Arc::new(Setting {
         scene: scene.clone(),
         mesh: mesh.clone(),
-        steps: 10_000,
+        steps: Some(10_000),
         warnings: Vec::new(),
     }));
     for step in 0..=STEPS {

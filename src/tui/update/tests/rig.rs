@@ -55,7 +55,7 @@ impl Played {
     }
 
     fn steps(&self) -> u64 {
-        step_count(&self.scene.time)
+        step_count(&self.scene.time).expect("a fixed grid")
     }
 
     /// An energy that falls from step to step and jumps with the anchoring.
@@ -109,7 +109,7 @@ impl Played {
             news.push(News::Ready(Arc::new(Setting {
                 scene: self.scene.clone(),
                 mesh: Arc::new(Mesh::structured(2, 0.0, 1).unwrap()),
-                steps: self.steps(),
+                steps: Some(self.steps()),
                 warnings: Vec::new(),
             })));
             news.push(News::Reports(vec![self.report.clone()]));
