@@ -100,7 +100,7 @@ pub(super) enum CliError {
     Record(#[from] RecordError),
     /// A signal ended the run.
     #[error(
-        "ended by {signal} after step {step} of {steps}; saved in {}",
+        "ended by {signal} after step {step}{of}; saved in {}",
         folder.display()
     )]
     Interrupted {
@@ -110,8 +110,8 @@ pub(super) enum CliError {
         number: i32,
         /// The last step.
         step: u64,
-        /// The steps that were planned.
-        steps: u64,
+        /// " of N", where N steps were planned.
+        of: String,
         /// The run's folder.
         folder: PathBuf,
     },
@@ -172,6 +172,7 @@ impl CliError {
             | CliError::NoCommand { .. }
             | CliError::Preset(_)
             | CliError::NoStep { .. }
+            | CliError::StepsOfChosen
             | CliError::Folder(_)
             | CliError::Resume
             | CliError::NoTerminal { .. }

@@ -126,7 +126,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
                 signal: name,
                 number,
                 step,
-                steps,
+                of: steps.map_or(String::new(), |steps| format!(" of {steps}")),
                 folder: path,
             })
         }

@@ -264,7 +264,7 @@ mod tests {
     #[test]
     fn totals_are_kept_over_the_steps() {
         let scene = super::super::scene_file::tests::scene("");
-        let mut summary = RunSummary::new(&scene, 3);
+        let mut summary = RunSummary::new(&scene, Some(3));
         let mut simulation = Simulation::new(&scene).expect("a small scene");
         summary.set_up(&simulation, Duration::from_millis(1500));
         let start = simulation.report().clone();
@@ -305,7 +305,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("run.json");
         let scene = super::super::scene_file::tests::scene("");
-        let mut summary = RunSummary::new(&scene, 3);
+        let mut summary = RunSummary::new(&scene, Some(3));
         summary.largest_energy_rise = f64::NAN;
         summary.end(Ending::Failed("step 2 \"broke\"".into()));
         summary.write(&path).expect("it is written");
