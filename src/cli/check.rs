@@ -6,6 +6,7 @@ use super::run::some_step;
 use crate::record::{load_scene, step_count};
 use crate::scene::{self, Mesh, Scene, Warning};
 use crate::simulation;
+use crate::study::{Price, price};
 use std::ffi::{OsStr, OsString};
 
 /// The initial state, which tells most, is computed on meshes of up to so many nodes: within about
@@ -22,6 +23,10 @@ pub(super) struct Arguments {
     /// Override a value of each scene, such as time.step=2e-7
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
+
+    /// Do not measure what the run would take
+    #[arg(long)]
+    quick: bool,
 }
 
 /// Checks every scene, also after one that is wrong.
@@ -34,6 +39,12 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
                 output::line(format_args!("{name}: ok, {}", describe(&scene)))?;
                 for warning in warnings {
                     output::warning(format_args!("{name}: {warning}"));
+                }
+                if !arguments.quick && nodes(&scene) <= MOST_NODES {
+                    // Its first steps may fail where a run divides them: then there is no price.
+                    if let Ok(price) = price(&scene) {
+                        output::line(format_args!("{name}: {}", expected(&price)))?;
+                    }
                 }
             }
             Err(error @ CliError::Load(_)) => {
@@ -65,6 +76,22 @@ fn examine(source: &OsStr, overrides: &[String]) -> Result<(Scene, Vec<Warning>)
         scene::warnings(&scene)
     };
     Ok((scene, warnings))
+}
+
+/// The time and the memory that a run would take, in words.
+fn expected(price: &Price) -> String {
+    let seconds = price.seconds;
+    let time = match seconds {
+        s if s < 1.0 => "less than a second".to_owned(),
+        s if s < 120.0 => format!("{s:.0} s"),
+        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    };
+    format!(
+        "on this machine about {time} and {:.0} MB, {} steps",
+        price.memory as f64 / 1e6,
+        price.steps
+    )
 }
 
 fn nodes(scene: &Scene) -> usize {

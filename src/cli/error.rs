@@ -5,6 +5,7 @@ use crate::figure::FigureError;
 use crate::record::{LoadError, ReadError, RecordError};
 use crate::scene::UnknownPreset;
 use crate::simulation::SimulationError;
+use crate::study::StudyError;
 use crate::tui::AppError;
 use std::ffi::OsString;
 use std::io;
@@ -98,6 +99,9 @@ pub(super) enum CliError {
     /// The run could not be recorded.
     #[error("the run ended because it could not be recorded: {0}")]
     Record(#[from] RecordError),
+    /// There is no study.
+    #[error(transparent)]
+    Study(#[from] StudyError),
     /// A signal ended the run.
     #[error(
         "ended by {signal} after step {step}{of}; saved in {}",
@@ -189,6 +193,7 @@ impl CliError {
             CliError::SetUp(_)
             | CliError::Run { .. }
             | CliError::Record(_)
+            | CliError::Study(_)
             | CliError::App(_)
             | CliError::Figure(_)
             | CliError::RunsFailed { .. }

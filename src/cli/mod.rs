@@ -3,6 +3,7 @@
 //! Exit status: 0 done; 1 the run failed; 2 the arguments or the scene are wrong; 128 + n the run
 //! was ended early, but cleanly, by signal n (130 for Ctrl-C, as shells have it).
 
+mod accuracy;
 mod app;
 mod check;
 mod error;
@@ -46,6 +47,8 @@ enum Command {
     Run(run::Arguments),
     /// Draw the figures of a report
     Figures(figures::Arguments),
+    /// Tell what accuracy costs in time, and which knob to turn
+    Accuracy(accuracy::Arguments),
     /// List the built-in scenes
     Presets,
     /// Print a built-in scene as TOML
@@ -63,6 +66,7 @@ pub fn main() -> ExitCode {
     let result = match arguments.command {
         Some(Command::Run(arguments)) => run::run(&arguments),
         Some(Command::Figures(arguments)) => figures::figures(&arguments),
+        Some(Command::Accuracy(arguments)) => accuracy::accuracy(&arguments),
         Some(Command::Presets) => presets::list(),
         Some(Command::Preset(arguments)) => presets::print(&arguments),
         Some(Command::Check(arguments)) => check::check(&arguments),

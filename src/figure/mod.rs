@@ -32,11 +32,13 @@ mod table;
 mod tests;
 mod text;
 mod view;
+mod work_precision;
 
 pub use colour::ColourMap;
 pub use data::{Field, RunData, Snapshot, View};
 pub use error::FigureError;
 pub use save::{check_free, save_set, save_view};
+pub use work_precision::save_study;
 
 /// The least width of a figure, in pixels: below it there is no room for its numbers.
 pub const LEAST_WIDTH: u32 = 400;

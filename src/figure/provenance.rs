@@ -60,6 +60,16 @@ impl Provenance {
         Provenance { title, entries }
     }
 
+    /// Of a picture that shows no state.
+    pub fn plain(title: &str, command: &str) -> Provenance {
+        let mut provenance = Provenance::new(title, command, &[]);
+        title.clone_into(&mut provenance.title);
+        if let Some((_, text)) = provenance.entries.first_mut() {
+            title.clone_into(text);
+        }
+        provenance
+    }
+
     /// What the picture shows.
     pub fn title(&self) -> &str {
         &self.title

@@ -270,18 +270,19 @@ fn save_fields(run: &RunData, label: &RunLabel, files: &mut Files) -> Result<(),
 }
 
 /// The files of a figure or of a set.
-struct Files {
+pub(super) struct Files {
     folder: PathBuf,
     /// What stands before the `-` or the point of the names, as asked for and as it is.
     stems: Vec<String>,
     suffix: String,
     replace: bool,
-    written: Vec<PathBuf>,
+    /// What was written so far.
+    pub written: Vec<PathBuf>,
 }
 
 impl Files {
     /// Makes the folder, and sees to it that no file of these names is lost.
-    fn claim(
+    pub fn claim(
         folder: &Path,
         stems: Vec<String>,
         extensions: &[&str],
@@ -325,7 +326,7 @@ impl Files {
         format!("{stem}{}", self.suffix)
     }
 
-    fn stem(&self, number: usize) -> String {
+    pub fn stem(&self, number: usize) -> String {
         self.renamed(&self.stems[number])
     }
 
@@ -345,11 +346,11 @@ impl Files {
         Ok(())
     }
 
-    fn text(&mut self, stem: &str, extension: &str, text: &str) -> Result<(), FigureError> {
+    pub fn text(&mut self, stem: &str, extension: &str, text: &str) -> Result<(), FigureError> {
         self.write(stem, extension, text.as_bytes())
     }
 
-    fn picture(
+    pub fn picture(
         &mut self,
         stem: &str,
         drawing: &Drawing,

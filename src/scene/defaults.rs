@@ -5,8 +5,8 @@
 
 use super::model::{
     Anchoring, AnchoringKind, Area, Boundary, Curve, InitialDirector, Iteration, LinearMethod,
-    Membrane, Mesh, Nematic, Order, Outline, Projection, Quadrature, ScalarField, Scene, Shape, Solver,
-    Time, Vesicle,
+    Membrane, Mesh, Nematic, Order, Outline, Projection, Quadrature, ScalarField, Scene, Shape,
+    Solver, Time, Vesicle,
 };
 
 /// The centre of the domain.

@@ -144,9 +144,7 @@ pub enum Problem {
         instead: &'static str,
     },
     /// Δt cannot be given and chosen.
-    #[error(
-        "time.step keeps Δt, time.tolerance has it chosen: give one of them, not both"
-    )]
+    #[error("time.step keeps Δt, time.tolerance has it chosen: give one of them, not both")]
     StepAndTolerance,
     /// There is nothing to anchor.
     #[error(

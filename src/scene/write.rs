@@ -36,10 +36,13 @@ impl Scene {
             None => out.key("step", number(self.time.step)),
             Some(tolerance) => out.key("tolerance", number(tolerance)),
         }
-        out.key("order", match self.time.order {
-            Order::First => 1,
-            Order::Second => 2,
-        });
+        out.key(
+            "order",
+            match self.time.order {
+                Order::First => 1,
+                Order::Second => 2,
+            },
+        );
         out.key("end", number(self.time.end));
 
         out.table("membrane");

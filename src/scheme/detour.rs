@@ -7,6 +7,9 @@ const PATIENCE: u32 = 16;
 /// guesses are poor, are fewer.
 const SLOW_SOLVES: u32 = 6;
 
+/// On small meshes both are so fast that a change is not worth telling.
+const LEAST_BREAK_EVEN: f64 = 100.0;
+
 /// Whether the fast path is worth its time. It takes more iterations the longer the step is, the
 /// sparse factor about the same time at any Δt: at 120 cells as much as some 130 iterations. That number grows as
 /// the factor does against a product, as the square root of the number of nodes.
@@ -22,7 +25,7 @@ impl Slowness {
     /// On a mesh of so many nodes.
     pub(super) fn new(nodes: usize) -> Self {
         Self {
-            break_even: (1.1 * (nodes as f64).sqrt()) as u32,
+            break_even: (1.1 * (nodes as f64).sqrt()).max(LEAST_BREAK_EVEN) as u32,
             slow: 0,
         }
     }

@@ -7,9 +7,11 @@
 //!   2 S(Δt/2)² y − S(Δt) y = Y + O(Δt³),      S(Δt/2)² y − S(Δt) y = −C Δt²/2 + O(Δt³):
 //!
 //! the first is the new state, second order over a run, and the norm of the second is the error, in
-//! one step, of the first-order solution that it improves. Three solves a step. Where it matters (Δt
-//! large against what the equations damp) the combination is L-stable, as S is: for y' = −λy its factor
-//! 2/(1 + λΔt/2)² − 1/(1 + λΔt) tends to 0 with Δt → ∞.
+//! one step, of the first-order solution that it improves. Three solves a step. What S takes at the new
+//! time (ω, and so the bending) is damped by the combination as by S, however long the step: for
+//! y' = −λy its factor 2/(1 + λΔt/2)² − 1/(1 + λΔt) tends to 0 with Δt → ∞. The force of the area is
+//! taken in the middle, for which there is no such bound; a step that is too long for it shows in the
+//! difference.
 //!
 //! **The energy law.** (3.26) is an identity of each step of the scheme, and is checked on all three.
 //! The ledger of the accepted step is the sum of those of the two halves, which lead from the old
@@ -303,12 +305,8 @@ impl Scheme {
                 twice_less(whole, halves);
             }
         }
-        self.membrane.solve_at_rest(
-            &self.space,
-            &mut self.effects,
-            &mut self.samples,
-            combined,
-        );
+        self.membrane
+            .solve_at_rest(&self.space, &mut self.effects, &mut self.samples, combined);
         report.clone_from(&self.next_report);
         let states = [&*combined, &*combined];
         sweep(

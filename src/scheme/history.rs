@@ -56,9 +56,7 @@ impl History {
     pub(super) fn interpolate(&self, t: f64, ahead: f64, state: &mut State) {
         let times = || self.entries.iter().map(|entry| entry.t);
         let targets = [&mut state.phi, &mut state.omega, &mut state.mu];
-        let own: f64 = times()
-            .map(|other| (t - other) / (ahead - other))
-            .product();
+        let own: f64 = times().map(|other| (t - other) / (ahead - other)).product();
         for (field, target) in targets.into_iter().enumerate() {
             crate::linalg::vector::scale(target, own);
             for entry in &self.entries {

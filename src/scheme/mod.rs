@@ -270,7 +270,11 @@ impl Scheme {
             law_tolerance: self.solver.law_tolerance,
         };
         let fell_back = self.detour.is_some() && !self.membrane.uses_transform();
-        if fell_back && self.detour.is_some_and(|detour| detour.is_over(self.length)) {
+        if fell_back
+            && self
+                .detour
+                .is_some_and(|detour| detour.is_over(self.length))
+        {
             self.membrane.return_to_transform();
         }
         let mut places = Places {

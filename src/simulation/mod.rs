@@ -357,7 +357,9 @@ impl Simulation {
                 }
                 Ok(difference) => {
                     let tried = self.scheme.tried_work();
-                    work.iter_mut().zip(tried).for_each(|(sum, one)| *sum += one);
+                    work.iter_mut()
+                        .zip(tried)
+                        .for_each(|(sum, one)| *sum += one);
                     let error = difference.phase;
                     let tolerance = self.scene.time.tolerance.unwrap_or_default();
                     let reason = StepError::Inaccurate { error, tolerance };

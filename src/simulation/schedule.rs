@@ -154,7 +154,9 @@ mod tests {
     #[test]
     fn a_row_every_so_many_steps_and_at_the_end() {
         let schedule = fixed(10, 4, 5);
-        let rows: Vec<u64> = (0..=10).filter(|&n| schedule.row_due(n, n as f64)).collect();
+        let rows: Vec<u64> = (0..=10)
+            .filter(|&n| schedule.row_due(n, n as f64))
+            .collect();
         assert_eq!(rows, [0, 4, 8, 10]);
         let schedule = chosen(1.0, 5);
         assert!(schedule.row_due(3, 0.3) && !schedule.row_due(4, 0.3) && schedule.row_due(4, 1.0));

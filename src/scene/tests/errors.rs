@@ -53,7 +53,7 @@ fn unknown_keys() {
     );
     assert_eq!(
         message("[time]\ncells = 12"),
-        "a.toml:2:1: unknown key 'cells' in [time]. It is a key of [mesh]. Allowed: step, end",
+        "a.toml:2:1: unknown key 'cells' in [time]. It is a key of [mesh]. Allowed: step, tolerance, order, end",
     );
     assert!(
         message("[nematic.initial]\nkind = 'random'\nseeds = 1").starts_with(

@@ -2,7 +2,8 @@
 
 use super::{read, read_with};
 use crate::scene::{
-    AnchoringKind, Curve, InitialDirector, Order, Origin, Outline, ScalarField, Scene, Shape, preset,
+    AnchoringKind, Curve, InitialDirector, Order, Origin, Outline, ScalarField, Scene, Shape,
+    preset,
 };
 
 fn case3(overrides: &[&str]) -> Scene {
@@ -40,13 +41,19 @@ fn values_take_the_place_of_the_scenes() {
 #[test]
 fn a_chosen_step_takes_the_place_of_a_given_one_and_the_other_way_round() {
     let given = case3(&[]);
-    assert_eq!((given.time.tolerance, given.time.order), (None, Order::First));
+    assert_eq!(
+        (given.time.tolerance, given.time.order),
+        (None, Order::First)
+    );
     let chosen = case3(&["time.tolerance=1e-4"]);
     assert_eq!(
         (chosen.time.tolerance, chosen.time.order),
         (Some(1e-4), Order::Second)
     );
-    assert_eq!(case3(&["time.tolerance=1e-4", "time.order=1"]).time.order, Order::First);
+    assert_eq!(
+        case3(&["time.tolerance=1e-4", "time.order=1"]).time.order,
+        Order::First
+    );
     assert_eq!(case3(&["time.order=2"]).time.order, Order::Second);
     let written = given.to_toml();
     let again = read_with(&written, &["time.tolerance=1e-4"], &[]).expect("right");

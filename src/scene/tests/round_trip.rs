@@ -102,6 +102,7 @@ scale = 1.0
 
 [time]
 step = 1e-7
+order = 1
 end = 1e-3
 
 [membrane]

@@ -1,0 +1,159 @@
+//! `vesica accuracy SCENE`: what accuracy costs in time.
+
+use super::error::CliError;
+use super::output;
+use super::run::some_step;
+use super::signals::EndSignal;
+use crate::figure::{FigureOptions, save_study};
+use crate::record::load_scene;
+use crate::study::{Budget, Choice, Point, Study, chart, study};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// Without `--budget`, in seconds.
+const QUICK: u64 = 120;
+/// With `--full`.
+const FULL: u64 = 1800;
+
+/// Arguments of `vesica accuracy`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+The scene is computed on several meshes with several tolerances, each compared with a finer run, within \
+the budget; what would not fit is left out. Ctrl-C ends the study with what there is.")]
+pub(super) struct Arguments {
+    /// A preset's name (see `vesica presets`) or a TOML file
+    scene: OsString,
+
+    /// Where the diagram and its data go
+    #[arg(long, value_name = "DIR", default_value = "accuracy")]
+    out: PathBuf,
+
+    /// How long it may take, in seconds [default: 120, with --full 1800]
+    #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(1..=1_000_000),
+          allow_negative_numbers = true)]
+    budget: Option<u64>,
+
+    /// More meshes, smaller tolerances, a finer reference
+    #[arg(long)]
+    full: bool,
+
+    /// Override a value of the scene, such as anchoring.kind=parallel
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+}
+
+/// Makes the study, saves and prints it.
+pub(super) fn accuracy(arguments: &Arguments) -> Result<(), CliError> {
+    let loaded = load_scene(&arguments.scene, &arguments.set)?;
+    some_step(&loaded.scene.time)?;
+    let signal = EndSignal::listen()?;
+    let default = if arguments.full { FULL } else { QUICK };
+    let budget = Budget {
+        time: Duration::from_secs(arguments.budget.unwrap_or(default)),
+        full: arguments.full,
+    };
+    let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::stderr());
+    // The template is right; if it ever were not, the plain bar serves.
+    if let Ok(style) = ProgressStyle::with_template("{bar:24} {percent:>3} %  {elapsed}  {msg}") {
+        bar.set_style(style);
+    }
+    let mut watch = |choice: &Choice, share: f64| {
+        bar.set_position((1000.0 * share) as u64);
+        bar.set_message(format!("{} cells, {}", choice.cells, choice.pace));
+        signal.received().is_none()
+    };
+    let result = study(&loaded.scene, budget, &mut watch);
+    bar.finish_and_clear();
+    let result = result?;
+    print(&result)?;
+    let name = loaded.name.to_string_lossy();
+    let command = format!(
+        "vesica accuracy {name}{} --budget {}{}",
+        if arguments.full { " --full" } else { "" },
+        budget.time.as_secs(),
+        arguments
+            .set
+            .iter()
+            .map(|set| format!(" --set {set}"))
+            .collect::<String>(),
+    );
+    let options = FigureOptions::default();
+    let files = save_study(&result, &name, &command, &options, &arguments.out)?;
+    for file in files {
+        output::line(file.display())?;
+    }
+    Ok(())
+}
+
+fn print(study: &Study) -> Result<(), CliError> {
+    output::line(format_args!(
+        "{:>5}  {:<18} {:<10} {:>9} {:>7} {:>7} {:>9} {:>9} {:>9} {:>9}",
+        "cells", "steps", "", "seconds", "MB", "steps", "φ", "membrane", "E_total", "of steps"
+    ))?;
+    for point in &study.points {
+        output::line(row(point))?;
+    }
+    if let Some(reference) = &study.reference {
+        let part = |error: Option<f64>| {
+            error.map_or("of unknown size".to_owned(), |error| {
+                format!("about {error:.1e}")
+            })
+        };
+        output::line(format_args!(
+            "Reference: {} cells, {} ({:.1} s); its own error in φ is {} from its mesh and {} from its steps.",
+            reference.cells,
+            reference.pace,
+            reference.seconds,
+            part(reference.space_error),
+            part(reference.time_error),
+        ))?;
+    }
+    for (what, order) in [
+        ("h", study.order_in_space),
+        ("the tolerance", study.order_in_tolerance),
+    ] {
+        if let Some(order) = order {
+            output::line(format_args!(
+                "Observed order in {what}: {:.2} ({:.2} to {:.2}).",
+                order.last, order.least, order.greatest
+            ))?;
+        }
+    }
+    output::line(chart(study))?;
+    for sentence in &study.sentences {
+        output::line(sentence)?;
+    }
+    Ok(())
+}
+
+fn row(point: &Point) -> String {
+    let number = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.2e}"));
+    let memory = point
+        .memory
+        .map_or("-".to_owned(), |bytes| format!("{:.0}", bytes as f64 / 1e6));
+    let how = match (point.quadrature, point.iteration) {
+        ("consistent", "newton") => "",
+        ("consistent", other) => other,
+        (rule, _) => rule,
+    };
+    let errors = point.errors;
+    let mut row = format!(
+        "{:>5}{} {:<18} {how:<10} {:>9} {memory:>7} {:>7} {:>9} {:>9} {:>9} {:>9}",
+        point.cells,
+        if point.is_own { "*" } else { " " },
+        point.pace.to_string(),
+        format!("{:.2}", point.seconds),
+        point.steps,
+        number(errors.map(|it| it.phase)),
+        number(errors.and_then(|it| it.membrane)),
+        number(errors.map(|it| it.energy)),
+        number(point.time_error),
+    );
+    if let Some(reason) = &point.failure {
+        row.push_str("  ");
+        row.push_str(reason);
+    }
+    row
+}

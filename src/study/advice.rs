@@ -1,0 +1,161 @@
+//! Which knob is the one to turn, from what was measured.
+
+use super::choice::Pace;
+use super::report::{Point, Study};
+use serde::Serialize;
+
+/// What can be turned.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Knob {
+    /// mesh.cells.
+    Mesh,
+    /// time.step or time.tolerance.
+    Steps,
+    /// Neither stands out.
+    Both,
+}
+
+/// Of two parts of an error one dominates if it is so many times the other.
+const DOMINATES: f64 = 2.0;
+
+/// What to turn, and what it brings.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Advice {
+    /// The knob.
+    pub knob: Knob,
+    /// The part of φ's error that is due to the mesh.
+    pub space: f64,
+    /// The part that is due to the steps.
+    pub time: f64,
+    /// 1/h of the point that is judged: the scene's own, or the one next to it that was run.
+    pub cells: usize,
+    /// How long its steps are.
+    pub pace: Pace,
+}
+
+impl Knob {
+    /// The knob for these parts of the error.
+    pub fn of(space: f64, time: f64) -> Self {
+        if space >= DOMINATES * time {
+            Self::Mesh
+        } else if time >= DOMINATES * space {
+            Self::Steps
+        } else {
+            Self::Both
+        }
+    }
+}
+
+/// The advice for a study, and sentences that say it.
+pub(super) fn advice(study: &Study) -> (Option<Advice>, Vec<String>) {
+    let Some(judged) = judged(study) else {
+        let sentence = "Too little was run within the budget to say what to turn: raise --budget.";
+        return (None, vec![sentence.to_owned()]);
+    };
+    let floor = study
+        .floors
+        .iter()
+        .find(|(cells, _)| *cells == judged.cells);
+    let (Some((_, space)), Some(time)) = (floor, time_error(study, judged)) else {
+        let sentence = "The parts of the error could not be told apart within the budget.";
+        return (None, vec![sentence.to_owned()]);
+    };
+    let advice = Advice {
+        knob: Knob::of(*space, time),
+        space: *space,
+        time,
+        cells: judged.cells,
+        pace: judged.pace,
+    };
+    let what = if judged.is_own {
+        ""
+    } else {
+        " (next to the scene's own choice)"
+    };
+    let mut sentences = vec![format!(
+        "At {} cells and {}{what} the error of φ is about {:.1e} from the mesh and {time:.1e} from the \
+         steps: {}.",
+        judged.cells,
+        judged.pace,
+        space,
+        match advice.knob {
+            Knob::Mesh => "the mesh dominates",
+            Knob::Steps => "the steps dominate",
+            Knob::Both => "the two are of the same size",
+        }
+    )];
+    sentences.extend(finer_mesh(study, judged));
+    sentences.push(match advice.knob {
+        Knob::Mesh => "Shorter steps gain nothing here.".to_owned(),
+        Knob::Steps => "A finer mesh gains nothing before the steps are shorter.".to_owned(),
+        Knob::Both => "Turn both together: neither gains much alone.".to_owned(),
+    });
+    sentences.extend(cheaper(study, judged));
+    (Some(advice), sentences)
+}
+
+/// The scene's own point, or the most accurate one that was run.
+fn judged(study: &Study) -> Option<&Point> {
+    let own = study
+        .points
+        .iter()
+        .find(|point| point.is_own && point.error().is_some());
+    own.or_else(|| {
+        let known = study.points.iter().filter(|point| point.error().is_some());
+        known.max_by_key(|point| point.cells)
+    })
+}
+
+/// The part of a point's error that is due to its steps: measured on its mesh, or on the finest one
+/// on which the same steps were measured.
+fn time_error(study: &Study, point: &Point) -> Option<f64> {
+    point.time_error.or_else(|| {
+        let same = study.points.iter().filter(|other| {
+            other.pace == point.pace && other.time_error.is_some() && other.cells <= point.cells
+        });
+        same.max_by_key(|other| other.cells)?.time_error
+    })
+}
+
+/// What the last refinement of the mesh cost and brought.
+fn finer_mesh(study: &Study, judged: &Point) -> Option<String> {
+    let floor = |cells: usize| study.floors.iter().find(|(known, _)| *known == cells);
+    let coarser = study
+        .meshes()
+        .into_iter()
+        .rfind(|cells| *cells < judged.cells)?;
+    let (_, before) = floor(coarser)?;
+    let (_, after) = floor(judged.cells)?;
+    let (old, new) = (study.rungs(coarser), study.rungs(judged.cells));
+    let pair = new.iter().find_map(|(tolerance, point)| {
+        let same = old.iter().find(|(other, _)| other == tolerance)?;
+        Some((same.1.seconds, point.seconds))
+    })?;
+    Some(format!(
+        "From {coarser} to {} cells took {:.1}× the time and gave {:.1}× less error from the mesh.",
+        judged.cells,
+        pair.1 / pair.0.max(1e-9),
+        before / after.max(f64::MIN_POSITIVE),
+    ))
+}
+
+/// A point that is as accurate and cheaper.
+fn cheaper(study: &Study, judged: &Point) -> Option<String> {
+    let error = judged.error()?;
+    let best = study
+        .points
+        .iter()
+        .filter(|point| point.error().is_some_and(|it| it <= 1.05 * error))
+        .min_by(|a, b| a.seconds.total_cmp(&b.seconds))?;
+    (best.seconds < 0.8 * judged.seconds).then(|| {
+        format!(
+            "{} cells and {} ({}, {}) give the same error in {:.2} of the time.",
+            best.cells,
+            best.pace,
+            best.quadrature,
+            best.iteration,
+            best.seconds / judged.seconds,
+        )
+    })
+}

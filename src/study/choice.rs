@@ -1,0 +1,95 @@
+//! One way to compute a scene: a mesh, steps, quadrature and iteration.
+
+use crate::scene::{InitialDirector, Time};
+use crate::scene::{Iteration, Mesh, Order, Quadrature, ScalarField, Scene, Shape};
+use serde::Serialize;
+use std::fmt;
+
+/// How long steps are.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Pace {
+    /// Δt, fixed; the scheme as it is, of first order.
+    Step(f64),
+    /// Chosen by a tolerance, of second order.
+    Tolerance(f64),
+}
+
+impl fmt::Display for Pace {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Step(step) => write!(f, "\u{394}t = {step:e}"),
+            Self::Tolerance(tolerance) => write!(f, "tolerance {tolerance:e}"),
+        }
+    }
+}
+
+/// One way to compute a scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Choice {
+    /// 1/h.
+    pub cells: usize,
+    /// How long steps are.
+    pub pace: Pace,
+    /// The rule of every integral.
+    pub quadrature: Quadrature,
+    /// The iteration for (3.21).
+    pub iteration: Iteration,
+}
+
+impl Choice {
+    /// The way that a scene asks for.
+    pub fn of(scene: &Scene) -> Self {
+        let Mesh::Structured { cells, .. } = scene.mesh;
+        Self {
+            cells,
+            pace: match scene.time.tolerance {
+                None => Pace::Step(scene.time.step),
+                Some(tolerance) => Pace::Tolerance(tolerance),
+            },
+            quadrature: scene.solver.quadrature,
+            iteration: scene.solver.iteration,
+        }
+    }
+
+    /// The scene, computed this way.
+    pub fn applied_to(&self, scene: &Scene) -> Scene {
+        let mut scene = scene.clone();
+        let Mesh::Structured { cells, .. } = &mut scene.mesh;
+        *cells = self.cells;
+        let end = scene.time.end;
+        let default = Time::default();
+        scene.time = match self.pace {
+            Pace::Step(step) => Time {
+                step,
+                tolerance: None,
+                order: Order::First,
+                end,
+            },
+            Pace::Tolerance(tolerance) => Time {
+                step: default.step,
+                tolerance: Some(tolerance),
+                order: Order::Second,
+                end,
+            },
+        };
+        scene.solver.quadrature = self.quadrature;
+        scene.solver.iteration = self.iteration;
+        scene
+    }
+}
+
+/// Whether a scene can be computed on another mesh: not if it has values at the nodes of its own.
+pub(super) fn can_change_mesh(scene: &Scene) -> bool {
+    let shape = matches!(scene.vesicle.shape, Shape::Outlines(_));
+    let curvature = !matches!(scene.membrane.spontaneous_curvature, ScalarField::File(_));
+    let director = scene.nematic.as_ref().is_none_or(|nematic| {
+        // Random vectors are drawn node by node.
+        !matches!(
+            nematic.initial,
+            InitialDirector::File(_) | InitialDirector::Random { .. }
+        )
+    });
+    let Mesh::Structured { jitter, .. } = scene.mesh;
+    shape && curvature && director && jitter == 0.0
+}

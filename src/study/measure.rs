@@ -1,0 +1,91 @@
+//! A scene computed one way, with what it took.
+
+use super::choice::Choice;
+use super::clock::{Stopwatch, forget_peak_memory, peak_memory};
+use super::distance::Solution;
+use crate::scene::Scene;
+use crate::simulation::{Schedule, Simulation};
+use std::time::Duration;
+
+/// What a run took, and what came out.
+#[derive(Debug)]
+pub(super) struct Measurement {
+    /// Computing time of the run, set-up and steps.
+    pub(super) seconds: f64,
+    /// The peak of the process's memory meanwhile, in bytes.
+    pub(super) memory: Option<u64>,
+    pub(super) steps: u64,
+    pub(super) refused: u64,
+    pub(super) newton: u64,
+    pub(super) krylov: u64,
+    /// The state at T, or why there is none.
+    pub(super) outcome: Result<Solution, Failure>,
+}
+
+/// Why there is no state at T.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Failure {
+    /// The run failed.
+    Failed(String),
+    /// It took longer than it was allowed to.
+    TooLong,
+    /// Whoever watches has it ended.
+    Ended,
+}
+
+/// Computes the scene this way for at most so long; `go_on` is asked at every step.
+pub(super) fn measure(
+    scene: &Scene,
+    choice: &Choice,
+    limit: Duration,
+    go_on: &mut dyn FnMut(f64) -> bool,
+) -> Measurement {
+    let scene = choice.applied_to(scene);
+    let counts = forget_peak_memory();
+    let watch = Stopwatch::start();
+    let mut measurement = Measurement {
+        seconds: 0.0,
+        memory: None,
+        steps: 0,
+        refused: 0,
+        newton: 0,
+        krylov: 0,
+        outcome: Err(Failure::Ended),
+    };
+    measurement.outcome = advance(&scene, &watch, limit, go_on, &mut measurement);
+    measurement.seconds = watch.elapsed().as_secs_f64();
+    measurement.memory = peak_memory().filter(|_| counts);
+    measurement
+}
+
+fn advance(
+    scene: &Scene,
+    watch: &Stopwatch,
+    limit: Duration,
+    go_on: &mut dyn FnMut(f64) -> bool,
+    measurement: &mut Measurement,
+) -> Result<Solution, Failure> {
+    let schedule = Schedule::new(&scene.time, 1, 1);
+    let mut simulation =
+        Simulation::new(scene).map_err(|error| Failure::Failed(error.to_string()))?;
+    simulation.follow(&schedule);
+    loop {
+        let report = simulation.report();
+        if schedule.is_over(report.step, report.t) {
+            return Ok(Solution::of(&simulation));
+        }
+        if !go_on(schedule.share(report.step, report.t)) {
+            return Err(Failure::Ended);
+        }
+        if watch.wall() > limit {
+            return Err(Failure::TooLong);
+        }
+        let report = simulation
+            .advance()
+            .map_err(|error| Failure::Failed(error.to_string()))?;
+        measurement.steps = report.step;
+        measurement.refused += u64::from(report.refused);
+        measurement.newton += u64::from(report.newton);
+        measurement.krylov += u64::from(report.krylov);
+    }
+}

@@ -1,0 +1,158 @@
+//! What a run will cost, before it is begun.
+//!
+//! **Fixed steps.** The scene's own first steps are made for a second or two, until the guesses of the
+//! iteration are as good as they get; the last of them tell what every further step takes.
+//!
+//! **Chosen steps.** How many there will be does not depend much on the mesh, so the scene is run to its
+//! end on a coarse one. What a step takes is measured on the scene's own mesh, at the Δt that was
+//! typical on the coarse one.
+//!
+//! **Memory** is counted from the vectors and matrices that a run holds (a fit to measured peaks).
+
+use super::choice::{Choice, can_change_mesh};
+use super::clock::Stopwatch;
+use crate::scene::{Mesh, Order, Scene};
+use crate::simulation::{Schedule, Simulation, SimulationError, step_count};
+use std::time::Duration;
+
+/// What a run will take.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Price {
+    /// Steps, known or estimated.
+    pub steps: u64,
+    /// Computing time of all of them, with set-up, in seconds.
+    pub seconds: f64,
+    /// Memory, in bytes.
+    pub memory: u64,
+}
+
+/// The calibration takes about so long.
+const CALIBRATION: Duration = Duration::from_millis(1500);
+
+/// After so many steps the guesses are as good as they get.
+const SETTLED: u64 = 64;
+
+/// The last steps of a calibration count.
+const LAST: usize = 12;
+
+/// Cells of the coarse mesh, as a part of the scene's.
+const COARSER: usize = 4;
+
+/// With fewer cells the physics is another one.
+const FEWEST_CELLS: usize = 24;
+
+/// Bytes that the program has without a mesh, and a node's share with the transform and with the
+/// factor: peaks of `vesica run` at 60, 120 and 240 cells, with every effect.
+const PROGRAM: f64 = 6e6;
+const A_NODE: f64 = 2.1e3;
+const A_NODE_WITH_FACTOR: f64 = 5.4e3;
+
+/// What a run of the scene will take on this machine. Takes a second or two, and longer only where a
+/// single step does.
+///
+/// # Errors
+/// [`SimulationError`]: the scene cannot be set up, or its first steps fail.
+pub fn price(scene: &Scene) -> Result<Price, SimulationError> {
+    match step_count(&scene.time) {
+        Some(steps) => fixed(scene, steps),
+        None => chosen(scene),
+    }
+}
+
+fn fixed(scene: &Scene, steps: u64) -> Result<Price, SimulationError> {
+    let watch = Stopwatch::start();
+    let mut simulation = Simulation::new(scene)?;
+    let setup = watch.elapsed();
+    let mut times = Vec::new();
+    let mut before = watch.elapsed();
+    while (times.len() as u64) < steps.min(SETTLED) && watch.wall() < CALIBRATION {
+        simulation.advance()?;
+        let now = watch.elapsed();
+        times.push((now - before).as_secs_f64());
+        before = now;
+    }
+    let made: f64 = times.iter().sum();
+    let last = &times[times.len().saturating_sub(LAST)..];
+    let further = (steps - times.len() as u64) as f64 * mean(last);
+    Ok(Price {
+        steps,
+        seconds: setup.as_secs_f64() + made + further,
+        memory: memory(scene, simulation.linear_method() == "factor"),
+    })
+}
+
+fn chosen(scene: &Scene) -> Result<Price, SimulationError> {
+    let own = Choice::of(scene);
+    let cells = if can_change_mesh(scene) {
+        (own.cells / COARSER).max(FEWEST_CELLS).min(own.cells)
+    } else {
+        own.cells
+    };
+    let coarse = Choice { cells, ..own }.applied_to(scene);
+    let schedule = Schedule::new(&coarse.time, 1, 1);
+    let watch = Stopwatch::start();
+    let mut simulation = Simulation::new(&coarse)?;
+    let mut steps = Vec::new();
+    let mut attempts = 0_u64;
+    let share = loop {
+        let report = simulation.report();
+        let share = schedule.share(report.step, report.t);
+        if share >= 1.0 || (watch.wall() > CALIBRATION && !steps.is_empty()) {
+            break share;
+        }
+        let report = simulation.advance()?;
+        steps.push(report.dt);
+        attempts += 1 + u64::from(report.refused);
+    };
+    // What is missing goes on as it went last.
+    let missing = match steps.last() {
+        Some(last) => ((1.0 - share) * scene.time.end / last).ceil() as u64,
+        None => 0,
+    };
+    let number = steps.len() as u64 + missing;
+    steps.sort_by(f64::total_cmp);
+    let typical = steps
+        .get(steps.len() / 2)
+        .copied()
+        .unwrap_or(scene.time.step);
+
+    let mut fine = scene.clone();
+    (fine.time.tolerance, fine.time.step) = (None, typical);
+    fine.time.order = Order::Second;
+    let watch = Stopwatch::start();
+    let mut simulation = Simulation::new(&fine)?;
+    let setup = watch.elapsed();
+    let mut times = Vec::new();
+    let mut before = setup;
+    // The first is dearer than the others, and a change of the way to solve falls into the next ones.
+    while times.len() < 6 && (times.len() < 2 || watch.wall() < CALIBRATION) {
+        simulation.advance()?;
+        let now = watch.elapsed();
+        times.push((now - before).as_secs_f64());
+        before = now;
+    }
+    let a_step = times.last().copied().unwrap_or_default();
+    Ok(Price {
+        steps: number,
+        seconds: setup.as_secs_f64() + (attempts + missing) as f64 * a_step,
+        memory: memory(scene, true),
+    })
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+/// What a run of a scene holds at most, in bytes.
+fn memory(scene: &Scene, with_factor: bool) -> u64 {
+    let Mesh::Structured { cells, .. } = scene.mesh;
+    let nodes = ((cells + 1) * (cells + 1)) as f64;
+    // A factor's fill grows with the logarithm of the number of nodes.
+    let fill = (nodes.ln() / 14_641.0_f64.ln()).max(0.5);
+    let factor = if with_factor {
+        A_NODE_WITH_FACTOR * fill
+    } else {
+        0.0
+    };
+    (PROGRAM + nodes * (A_NODE + factor)) as u64
+}

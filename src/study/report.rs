@@ -1,0 +1,319 @@
+//! What a study found: its points, its reference, and what follows from them.
+
+use super::advice::{Advice, advice};
+use super::choice::{Choice, Pace};
+use super::distance::Errors;
+use super::measure::{Failure, Measurement};
+use crate::record::Number;
+use crate::scene::{Iteration, Quadrature};
+use serde::Serialize;
+use std::fmt::Write;
+
+/// One way to compute the scene, what it took and how far off it is.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Point {
+    /// 1/h.
+    pub cells: usize,
+    /// How long steps are.
+    pub pace: Pace,
+    /// "consistent" or "lumped".
+    pub quadrature: &'static str,
+    /// "newton" or "lagged".
+    pub iteration: &'static str,
+    /// Whether the scene asks for just this.
+    pub is_own: bool,
+    /// Computing time, set-up and steps, in seconds: what the processor spent on the run's thread.
+    pub seconds: f64,
+    /// The peak of the process's memory meanwhile, in bytes.
+    pub memory: Option<u64>,
+    /// Accepted steps.
+    pub steps: u64,
+    /// Refused ones.
+    pub refused: u64,
+    /// Newton iterations.
+    pub newton: u64,
+    /// Krylov iterations.
+    pub krylov: u64,
+    /// Against the reference, at T.
+    pub errors: Option<Errors>,
+    /// ‖φ − φ'‖ at T against the most accurate steps on the same mesh: the part of the error that is
+    /// due to the steps.
+    pub time_error: Option<f64>,
+    /// Why there is no result.
+    pub failure: Option<String>,
+    /// Whether no other point is both cheaper and more accurate in φ.
+    pub is_pareto: bool,
+}
+
+impl Point {
+    pub(super) fn new(choice: &Choice, own: &Choice, measured: &Measurement) -> Self {
+        Self {
+            cells: choice.cells,
+            pace: choice.pace,
+            quadrature: match choice.quadrature {
+                Quadrature::Consistent => "consistent",
+                Quadrature::Lumped => "lumped",
+            },
+            iteration: match choice.iteration {
+                Iteration::Newton => "newton",
+                Iteration::Lagged => "lagged",
+            },
+            is_own: choice == own,
+            seconds: measured.seconds,
+            memory: measured.memory,
+            steps: measured.steps,
+            refused: measured.refused,
+            newton: measured.newton,
+            krylov: measured.krylov,
+            errors: None,
+            time_error: None,
+            failure: match &measured.outcome {
+                Ok(_) => None,
+                Err(Failure::Failed(reason)) => Some(reason.clone()),
+                Err(Failure::TooLong) => Some(format!(
+                    "stopped after {:.0} s, for the budget",
+                    measured.seconds
+                )),
+                Err(Failure::Ended) => Some("ended".to_owned()),
+            },
+            is_pareto: false,
+        }
+    }
+
+    /// ‖φ − φ*‖, where it is known.
+    pub fn error(&self) -> Option<f64> {
+        Some(self.errors?.phase)
+    }
+}
+
+/// What the errors are measured against.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Reference {
+    /// 1/h.
+    pub cells: usize,
+    /// How long its steps are.
+    pub pace: Pace,
+    /// Computing time, in seconds.
+    pub seconds: f64,
+    /// The part of its own error that is due to its steps, in φ: that of the same tolerance on a
+    /// coarser mesh.
+    pub time_error: Option<f64>,
+    /// The part that is due to its mesh: what the finest other mesh is off, extrapolated by the
+    /// observed order.
+    pub space_error: Option<f64>,
+}
+
+/// An order of convergence that was observed, pair by pair.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ObservedOrder {
+    /// Of the last two.
+    pub last: f64,
+    /// The least of all pairs.
+    pub least: f64,
+    /// The greatest.
+    pub greatest: f64,
+}
+
+impl ObservedOrder {
+    /// From errors for widths (h, or Δt, or the tolerance), the widest first; `None` for fewer than two.
+    pub(super) fn of(errors: &[(f64, f64)]) -> Option<Self> {
+        let orders: Vec<f64> = errors
+            .windows(2)
+            .filter(|pair| pair[1].1 > 0.0 && pair[0].0 > pair[1].0)
+            .map(|pair| (pair[0].1 / pair[1].1).ln() / (pair[0].0 / pair[1].0).ln())
+            .collect();
+        Some(Self {
+            last: *orders.last()?,
+            least: orders.iter().copied().fold(f64::INFINITY, f64::min),
+            greatest: orders.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+        })
+    }
+}
+
+/// What accuracy costs for a scene.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Study {
+    /// The scene's title.
+    pub scene: String,
+    /// What the errors are measured against; none if the budget was too small for it.
+    pub reference: Option<Reference>,
+    /// Every run, in the order in which they were made.
+    pub points: Vec<Point>,
+    /// Of φ in h, at the smallest tolerance.
+    pub order_in_space: Option<ObservedOrder>,
+    /// Of φ in the tolerance, on the coarsest mesh: 1 where the error is in proportion.
+    pub order_in_tolerance: Option<ObservedOrder>,
+    /// For each mesh the part of the error that no smaller tolerance takes away, by 1/h.
+    pub floors: Vec<(usize, f64)>,
+    /// What to do.
+    pub advice: Option<Advice>,
+    /// The same in words.
+    pub sentences: Vec<String>,
+}
+
+impl Study {
+    pub(super) fn new(scene: &str, points: Vec<Point>, reference: Option<Reference>) -> Self {
+        let mut study = Self {
+            scene: scene.to_owned(),
+            reference,
+            points,
+            order_in_space: None,
+            order_in_tolerance: None,
+            floors: Vec::new(),
+            advice: None,
+            sentences: Vec::new(),
+        };
+        study.mark_pareto();
+        study.observe();
+        let (advice, sentences) = advice(&study);
+        (study.advice, study.sentences) = (advice, sentences);
+        study
+    }
+
+    fn mark_pareto(&mut self) {
+        let known: Vec<(f64, Option<f64>)> = self
+            .points
+            .iter()
+            .map(|point| (point.seconds, point.error()))
+            .collect();
+        for point in &mut self.points {
+            let Some(error) = point.error() else { continue };
+            point.is_pareto = !known.iter().any(|(seconds, other)| {
+                let better = |other: f64| {
+                    (*seconds <= point.seconds && other < error)
+                        || (*seconds < point.seconds && other <= error)
+                };
+                other.is_some_and(better)
+            });
+        }
+    }
+
+    /// The points of the main ladder on a mesh: the scene's own quadrature and iteration, chosen
+    /// steps, the largest tolerance first.
+    pub(super) fn rungs(&self, cells: usize) -> Vec<(f64, &Point)> {
+        let main = self.points.first();
+        let mut rungs: Vec<(f64, &Point)> = self
+            .points
+            .iter()
+            .filter(|point| point.cells == cells)
+            .filter(|point| {
+                main.is_some_and(|main| {
+                    (point.quadrature, point.iteration) == (main.quadrature, main.iteration)
+                })
+            })
+            .filter_map(|point| match point.pace {
+                Pace::Tolerance(tolerance) => Some((tolerance, point)),
+                Pace::Step(_) => None,
+            })
+            .collect();
+        rungs.sort_by(|a, b| b.0.total_cmp(&a.0));
+        rungs
+    }
+
+    /// The meshes, coarsest first.
+    pub(super) fn meshes(&self) -> Vec<usize> {
+        let mut meshes: Vec<usize> = self.points.iter().map(|point| point.cells).collect();
+        meshes.sort_unstable();
+        meshes.dedup();
+        meshes
+    }
+
+    fn observe(&mut self) {
+        let meshes = self.meshes();
+        let floor = |cells: &usize| {
+            let rungs = self.rungs(*cells);
+            let errors = rungs.iter().filter_map(|(_, point)| point.error());
+            let last = errors.last()?;
+            Some((*cells, last))
+        };
+        let floors: Vec<(usize, f64)> = meshes.iter().filter_map(floor).collect();
+        let widths: Vec<(f64, f64)> = floors
+            .iter()
+            .map(|(cells, error)| ((*cells as f64).recip(), *error))
+            .collect();
+        self.order_in_space = ObservedOrder::of(&widths);
+        self.order_in_tolerance = meshes.first().and_then(|cells| {
+            let rungs = self.rungs(*cells);
+            let errors: Vec<(f64, f64)> = rungs
+                .iter()
+                .filter_map(|(tolerance, point)| Some((*tolerance, point.time_error?)))
+                .collect();
+            ObservedOrder::of(&errors)
+        });
+        self.floors = floors;
+        // What the reference is off by itself.
+        let finest = self.floors.last().copied();
+        let order = self.order_in_space;
+        let time = self.reference.as_ref().and_then(|reference| {
+            let Pace::Tolerance(wanted) = reference.pace else {
+                return None;
+            };
+            let same = |cells: &usize| {
+                let rungs = self.rungs(*cells);
+                let rung = rungs.iter().find(|(tolerance, _)| *tolerance == wanted)?;
+                rung.1.time_error
+            };
+            meshes.iter().rev().find_map(same)
+        });
+        if let Some(reference) = &mut self.reference {
+            reference.time_error = time;
+            reference.space_error = finest.and_then(|(cells, error)| {
+                let ratio = reference.cells as f64 / cells as f64;
+                let order = order?.last.clamp(1.0, 2.0);
+                (ratio > 1.0).then(|| error / (ratio.powf(order) - 1.0))
+            });
+        }
+    }
+
+    /// The points as CSV.
+    pub fn to_csv(&self) -> String {
+        let mut text =
+            "cells,step,tolerance,quadrature,iteration,own,seconds,memory,steps,refused,\
+                        newton,krylov,phi,membrane,d,E_total,B,time_error,pareto,failure\n"
+                .to_owned();
+        let number = |value: Option<f64>| value.map_or(String::new(), |it| Number(it).to_string());
+        for point in &self.points {
+            let (step, tolerance) = match point.pace {
+                Pace::Step(step) => (Some(step), None),
+                Pace::Tolerance(tolerance) => (None, Some(tolerance)),
+            };
+            let errors = point.errors;
+            let cells = [
+                point.cells.to_string(),
+                number(step),
+                number(tolerance),
+                point.quadrature.to_owned(),
+                point.iteration.to_owned(),
+                u8::from(point.is_own).to_string(),
+                number(Some(point.seconds)),
+                point
+                    .memory
+                    .map_or(String::new(), |bytes| bytes.to_string()),
+                point.steps.to_string(),
+                point.refused.to_string(),
+                point.newton.to_string(),
+                point.krylov.to_string(),
+                number(errors.map(|it| it.phase)),
+                number(errors.and_then(|it| it.membrane)),
+                number(errors.and_then(|it| it.director)),
+                number(errors.map(|it| it.energy)),
+                number(errors.map(|it| it.surface_area)),
+                number(point.time_error),
+                u8::from(point.is_pareto).to_string(),
+                quoted(point.failure.as_deref().unwrap_or_default()),
+            ];
+            // Writing to a string does not fail.
+            let _ = writeln!(text, "{}", cells.join(","));
+        }
+        text
+    }
+}
+
+/// A cell of CSV.
+fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_owned()
+    }
+}

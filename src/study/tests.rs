@@ -1,0 +1,148 @@
+//! Small studies, whole.
+
+use super::*;
+use crate::scene::Scene;
+use crate::simulation::Simulation;
+use std::time::Duration;
+
+fn scene(settings: &str) -> Scene {
+    let text = format!(
+        "
+        mesh.cells = 32
+        vesicle = {{ shape = 'ellipse', half_axes = [0.3, 0.2], angle = 70 }}
+        area.target = 1.1
+        membrane.interface_width = 0.06
+        {settings}"
+    );
+    let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+    Scene::parse(&text, "the test", &[], &mut no_files).expect("right")
+}
+
+fn small_study(settings: &str) -> Study {
+    let budget = Budget {
+        time: Duration::from_secs(600),
+        full: false,
+    };
+    study(&scene(settings), budget, &mut |_, _| true).expect("it is small")
+}
+
+/// The error at T of some cells and steps against a fine run, by another way than the study's.
+fn error(settings: &str, cells: usize, tolerance: f64, reference: &Solved) -> f64 {
+    reference.distance(&solve(settings, cells, tolerance))
+}
+
+struct Solved {
+    cells: usize,
+    phi: Vec<f64>,
+}
+
+impl Solved {
+    /// In L2 at the nodes of the coarser mesh.
+    fn distance(&self, coarse: &Self) -> f64 {
+        let ratio = self.cells / coarse.cells;
+        let side = coarse.cells + 1;
+        let mut sum = 0.0;
+        for row in 0..side {
+            for column in 0..side {
+                let fine = self.phi[row * ratio * (self.cells + 1) + column * ratio];
+                sum += (fine - coarse.phi[row * side + column]).powi(2);
+            }
+        }
+        (sum / (side * side) as f64).sqrt()
+    }
+}
+
+fn solve(settings: &str, cells: usize, tolerance: f64) -> Solved {
+    let choice = Choice {
+        cells,
+        pace: Pace::Tolerance(tolerance),
+        ..Choice::of(&scene(settings))
+    };
+    let scene = choice.applied_to(&scene(settings));
+    let mut simulation = Simulation::new(&scene).expect("it is small");
+    while simulation.report().t < scene.time.end {
+        simulation.advance().expect("solved");
+    }
+    let phi = simulation.state().phi.clone();
+    Solved { cells, phi }
+}
+
+const CALM: &str = "time = { tolerance = 1e-3, end = 2e-4 }";
+
+#[test]
+fn where_the_mesh_dominates_it_is_the_knob_and_the_other_gains_nothing() {
+    let study = small_study(CALM);
+    let advice = study.advice.expect("enough was run");
+    assert_eq!(advice.knob, Knob::Mesh, "{:?}", study.sentences);
+    assert!(study.points.iter().all(|point| point.failure.is_none()));
+    assert!(
+        study
+            .points
+            .iter()
+            .any(|point| point.is_own && point.error().is_some())
+    );
+    assert!(study.points.iter().any(|point| point.is_pareto));
+    // As advised, and against the advice: measured anew, by a finer run.
+    let reference = solve(CALM, 128, 1e-4);
+    let before = error(CALM, 32, 1e-3, &reference);
+    let finer_mesh = error(CALM, 64, 1e-3, &reference);
+    let shorter_steps = error(CALM, 32, 1e-4, &reference);
+    assert!(finer_mesh < 0.6 * before, "{finer_mesh:e} {before:e}");
+    assert!(shorter_steps > 0.8 * before, "{shorter_steps:e} {before:e}");
+}
+
+#[test]
+fn orders_floors_and_tables_are_consistent() {
+    let study = small_study(CALM);
+    let order = study.order_in_space.expect("three meshes");
+    assert!(order.least <= order.last && order.last <= order.greatest);
+    let reference = study.reference.as_ref().expect("one");
+    assert!(reference.cells > 32 && reference.time_error.is_some());
+    assert!(study.floors.windows(2).all(|pair| pair[1].1 < pair[0].1));
+    let table = study.to_csv();
+    assert_eq!(table.lines().count(), 1 + study.points.len());
+    let cells = |line: &str| line.split(',').count();
+    let counts: Vec<usize> = table.lines().map(cells).collect();
+    assert!(counts.iter().all(|count| *count == counts[0]));
+    let picture = chart(&study);
+    assert!(
+        picture.contains('*') && picture.contains("32 cells"),
+        "{picture}"
+    );
+}
+
+#[test]
+fn a_study_that_is_ended_keeps_what_it_has() {
+    let mut asked = 0;
+    let budget = Budget {
+        time: Duration::from_secs(600),
+        full: false,
+    };
+    let ended = study(&scene(CALM), budget, &mut |choice, _| {
+        asked += 1;
+        choice.cells <= 8
+    });
+    let ended = ended.expect("the first mesh was run");
+    assert!(ended.reference.is_none() && ended.advice.is_none() && asked > 3);
+    assert!(
+        ended
+            .points
+            .iter()
+            .any(|point| point.failure.as_deref() == Some("ended"))
+    );
+    let none = study(&scene(CALM), budget, &mut |_, _| false);
+    assert_eq!(none, Err(StudyError::Ended));
+}
+
+#[test]
+fn the_number_of_chosen_steps_is_foreseen() {
+    let scene = scene(CALM);
+    let foreseen = price(&scene).expect("it can be run");
+    let mut simulation = Simulation::new(&scene).expect("it is small");
+    while simulation.report().t < scene.time.end {
+        simulation.advance().expect("solved");
+    }
+    let ratio = foreseen.steps as f64 / simulation.report().step as f64;
+    assert!((0.5..2.0).contains(&ratio), "{ratio}");
+    assert!(foreseen.seconds > 0.0 && foreseen.memory > 6_000_000);
+}
