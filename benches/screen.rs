@@ -45,7 +45,7 @@ fn slot(name: &str) -> Slot {
     run.setting = Some(Arc::new(Setting {
         scene: scene.clone(),
         mesh: Arc::new(simulation.mesh().clone()),
-        steps: 10_000,
+        steps: Some(10_000),
         warnings: Vec::new(),
     }));
     let mut slot = Slot::new(name, None, scene);

@@ -222,8 +222,8 @@ impl Study {
         let meshes = self.meshes();
         let floor = |cells: &usize| {
             let rungs = self.rungs(*cells);
-            let errors = rungs.iter().filter_map(|(_, point)| point.error());
-            let last = errors.last()?;
+            let mut errors = rungs.iter().filter_map(|(_, point)| point.error());
+            let last = errors.next_back()?;
             Some((*cells, last))
         };
         let floors: Vec<(usize, f64)> = meshes.iter().filter_map(floor).collect();
