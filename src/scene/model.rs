@@ -150,9 +150,27 @@ pub struct Time {
 pub enum Order {
     /// The scheme as it is, (3.20)–(3.21).
     First,
-    /// Each step is taken once whole and once in halves, and the two are combined so that the error
-    /// of first order falls out.
+    /// Each step is taken whole and in halves, and the two are combined so that the error of first
+    /// order falls out.
     Second,
+    /// In thirds as well, so that the error of second order falls out too.
+    Third,
+}
+
+impl Order {
+    /// As a number.
+    pub fn number(self) -> u8 {
+        match self {
+            Self::First => 1,
+            Self::Second => 2,
+            Self::Third => 3,
+        }
+    }
+
+    /// In how many ways an extrapolated step is taken: at least two, for the estimate of its error.
+    pub fn chains(self) -> usize {
+        usize::from(self.number()).max(2)
+    }
 }
 
 /// The membrane.

@@ -147,9 +147,10 @@ fn read_time(table: &Reader<'_>) -> Result<Time, SceneError> {
         .get("order")
         .filter(|field| field.is_override() || !replaces);
     let order = match order {
-        Some(field) => match field.integer(1..=2)? {
+        Some(field) => match field.integer(1..=3)? {
             1 => Order::First,
-            _ => Order::Second,
+            2 => Order::Second,
+            _ => Order::Third,
         },
         None if tolerance.is_some() => Order::Second,
         None => default.order,

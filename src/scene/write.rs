@@ -3,7 +3,7 @@
 use std::fmt::Display;
 
 use super::model::{
-    Curve, InitialDirector, Mesh, NodalValues, Order, Outline, ScalarField, Scene, Shape, Vesicle,
+    Curve, InitialDirector, Mesh, NodalValues, Outline, ScalarField, Scene, Shape, Vesicle,
 };
 use super::names::{
     ANCHORINGS, BOUNDARIES, ITERATIONS, LINEAR_METHODS, PROJECTIONS, QUADRATURES, name_of,
@@ -36,13 +36,7 @@ impl Scene {
             None => out.key("step", number(self.time.step)),
             Some(tolerance) => out.key("tolerance", number(tolerance)),
         }
-        out.key(
-            "order",
-            match self.time.order {
-                Order::First => 1,
-                Order::Second => 2,
-            },
-        );
+        out.key("order", self.time.order.number());
         out.key("end", number(self.time.end));
 
         out.table("membrane");

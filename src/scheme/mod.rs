@@ -3,8 +3,8 @@
 
 mod detour;
 mod director;
-mod doubled;
 mod error;
+mod extrapolated;
 mod factored;
 mod history;
 mod initial;
@@ -26,12 +26,12 @@ use crate::scene::{self, Boundary, LinearMethod, Quadrature, Scene, Solver};
 
 use detour::{Detour, Slowness};
 use director::DirectorStep;
-use doubled::Trial;
+use extrapolated::Trial;
 use history::History;
 use membrane::{Limits, MembraneStep, Places, Samples};
 
-pub use doubled::Difference;
 pub use error::StepError;
+pub use extrapolated::Difference;
 pub use initial::{InitialError, initial_fields};
 pub use state::{Phase, State, StepReport};
 

@@ -1,9 +1,10 @@
 //! How Δt is chosen: a small state machine without numerics.
 //!
-//! A step comes with the estimate of its error, e(Δt) ≈ C Δt² (`scheme::doubled`), and is accepted if
+//! A step comes with the estimate of its error, e(Δt) ≈ C Δtᵏ
+//! (`scheme::extrapolated`; k is the order), and is accepted if
 //! e ≤ τ, the scene's `time.tolerance`. The next Δt is the one at which the estimate is expected to be
-//! σ²τ, σ = 0.9: Δt·σ(τ/e)^½ if C stays what it is, and less, by Gustafsson's predictive rule, if C has
-//! grown from step to step. Since e falls as Δt² and the error at T of the combined solution does too,
+//! σᵏτ, σ = 0.9: Δt·σ(τ/e)^(1/k) if C stays what it is, and less, by Gustafsson's predictive rule, if C has
+//! grown from step to step. Since e falls as Δtᵏ and the error at T of the combined solution does too,
 //! that error is proportional to τ.
 //!
 //! The times at which a run must be, those of snapshots and T, are met exactly: a step that would
@@ -28,6 +29,8 @@ const MOST_ATTEMPTS: u32 = 60;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Controller {
     tolerance: f64,
+    /// 1/k.
+    exponent: f64,
     /// The Δt that is tried next.
     next: f64,
     /// Δt and the estimate of the last accepted step.
@@ -46,10 +49,11 @@ pub(super) struct Attempt {
 }
 
 impl Controller {
-    /// With the tolerance τ, and the Δt that is tried first.
-    pub(super) fn new(tolerance: f64, first: f64) -> Self {
+    /// With the tolerance τ, the order k of the estimate, and the Δt that is tried first.
+    pub(super) fn new(tolerance: f64, order: u32, first: f64) -> Self {
         Self {
             tolerance,
+            exponent: f64::from(order).recip(),
             next: first,
             last: None,
             attempts: 0,
@@ -78,11 +82,11 @@ impl Controller {
     /// Judges a step that was solved by its estimated error; returns whether it is accepted.
     pub(super) fn judge(&mut self, dt: f64, error: f64) -> bool {
         // A state that does not move has no error: the largest change then.
-        let plain = SAFETY * (self.tolerance / error.max(f64::MIN_POSITIVE)).sqrt();
+        let plain = SAFETY * (self.tolerance / error.max(f64::MIN_POSITIVE)).powf(self.exponent);
         if error <= self.tolerance {
             let predicted = match self.last {
                 Some((last, before)) if error > 0.0 && self.attempts == 0 => {
-                    plain * dt / last * (before / error).sqrt()
+                    plain * dt / last * (before / error).powf(self.exponent)
                 }
                 _ => plain,
             };
@@ -137,7 +141,7 @@ mod tests {
 
     /// Goes from 0 to `landings` with the error c(t) Δt²; the accepted steps.
     fn run(tolerance: f64, landings: &[f64], constant: impl Fn(f64) -> f64) -> (Vec<Attempt>, u32) {
-        let mut controller = Controller::new(tolerance, 1e-7);
+        let mut controller = Controller::new(tolerance, 2, 1e-7);
         let (mut t, mut steps, mut refused) = (0.0, Vec::new(), 0);
         for &landing in landings {
             while t < landing {
@@ -191,7 +195,7 @@ mod tests {
 
     #[test]
     fn gives_up_in_the_end() {
-        let mut controller = Controller::new(1e-4, 1.0);
+        let mut controller = Controller::new(1e-4, 2, 1.0);
         let mut failures = 1;
         let mut dt = 1.0;
         while controller.fail(dt) {
@@ -204,7 +208,7 @@ mod tests {
 
     #[test]
     fn a_state_at_rest_is_followed_by_longer_steps() {
-        let mut controller = Controller::new(1e-4, 1e-3);
+        let mut controller = Controller::new(1e-4, 2, 1e-3);
         assert!(controller.judge(1e-3, 0.0));
         assert_eq!(controller.attempt(0.0, 1.0).dt, 5e-3);
     }
@@ -226,7 +230,7 @@ mod tests {
 
         #[test]
         fn judges_by_the_tolerance_alone(error in 0.0..2e-4, dt in 1e-9..1e-3) {
-            let mut controller = Controller::new(1e-4, dt);
+            let mut controller = Controller::new(1e-4, 2, dt);
             prop_assert_eq!(controller.judge(dt, error), error <= 1e-4);
             let next = controller.attempt(0.0, f64::INFINITY).dt;
             prop_assert!(next.is_finite() && next >= 0.19 * dt && next <= 5.01 * dt);

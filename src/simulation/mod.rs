@@ -82,7 +82,10 @@ impl Pacing {
     fn of(time: &Time) -> Self {
         match time.tolerance {
             None => Self::Fixed(Division::default()),
-            Some(tolerance) => Self::Chosen(Controller::new(tolerance, time.step)),
+            Some(tolerance) => {
+                let order = time.order.chains() as u32;
+                Self::Chosen(Controller::new(tolerance, order, time.step))
+            }
         }
     }
 }
@@ -99,8 +102,8 @@ pub struct Report {
     /// Attempts at this step that were refused, for their error was too large or they could not be
     /// solved; only where Δt is chosen.
     pub refused: u32,
-    /// The estimated error of φ in this step, in L2: that of the solution of first order by halves. Only
-    /// where steps are taken whole and in halves.
+    /// The estimated error of φ in this step, in L2: that of the solution of the order below, which is
+    /// improved on. Only where steps are extrapolated.
     pub time_error: Option<f64>,
     /// The energy of each effect, weighted as in E_tot.
     pub energies: Vec<NamedValue>,
@@ -278,13 +281,15 @@ impl Simulation {
             let mut error = None;
             let outcome = match self.scene.time.order {
                 Order::First => self.scheme.step_watched(piece, watch),
-                Order::Second => match self.scheme.try_doubled(piece, true, watch) {
-                    Ok(difference) => {
+                order => {
+                    let tried = self
+                        .scheme
+                        .try_extrapolated(piece, order.chains(), true, watch);
+                    tried.map(|difference| {
                         error = Some(difference.phase);
-                        Ok(self.scheme.accept_doubled())
-                    }
-                    Err(reason) => Err(reason),
-                },
+                        self.scheme.accept_extrapolated()
+                    })
+                }
             };
             match outcome {
                 Ok(solved) => {
@@ -331,15 +336,18 @@ impl Simulation {
     ) -> Result<Taken, SimulationError> {
         let (step, t) = (self.report.step + 1, self.report.t);
         let landing = self.schedule.landing_after(t);
-        let combine = self.scene.time.order == Order::Second;
+        let order = self.scene.time.order;
+        let (chains, combine) = (order.chains(), order != Order::First);
         let mut taken = Taken::default();
         let (mut refused, mut work) = (0, [0; 3]);
         loop {
             let attempt = controller.attempt(t, landing);
-            let outcome = self.scheme.try_doubled(attempt.dt, combine, watch);
+            let outcome = self
+                .scheme
+                .try_extrapolated(attempt.dt, chains, combine, watch);
             let (again, reason) = match outcome {
                 Ok(difference) if controller.judge(attempt.dt, difference.phase) => {
-                    let solved = self.scheme.accept_doubled();
+                    let solved = self.scheme.accept_extrapolated();
                     if let Some(reason) = &solved.fallback {
                         taken.fallback.get_or_insert_with(|| reason.clone());
                     }

@@ -294,7 +294,7 @@ fn what_is_too_inaccurate_is_refused_and_the_iterations_are_counted() {
 fn the_combination_is_of_second_order_and_the_scheme_of_first() {
     let tight = ["solver.tolerance=1e-10", "solver.law_tolerance=1e-12"];
     let at = |order: &str, step: &str| whole(&[order, step, tight[0], tight[1]], 1).0;
-    let reference = at("time.order=2", "time.step=2.5e-7");
+    let reference = at("time.order=3", "time.step=2.5e-7");
     let errors = |order: &str| {
         ["time.step=4e-6", "time.step=2e-6"].map(|step| distance(&at(order, step), &reference))
     };
@@ -308,6 +308,12 @@ fn the_combination_is_of_second_order_and_the_scheme_of_first() {
     );
     assert!((0.8..1.2).contains(&first), "{first}: {plain:e} {halved:e}");
     assert!(coarse < 0.2 * plain, "{coarse:e} {plain:e}");
+    let [long, short] = errors("time.order=3");
+    let third = (long / short).log2();
+    assert!(
+        third > 2.2 && long < 0.5 * coarse,
+        "{third}: {long:e} {short:e}"
+    );
 }
 
 #[test]

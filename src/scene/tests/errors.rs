@@ -116,7 +116,7 @@ fn values_without_sense() {
         ("time.step", "0", "a finite number > 0"),
         ("time.step", "-1e-7", "a finite number > 0"),
         ("time.tolerance", "0", "a finite number > 0"),
-        ("time.order", "3", "a whole number from 1 to 2"),
+        ("time.order", "4", "a whole number from 1 to 3"),
         ("time.end", "inf", "a finite number > 0"),
         ("time.end", "nan", "a finite number > 0"),
         ("time.end", "1e999", "a finite number > 0"),

@@ -41,6 +41,7 @@ fn every_form_of_every_key_round_trips() {
         "time = { tolerance = 1e-4, end = 0.1 }",
         "time = { tolerance = 1e-4, order = 1 }",
         "time = { step = 1e-8, order = 2 }",
+        "time = { tolerance = 1e-4, order = 3 }",
         "membrane = { interface_width = 0.02, mobility = 1e-300 }",
         "membrane.spontaneous_curvature = \"sin(2*pi*x) * exp(-y^2)\"",
         "mesh.cells = 4\nmembrane.spontaneous_curvature = { file = 's \"1\".txt' }",

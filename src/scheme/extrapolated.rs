@@ -1,0 +1,482 @@
+//! Second and third order in time, by extrapolation: a step of Δt is taken whole, in two parts, and
+//! for the third order in three.
+//!
+//! One step of the scheme, S(Δt), has an error of first order: from the same state y the result in j
+//! parts is
+//!
+//!   T_j = S(Δt/j)ʲ y = Y + C₁ Δt²/j + C₂ Δt³/j² + …
+//!
+//! with Y the exact solution and y = (φ, d); ω and μ are no part of the state, for the scheme makes them
+//! anew from φ and d. With the weights w_j = Π_{i≠j} j/(j − i) the combination Σ w_j T_j of k results
+//! has an error of the order k over a run (Aitken and Neville; the harmonic sequence):
+//!
+//!   k = 2:  2 T₂ − T₁                      three steps of the scheme in each
+//!   k = 3:  (9 T₃ − 8 T₂ + T₁)/2           six
+//!
+//! The estimate of the error is the norm of its distance to the best result of the order below, T₂ or
+//! 3 T₃ − 2 T₂; it falls as Δtᵏ, and is that of the solution which is improved on. What S takes at the new
+//! time (ω, and so the bending) is damped by the combination as by S, however long the step: for
+//! y' = −λy its factor tends to 0 with Δt → ∞. The force of the area is taken in the middle, for which
+//! there is no such bound; a step that is too long for it shows in the estimate.
+//!
+//! **The energy law.** (3.26) is an identity of each step of the scheme, and is checked on all of them.
+//! The ledger of the accepted step is the sum of those of the k parts that lead from the old state to
+//! T_k, with the term
+//!
+//!   extrapolation = E(T_k) − E(yⁿ⁺¹),
+//!
+//! so that dE + Σ terms = 0 holds to the solver's tolerance with dE = E(yⁿ⁺¹) − E(yⁿ). The term may have
+//! either sign. E(yⁿ⁺¹) is that of an ω that solves its equation at φⁿ⁺¹. No theorem says that it is at
+//! most E(yⁿ); where it is not, T_k itself is the new state, whose energy (3.26) bounds. ∫φ is the
+//! same for all results and so for the combination, whose weights have the sum 1; at a clamped wall φ is
+//! −1 for the same reason.
+
+use super::{Phase, Scheme, State, StepError, StepReport, energy_scale, sweep};
+use crate::linalg::vector;
+use crate::physics::{NamedValue, potentials};
+
+/// A step that was taken in several ways and waits to be accepted, and what the guesses of the
+/// next one are made from.
+#[derive(Debug)]
+pub(super) struct Trial {
+    /// The state before the step, while the scheme stands in the middle of it.
+    start: State,
+    start_report: StepReport,
+    /// T_1 … T_k.
+    results: Vec<State>,
+    /// The report of T_k: its ledger is that of all its parts.
+    finest: StepReport,
+    combined: State,
+    combined_report: StepReport,
+    /// What was learnt in the accepted step before, and in this one.
+    last: Learnt,
+    now: Learnt,
+    waiting: Option<Waiting>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Waiting {
+    dt: f64,
+    combine: bool,
+}
+
+/// What a step teaches for the guesses of the next.
+#[derive(Debug)]
+struct Learnt {
+    /// The length of the step; `None`: nothing is known.
+    dt: Option<f64>,
+    /// Σ w_j T_j − T_i, of φ: the errors of the results, nearly.
+    errors: Vec<Vec<f64>>,
+    /// The change of d.
+    turn: Option<[Vec<f64>; 2]>,
+}
+
+impl Learnt {
+    fn new(state: &State, chains: usize) -> Self {
+        let zeros = || vec![0.0; state.phi.len()];
+        Self {
+            dt: None,
+            errors: (0..chains).map(|_| zeros()).collect(),
+            turn: state.director.is_some().then(|| [zeros(), zeros()]),
+        }
+    }
+}
+
+impl Trial {
+    fn new(state: &State, chains: usize) -> Self {
+        Self {
+            start: state.clone(),
+            start_report: StepReport::default(),
+            results: vec![state.clone(); chains],
+            finest: StepReport::default(),
+            combined: state.clone(),
+            combined_report: StepReport::default(),
+            last: Learnt::new(state, chains),
+            now: Learnt::new(state, chains),
+            waiting: None,
+        }
+    }
+
+    /// Forgets what guesses are made from.
+    pub(super) fn forget(&mut self) {
+        self.last.dt = None;
+        self.waiting = None;
+    }
+}
+
+/// The estimated error of a step before it is accepted.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Difference {
+    /// Of φ, in L2.
+    pub phase: f64,
+    /// Of d, where I(φ) counts it: (∫ I(φ)|·|²)^½; 0 without a director.
+    pub director: f64,
+}
+
+/// w_j = Π_{i≠j} j/(j − i), i from `first` to `last`; 0 outside.
+fn weight(j: usize, first: usize, last: usize) -> f64 {
+    if j < first || j > last {
+        return 0.0;
+    }
+    (first..=last)
+        .filter(|i| *i != j)
+        .map(|i| j as f64 / (j as f64 - i as f64))
+        .product()
+}
+
+impl Scheme {
+    /// Tries a step of length Δt in 1, 2, … `chains` parts (two or three). The state stays what it is
+    /// until [`accept_extrapolated`](Self::accept_extrapolated); to refuse the step do nothing. With
+    /// `combine` the new state is to be the combination, whose order is the number of chains; without it
+    /// the result of most parts.
+    ///
+    /// # Errors
+    /// [`StepError`]: one of the steps was not solved.
+    pub fn try_extrapolated(
+        &mut self,
+        dt: f64,
+        chains: usize,
+        combine: bool,
+        watch: &mut dyn FnMut(Phase),
+    ) -> Result<Difference, StepError> {
+        let mut trial = match self.trial.take() {
+            Some(trial) if trial.results.len() == chains => trial,
+            _ => Box::new(Trial::new(&self.state, chains)),
+        };
+        trial.waiting = None;
+        let outcome = self.all_chains(dt, combine, &mut trial, watch);
+        if outcome.is_err() {
+            trial.forget();
+        }
+        self.trial = Some(trial);
+        if outcome.is_err() {
+            self.forget();
+        }
+        outcome
+    }
+
+    /// Moves to the state of the step that was tried last; without one it does nothing.
+    pub fn accept_extrapolated(&mut self) -> &StepReport {
+        if let Some(mut trial) = self.trial.take() {
+            if let Some(Waiting { dt, combine }) = trial.waiting.take() {
+                let finest = trial.results.len() - 1;
+                let (state, report) = if combine {
+                    (&mut trial.combined, &mut trial.combined_report)
+                } else {
+                    (&mut trial.results[finest], &mut trial.finest)
+                };
+                std::mem::swap(&mut self.state, state);
+                std::mem::swap(&mut self.report, report);
+                std::mem::swap(&mut trial.last, &mut trial.now);
+                self.t += dt;
+                self.history.push(self.t, &self.state);
+            }
+            self.trial = Some(trial);
+        }
+        &self.report
+    }
+
+    /// Newton, Krylov and director iterations of the step that was tried last.
+    pub fn tried_work(&self) -> [u32; 3] {
+        self.trial
+            .as_ref()
+            .map_or([0; 3], |trial| Work::of(&trial.finest).0)
+    }
+
+    fn all_chains(
+        &mut self,
+        dt: f64,
+        combine: bool,
+        trial: &mut Trial,
+        watch: &mut dyn FnMut(Phase),
+    ) -> Result<Difference, StepError> {
+        self.length = dt;
+        copy(&mut trial.start, &self.state);
+        trial.start_report.clone_from(&self.report);
+        let mut work = Work([0; 3]);
+        let (mut law_residual, mut fallback) = (0.0, None);
+        for parts in 1..=trial.results.len() {
+            let outcome = self.chain(dt, parts, trial, watch, &mut |report| {
+                work = work.plus(Work::of(report));
+                larger(&mut law_residual, report.law_residual);
+                if fallback.is_none() {
+                    fallback = report.fallback.take();
+                }
+            });
+            // The state of the last part is the result; the scheme goes back to the start.
+            copy(&mut trial.results[parts - 1], &self.state);
+            copy(&mut self.state, &trial.start);
+            self.report.clone_from(&trial.start_report);
+            outcome?;
+        }
+        // One report for all.
+        let report = &mut trial.finest;
+        report.law_residual = law_residual;
+        report.fallback = fallback;
+        work.write_to(report);
+
+        self.combine(trial);
+        let difference = self.difference(trial);
+        trial.now.dt = Some(dt);
+        watch(Phase::Ledger);
+        let falls = trial.combined_report.total_energy <= self.report.total_energy;
+        trial.waiting = Some(Waiting {
+            dt,
+            combine: combine && falls,
+        });
+        Ok(difference)
+    }
+
+    /// Takes the step in so many parts, and leaves the scheme's state and report at its end; that of
+    /// all parts together is `trial.finest`.
+    fn chain(
+        &mut self,
+        dt: f64,
+        parts: usize,
+        trial: &mut Trial,
+        watch: &mut dyn FnMut(Phase),
+        note: &mut dyn FnMut(&mut StepReport),
+    ) -> Result<(), StepError> {
+        let piece = dt / parts as f64;
+        for part in 1..=parts {
+            self.guess(dt, (part, parts), trial);
+            if let Some(director) = &mut self.director {
+                director.start_from_given(parts > 1 || trial.last.dt.is_some());
+            }
+            let energy_scale = energy_scale(&self.report.energies);
+            let mut report = std::mem::take(&mut self.next_report);
+            let outcome = self.try_step(piece, energy_scale, &mut report, watch);
+            self.next_report = report;
+            outcome?;
+            note(&mut self.next_report);
+            std::mem::swap(&mut self.state, &mut self.next);
+            std::mem::swap(&mut self.report, &mut self.next_report);
+            if part == 1 {
+                trial.finest.clone_from(&self.report);
+            } else {
+                let ledger = std::mem::take(&mut trial.finest.ledger);
+                trial.finest.clone_from(&self.report);
+                for (sum, term) in trial.finest.ledger.iter_mut().zip(&ledger) {
+                    sum.value += term.value;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// A guess for φ, ω, μ and d after `part` of `parts`, into `next`.
+    ///
+    /// The errors of the results are expected to have grown since the last step as Δt². Freed of them,
+    /// the extrapolated history or the result of the chain before is where the step leads; a chain
+    /// departs from there by its own error, which grows along the step.
+    fn guess(&mut self, dt: f64, (part, parts): (usize, usize), trial: &Trial) {
+        let share = part as f64 / parts as f64;
+        let ratio = trial.last.dt.map(|last| dt / last);
+        let growth = ratio.map_or(0.0, |ratio| ratio * ratio);
+        let errors = &trial.last.errors;
+        let next = &mut self.next;
+        match parts {
+            1 => self.history.extrapolate(self.t + dt, next),
+            _ => {
+                let before = &trial.results[parts - 2];
+                copy(next, before);
+                vector::add_scaled(&mut next.phi, growth, &errors[parts - 2]);
+                if part < parts {
+                    let (here, end) = (self.t + share * dt, self.t + dt);
+                    self.history.interpolate(here, end, next);
+                }
+            }
+        }
+        vector::add_scaled(&mut next.phi, -growth * share, &errors[parts - 1]);
+        let (Some(to), Some(from)) = (&mut next.director, &trial.start.director) else {
+            return;
+        };
+        for axis in 0..2 {
+            match (parts, &trial.last.turn) {
+                (1, Some(turn)) => {
+                    to[axis].copy_from_slice(&from[axis]);
+                    vector::add_scaled(&mut to[axis], ratio.unwrap_or(0.0), &turn[axis]);
+                }
+                _ => {
+                    for (to, from) in to[axis].iter_mut().zip(&from[axis]) {
+                        *to = from + share * (*to - from);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The estimate; leaves the errors of the results and the change of d in the trial.
+    fn difference(&self, trial: &mut Trial) -> Difference {
+        let weights = self.space.nodal_weights();
+        let Trial {
+            results,
+            combined,
+            now,
+            ..
+        } = trial;
+        for (error, result) in now.errors.iter_mut().zip(&*results) {
+            for (error, (best, result)) in
+                error.iter_mut().zip(combined.phi.iter().zip(&result.phi))
+            {
+                *error = best - result;
+            }
+        }
+        // Σ w_j T_j without the first, of the order below: its distance is the sum of the errors with
+        // its weights.
+        let chains = results.len();
+        let below = |j: usize| weight(j, 2, chains);
+        let mut phase = 0.0;
+        for (node, weight) in weights.iter().enumerate() {
+            let sum: f64 = (2..=chains)
+                .map(|j| below(j) * now.errors[j - 1][node])
+                .sum();
+            phase += weight * sum * sum;
+        }
+        let mut director = 0.0;
+        if let (Some(best), Some(old), Some(turn)) =
+            (&combined.director, &self.state.director, &mut now.turn)
+        {
+            for axis in 0..2 {
+                for (node, weight) in weights.iter().enumerate() {
+                    let best = best[axis][node];
+                    turn[axis][node] = best - old[axis][node];
+                    let result = |j: usize| {
+                        let director = results[j - 1].director.as_ref();
+                        director.map_or(0.0, |director| director[axis][node])
+                    };
+                    let sum: f64 = (2..=chains).map(|j| below(j) * (best - result(j))).sum();
+                    director += weight * potentials::inside(combined.phi[node]) * sum * sum;
+                }
+            }
+        }
+        Difference {
+            phase: phase.sqrt(),
+            director: director.sqrt(),
+        }
+    }
+
+    /// The combination with its ω, μ and energies, and the ledger that leads to it.
+    fn combine(&mut self, trial: &mut Trial) {
+        let Trial {
+            results,
+            combined,
+            combined_report: report,
+            finest,
+            ..
+        } = trial;
+        combined.phi.fill(0.0);
+        combined
+            .director
+            .iter_mut()
+            .flatten()
+            .for_each(|it| it.fill(0.0));
+        for (index, result) in results.iter().enumerate() {
+            let weight = weight(index + 1, 1, results.len());
+            vector::add_scaled(&mut combined.phi, weight, &result.phi);
+            if let (Some(sum), Some(director)) = (&mut combined.director, &result.director) {
+                for axis in 0..2 {
+                    vector::add_scaled(&mut sum[axis], weight, &director[axis]);
+                }
+            }
+        }
+        self.membrane
+            .solve_at_rest(&self.space, &mut self.effects, &mut self.samples, combined);
+        report.clone_from(finest);
+        let states = [&*combined, &*combined];
+        sweep(
+            &self.space,
+            &mut self.effects,
+            &mut self.samples,
+            states,
+            report,
+            None,
+        );
+        report.phase_integral = self.space.integrate_nodal(&combined.phi);
+        let change = report.total_energy - finest.total_energy;
+        if let Some(total) = report.ledger.first_mut() {
+            total.value += change;
+        }
+        report.ledger.push(NamedValue {
+            name: "extrapolation",
+            value: -change,
+        });
+    }
+}
+
+/// Newton, Krylov and director iterations.
+#[derive(Debug, Clone, Copy)]
+struct Work([u32; 3]);
+
+impl Work {
+    fn of(report: &StepReport) -> Self {
+        Self([report.newton, report.krylov, report.director_iterations])
+    }
+
+    fn plus(self, other: Self) -> Self {
+        let mut sum = self.0;
+        sum.iter_mut().zip(other.0).for_each(|(a, b)| *a += b);
+        Self(sum)
+    }
+
+    fn write_to(self, report: &mut StepReport) {
+        let Self([newton, krylov, director]) = self;
+        (report.newton, report.krylov) = (newton, krylov);
+        report.director_iterations = director;
+    }
+}
+
+/// Keeps the one of larger magnitude.
+fn larger(residual: &mut f64, other: f64) {
+    if other.abs() > residual.abs() {
+        *residual = other;
+    }
+}
+
+/// Without allocation.
+fn copy(to: &mut State, from: &State) {
+    to.phi.copy_from_slice(&from.phi);
+    to.omega.copy_from_slice(&from.omega);
+    to.mu.copy_from_slice(&from.mu);
+    if let (Some(to), Some(from)) = (&mut to.director, &from.director) {
+        for (to, from) in to.iter_mut().zip(from) {
+            to.copy_from_slice(from);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_weights_are_those_of_aitken_and_neville() {
+        let of = |first, last| {
+            (first..=last)
+                .map(|j| weight(j, first, last))
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(of(1, 2), [-1.0, 2.0]);
+        assert_eq!(of(1, 3), [0.5, -4.0, 4.5]);
+        assert_eq!(of(2, 3), [-2.0, 3.0]);
+        assert_eq!(of(2, 2), [1.0]);
+    }
+
+    #[test]
+    fn the_combinations_are_of_their_order_and_damp_what_is_stiff() {
+        // One step of y' = −λ y by the implicit Euler method.
+        let result = |parts: usize, z: f64| (1.0 + z / parts as f64).powi(parts as i32).recip();
+        let combined = |chains: usize, z: f64| -> f64 {
+            (1..=chains)
+                .map(|j| weight(j, 1, chains) * result(j, z))
+                .sum()
+        };
+        for chains in [2, 3] {
+            let error = |z: f64| (combined(chains, z) - (-z).exp()).abs();
+            let order = (error(0.02) / error(0.01)).log2();
+            assert!((order - (chains + 1) as f64).abs() < 0.1, "{order}");
+            assert!(combined(chains, 1e6).abs() < 1e-5);
+            assert!((0..400).all(|n| combined(chains, 0.1 * f64::from(n)).abs() <= 1.0));
+        }
+    }
+}
