@@ -59,6 +59,8 @@ pub struct RunSummary {
     pub planned_steps: Option<u64>,
     /// Attempts at a step that were refused, where Δt is chosen.
     pub refused: u64,
+    /// The sum of the estimated errors of φ in each step, in L2, where there are such estimates.
+    pub time_error: Option<f64>,
     /// The time reached.
     pub t: f64,
     /// E_total there.
@@ -160,6 +162,7 @@ impl RunSummary {
             steps: 0,
             planned_steps,
             refused: 0,
+            time_error: None,
             t: 0.0,
             total_energy: None,
             nodes: None,
@@ -198,6 +201,9 @@ impl RunSummary {
     /// Takes in a step.
     pub(super) fn step(&mut self, report: &Report) {
         self.refused += u64::from(report.refused);
+        if let Some(error) = report.time_error {
+            *self.time_error.get_or_insert(0.0) += error;
+        }
         self.newton += u64::from(report.newton);
         self.krylov += u64::from(report.krylov);
         self.largest_law_residual = largest(self.largest_law_residual, report.law_residual.abs());

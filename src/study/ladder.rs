@@ -279,9 +279,7 @@ fn evaluate(
             continue;
         };
         point.errors = best.map(|best| solution.errors(best));
-        point.time_error = most_accurate(&done, choice)
-            .filter(|best| !std::ptr::eq(*best, solution))
-            .map(|best| solution.errors(best).phase);
+        point.time_error = time_error(&done, choice, solution);
     }
     let reference = reference.map(|(choice, measured)| Reference {
         cells: choice.cells,
@@ -293,16 +291,27 @@ fn evaluate(
     Study::new(&scene.name, points, reference)
 }
 
-/// The solution with the smallest tolerance on the same mesh, by the same rule.
-fn most_accurate<'a>(done: &'a [(Choice, Measurement)], like: &Choice) -> Option<&'a Solution> {
-    let tolerance = |choice: &Choice| match choice.pace {
-        Pace::Tolerance(tolerance) => tolerance,
-        Pace::Step(_) => f64::INFINITY,
-    };
-    done.iter()
-        .filter(|(choice, _)| choice.cells == like.cells && choice.quadrature == like.quadrature)
-        .filter_map(|(choice, measured)| Some((tolerance(choice), measured.outcome.as_ref().ok()?)))
-        .filter(|(tolerance, _)| tolerance.is_finite())
-        .min_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, solution)| solution)
+/// The part of a solution's error that is due to its steps: its distance to the one with the smallest
+/// tolerance on the same mesh, by the same rule. That one itself is about as far from the truth as
+/// the next one is from it, times what proportion to the tolerance leaves of that.
+fn time_error(
+    done: &[(Choice, Measurement)],
+    choice: &Choice,
+    solution: &Solution,
+) -> Option<f64> {
+    let mut rungs: Vec<(f64, &Solution)> = done
+        .iter()
+        .filter(|(other, _)| other.cells == choice.cells && other.quadrature == choice.quadrature)
+        .filter_map(|(other, measured)| match other.pace {
+            Pace::Tolerance(tolerance) => Some((tolerance, measured.outcome.as_ref().ok()?)),
+            Pace::Step(_) => None,
+        })
+        .collect();
+    rungs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (smallest, best) = *rungs.first()?;
+    if !std::ptr::eq(best, solution) {
+        return Some(solution.errors(best).phase);
+    }
+    let (larger, next) = rungs.iter().find(|(tolerance, _)| *tolerance > smallest)?;
+    Some(next.errors(best).phase / (larger / smallest - 1.0))
 }
