@@ -10,6 +10,7 @@ mod mesh;
 mod patch;
 mod projection;
 mod raster;
+mod recovery;
 mod rule;
 mod space;
 
@@ -22,5 +23,6 @@ pub use mesh::{Grid, Mesh};
 pub use patch::Patch;
 pub use projection::{GivenFunction, l2_projection, ritz_projection};
 pub use raster::{Raster, Rectangle};
+pub use recovery::Recovery;
 pub use rule::Rule;
 pub use space::Space;

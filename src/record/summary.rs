@@ -3,7 +3,9 @@
 use super::RecordError;
 use super::atomic::write_whole;
 use crate::scene::Scene;
-use crate::simulation::{Event, OutlineMeasure, Report, Simulation};
+use crate::simulation::{
+    Costs, ErrorBudget, ErrorPart, Event, OutlineMeasure, Phase, Report, Simulation,
+};
 use serde::Serialize;
 use std::path::Path;
 use std::time::{Duration, SystemTime};
@@ -59,8 +61,12 @@ pub struct RunSummary {
     pub planned_steps: Option<u64>,
     /// Attempts at a step that were refused, where Δt is chosen.
     pub refused: u64,
-    /// The sum of the estimated errors of φ in each step, in L2, where there are such estimates.
-    pub time_error: Option<f64>,
+    /// The estimated errors of φ at the time reached, in L2, by where they come from.
+    pub errors: ErrorBudget,
+    /// The largest of them.
+    pub largest_error: Option<ErrorPart>,
+    /// Milliseconds of an accepted step, on the mean, by phase: what the errors are paid with.
+    pub milliseconds: PhaseCosts,
     /// The time reached.
     pub t: f64,
     /// E_total there.
@@ -91,6 +97,37 @@ pub struct RunSummary {
     pub events: Vec<EventRecord>,
     #[serde(skip)]
     initial_phase_integral: f64,
+    #[serde(skip)]
+    costs: Costs,
+}
+
+/// Milliseconds by the phases of a step.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct PhaseCosts {
+    /// Substep 1.
+    pub director: f64,
+    /// Residuals of substep 2.
+    pub residual: f64,
+    /// Linearisations.
+    pub linearisation: f64,
+    /// Linear systems.
+    pub krylov: f64,
+    /// The energies and the energy law.
+    pub ledger: f64,
+}
+
+impl PhaseCosts {
+    /// The mean over so many steps.
+    fn of(costs: &Costs, steps: u64) -> Self {
+        let mean = |phase| 1e3 * seconds(costs.of(phase)) / steps.max(1) as f64;
+        Self {
+            director: mean(Phase::Director),
+            residual: mean(Phase::Residual),
+            linearisation: mean(Phase::Linearisation),
+            krylov: mean(Phase::Krylov),
+            ledger: mean(Phase::Ledger),
+        }
+    }
 }
 
 /// The vesicle's outline at the start and at the end.
@@ -162,7 +199,10 @@ impl RunSummary {
             steps: 0,
             planned_steps,
             refused: 0,
-            time_error: None,
+            errors: ErrorBudget::default(),
+            largest_error: None,
+            milliseconds: PhaseCosts::default(),
+            costs: Costs::default(),
             t: 0.0,
             total_energy: None,
             nodes: None,
@@ -201,9 +241,10 @@ impl RunSummary {
     /// Takes in a step.
     pub(super) fn step(&mut self, report: &Report) {
         self.refused += u64::from(report.refused);
-        if let Some(error) = report.time_error {
-            *self.time_error.get_or_insert(0.0) += error;
+        for phase in Phase::ALL {
+            self.costs.add(phase, report.costs.of(phase));
         }
+        self.milliseconds = PhaseCosts::of(&self.costs, report.step);
         self.newton += u64::from(report.newton);
         self.krylov += u64::from(report.krylov);
         self.largest_law_residual = largest(self.largest_law_residual, report.law_residual.abs());
@@ -219,6 +260,8 @@ impl RunSummary {
     fn reach(&mut self, report: &Report) {
         self.steps = report.step;
         self.t = report.t;
+        self.errors = report.budget;
+        self.largest_error = report.budget.largest().map(|(part, _)| part);
         self.total_energy = Some(report.total_energy);
         self.outline.end = report.outline.map(Into::into);
     }

@@ -5,11 +5,31 @@ use thiserror::Error;
 use super::error::{DidYouMean, Quoted};
 use super::near::nearest;
 
-const PRESETS: [(&str, &str); 6] = [
+const PRESETS: [(&str, &str); 14] = [
     ("case1", include_str!("../../presets/case1.toml")),
     ("case2", include_str!("../../presets/case2.toml")),
     ("case3", include_str!("../../presets/case3.toml")),
     ("case4", include_str!("../../presets/case4.toml")),
+    (
+        "case1-draft",
+        include_str!("../../presets/case1-draft.toml"),
+    ),
+    ("case1-fine", include_str!("../../presets/case1-fine.toml")),
+    (
+        "case2-draft",
+        include_str!("../../presets/case2-draft.toml"),
+    ),
+    ("case2-fine", include_str!("../../presets/case2-fine.toml")),
+    (
+        "case3-draft",
+        include_str!("../../presets/case3-draft.toml"),
+    ),
+    ("case3-fine", include_str!("../../presets/case3-fine.toml")),
+    (
+        "case4-draft",
+        include_str!("../../presets/case4-draft.toml"),
+    ),
+    ("case4-fine", include_str!("../../presets/case4-fine.toml")),
     ("bending", include_str!("../../presets/bending.toml")),
     ("circle", include_str!("../../presets/circle.toml")),
 ];

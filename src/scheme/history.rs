@@ -51,6 +51,23 @@ impl History {
         }
     }
 
+    /// ‖φ_tt‖/2 in L2 with these nodal weights: the divided difference of the last three states.
+    pub(super) fn half_second_derivative(&self, weights: &[f64]) -> Option<f64> {
+        let mut newest = self.entries.iter().rev();
+        let (c, b, a) = (newest.next()?, newest.next()?, newest.next()?);
+        let factors = [
+            ((a.t - b.t) * (a.t - c.t)).recip(),
+            ((b.t - a.t) * (b.t - c.t)).recip(),
+            ((c.t - a.t) * (c.t - b.t)).recip(),
+        ];
+        let fields = a.fields[0].iter().zip(&b.fields[0]).zip(&c.fields[0]);
+        let squares = fields.zip(weights).map(|(((a, b), c), weight)| {
+            let difference = factors[0] * a + factors[1] * b + factors[2] * c;
+            weight * difference * difference
+        });
+        Some(squares.sum::<f64>().sqrt())
+    }
+
     /// Interpolation to the time t between the last states and the one that `state` holds, of the time
     /// `ahead`; the result takes its place.
     pub(super) fn interpolate(&self, t: f64, ahead: f64, state: &mut State) {
@@ -116,7 +133,10 @@ mod tests {
         history.extrapolate(4.0, &mut guess);
         assert!((guess.phi[1] - parabola(4.0)).abs() < 1e-12);
         assert!((guess.mu[0] - 2.0 * parabola(4.0)).abs() < 1e-12);
+        // 3 t² has the second derivative 6.
+        assert_eq!(history.half_second_derivative(&[0.5, 0.5]), Some(3.0));
         history.forget();
+        assert_eq!(history.half_second_derivative(&[0.5, 0.5]), None);
         history.push(9.0, &state(1.5));
         history.extrapolate(10.0, &mut guess);
         assert_eq!(guess.phi[0], 1.5);

@@ -110,6 +110,8 @@ impl LinearSolver {
 pub(super) struct Work {
     pub(super) newton: u32,
     pub(super) krylov: u32,
+    /// The relative change of φ in the last iteration.
+    pub(super) last_change: f64,
 }
 
 /// Substep 2 with its matrices and vectors.
@@ -350,6 +352,7 @@ impl MembraneStep {
         let mut work = Work {
             newton: 0,
             krylov: 0,
+            last_change: 0.0,
         };
         if self.clamped {
             // The guess may come from anywhere; the wall does not move.
@@ -383,6 +386,7 @@ impl MembraneStep {
             (places.watch)(Phase::Krylov);
             norm = self.advance(places, limits, norm, work.newton)?;
             let changes = self.changes(places);
+            work.last_change = changes[0];
             let law = self.law_defect(places);
             (places.watch)(Phase::Residual);
             let converged = changes.iter().all(|change| *change <= limits.tolerance)

@@ -217,6 +217,14 @@ impl Scheme {
         }
     }
 
+    /// The estimated error of φ, in L2, that the last step of the scheme (of first order) has made:
+    /// Δt²/2 ‖φ_tt‖, from the last three states; `None` where there are fewer.
+    pub fn first_order_error(&self, dt: f64) -> Option<f64> {
+        self.history
+            .half_second_derivative(self.space.nodal_weights())
+            .map(|size| dt * dt * size)
+    }
+
     /// Forgets what the guess of the next step is made from: to be called when the equations or the
     /// state change from outside.
     pub fn forget(&mut self) {
@@ -327,6 +335,7 @@ impl Scheme {
         }
         report.newton = work.newton;
         report.krylov = work.krylov;
+        report.last_change = work.last_change;
         let closed = self.close_books(dt, report);
         watch(Phase::Ledger);
         closed

@@ -35,6 +35,9 @@ pub struct StepReport {
     pub newton: u32,
     /// Products with the linearised operator, all iterations together.
     pub krylov: u32,
+    /// The relative L2 change of φ in the last iteration of substep 2: a bound of what is left of the
+    /// algebraic error.
+    pub last_change: f64,
     /// Iterations of the conjugate gradients of substep 1.
     pub director_iterations: u32,
     /// Why the transform failed in this step and the factor took over, if that happened.

@@ -1,6 +1,7 @@
 //! A run in time: the fixed grid t_n = n Δt or steps that are chosen, what is reported of each step,
 //! and what happens on the way.
 
+mod budget;
 mod controller;
 mod division;
 mod error;
@@ -14,13 +15,14 @@ mod worker;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use crate::fem::{Contour, FemError, Mesh};
+use crate::fem::{Contour, FemError, Mesh, Recovery};
 use crate::scene::{self, AnchoringKind, Order, Scene, Shape, Time, Warning};
 use crate::scheme::{Scheme, StepError, StepReport, initial_fields};
 
 pub use crate::fem::OutlineMeasure;
 pub use crate::physics::NamedValue;
 pub use crate::scheme::{Phase, State};
+pub use budget::{ErrorBudget, ErrorPart};
 pub use error::SimulationError;
 pub use event::{Event, EventKind};
 pub use schedule::{Schedule, step_count};
@@ -30,6 +32,9 @@ pub use worker::{Command, Mailbox, Message, News, Orders, Picture, RunId, Settin
 use controller::Controller;
 use division::Division;
 use warnings::NearWall;
+
+/// The error of the mesh is estimated at every so many steps: it changes slowly.
+const SPACE_ERROR_EVERY: u64 = 8;
 
 /// What is allowed in a scene but probably not meant, told from its initial state, without the
 /// scheme that would run it.
@@ -61,6 +66,7 @@ pub struct Simulation {
     warnings: Vec<Warning>,
     events: Vec<Event>,
     contour: Contour,
+    recovery: Recovery,
     /// The long axis of the vesicle, in degrees to the x axis.
     axis: f64,
     near_wall: NearWall,
@@ -102,8 +108,8 @@ pub struct Report {
     /// Attempts at this step that were refused, for their error was too large or they could not be
     /// solved; only where Δt is chosen.
     pub refused: u32,
-    /// The estimated error of φ in this step, in L2: that of the solution of the order below, which is
-    /// improved on. Only where steps are extrapolated.
+    /// The estimated error of φ in this step, in L2. Where steps are extrapolated it is that of the
+    /// solution of the order below, which is improved on.
     pub time_error: Option<f64>,
     /// The energy of each effect, weighted as in E_tot.
     pub energies: Vec<NamedValue>,
@@ -121,6 +127,8 @@ pub struct Report {
     pub krylov: u32,
     /// Iterations of substep 1.
     pub director_iterations: u32,
+    /// The estimated errors up to here, by where they come from.
+    pub budget: ErrorBudget,
     /// What the parts of the step took.
     pub costs: Costs,
     /// Every term of (3.26), times Δt.
@@ -201,6 +209,7 @@ impl Simulation {
         let mut simulation = Self {
             near_wall: NearWall::new(&mesh, scene.membrane.interface_width),
             contour: Contour::default(),
+            recovery: Recovery::default(),
             report: Report {
                 dt: scene.time.step,
                 ..Report::default()
@@ -259,6 +268,8 @@ impl Simulation {
             (false, true, _) => tell(EventKind::ReturnedToTransform),
             _ => {}
         }
+        let (time, algebra) = (self.report.time_error, self.scheme.report().last_change);
+        self.report.budget.add_step(time, algebra);
         self.look();
         watch(Phase::Ledger);
         self.report.costs = costs;
@@ -280,7 +291,13 @@ impl Simulation {
             let piece = dt * division.piece();
             let mut error = None;
             let outcome = match self.scene.time.order {
-                Order::First => self.scheme.step_watched(piece, watch),
+                Order::First => match self.scheme.step_watched(piece, watch) {
+                    Ok(_) => {
+                        error = self.scheme.first_order_error(piece);
+                        Ok(self.scheme.report())
+                    }
+                    Err(reason) => Err(reason),
+                },
                 order => {
                     let tried = self
                         .scheme
@@ -414,6 +431,10 @@ impl Simulation {
         let phi = &self.scheme.state().phi;
         self.contour.trace(&self.mesh, phi);
         self.report.outline = self.contour.measure(self.axis);
+        if self.report.step.is_multiple_of(SPACE_ERROR_EVERY) {
+            let error = self.recovery.interpolation_error(&self.mesh, phi);
+            self.report.budget.space = Some(error);
+        }
         self.report.isoperimetric_quotient = self.contour.isoperimetric_quotient();
         if self.near_wall.is_reached(phi) {
             let (step, t) = (self.report.step, self.report.t);

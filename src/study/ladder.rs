@@ -294,11 +294,7 @@ fn evaluate(
 /// The part of a solution's error that is due to its steps: its distance to the one with the smallest
 /// tolerance on the same mesh, by the same rule. That one itself is about as far from the truth as
 /// the next one is from it, times what proportion to the tolerance leaves of that.
-fn time_error(
-    done: &[(Choice, Measurement)],
-    choice: &Choice,
-    solution: &Solution,
-) -> Option<f64> {
+fn time_error(done: &[(Choice, Measurement)], choice: &Choice, solution: &Solution) -> Option<f64> {
     let mut rungs: Vec<(f64, &Solution)> = done
         .iter()
         .filter(|(other, _)| other.cells == choice.cells && other.quadrature == choice.quadrature)

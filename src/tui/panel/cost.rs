@@ -1,7 +1,7 @@
 //! What a step costs, how hard it was to solve, and how well it was solved.
 //!
-//! The estimated errors of time, space and algebra, side by side, will have their rows below those
-//! of the energy law.
+//! Below, where there is room: the estimated errors of time, space and algebra, side by side, with the
+//! largest named.
 
 use std::time::Duration;
 
@@ -13,7 +13,7 @@ use super::Look;
 use super::rows::{self, Row, Widths};
 use super::shown::Shown;
 use super::text;
-use crate::simulation::{Phase, Report};
+use crate::simulation::{ErrorPart, Phase, Report};
 use crate::tui::curve;
 use crate::tui::layout::{Step, Wish};
 use crate::tui::numbers::{brief, milliseconds, significant};
@@ -23,7 +23,7 @@ use crate::tui::theme::{Role, Theme};
 pub fn wish(_: Step) -> Wish {
     Wish {
         least: 4,
-        full: 4 + Phase::ALL.len() as u16,
+        full: 5 + Phase::ALL.len() as u16,
     }
 }
 
@@ -90,12 +90,37 @@ pub fn draw(shown: &Shown<'_>, look: Look, theme: &Theme, area: Rect, buffer: &m
     );
     let law = law_line(shown, report, theme);
     let used = law.width() as u16;
+    if area.height > 3 + parts
+        && let Some(budget) = budget(report, theme)
+    {
+        text::line(buffer, area, 3 + parts, budget);
+    }
     text::line(buffer, area, 2 + parts, law);
     let beside = widths.beside(at(2 + parts));
     if beside.x > area.x + used {
         let series = &run.history.law_residual;
         curve::draw(series, &curves, theme.curve(), theme, beside, buffer);
     }
+}
+
+/// The estimated errors of φ, and which of them is the largest.
+fn budget<'a>(report: &Report, theme: &Theme) -> Option<Line<'a>> {
+    let budget = report.budget;
+    let (largest, _) = budget.largest()?;
+    let mut spans = vec![Span::styled(" error", theme.muted())];
+    for (part, name, error) in [
+        (ErrorPart::Time, "time", budget.time),
+        (ErrorPart::Space, "space", budget.space),
+        (ErrorPart::Algebra, "algebra", budget.algebra),
+    ] {
+        spans.push(Span::styled(format!(" {name} "), theme.muted()));
+        let value = error.map_or("-".to_owned(), |error| brief(error, 2));
+        spans.push(match part == largest {
+            true => Span::styled(value, theme.style(Role::Warning)),
+            false => Span::raw(value),
+        });
+    }
+    Some(Line::from(spans))
 }
 
 /// A part of a step: its milliseconds, its share, and a bar.
