@@ -47,8 +47,8 @@ impl Recovery {
         for ((triangle, area), basis) in triangles.zip(mesh.gradients()) {
             let mut gradient = [0.0; 2];
             for (node, slope) in triangle.iter().zip(basis) {
-                for axis in 0..2 {
-                    gradient[axis] += values[*node as usize] * slope[axis];
+                for (sum, slope) in gradient.iter_mut().zip(slope) {
+                    *sum += values[*node as usize] * slope;
                 }
             }
             for node in triangle.map(|node| node as usize) {
