@@ -152,7 +152,7 @@ fn read_time(table: &Reader<'_>) -> Result<Time, SceneError> {
             2 => Order::Second,
             _ => Order::Third,
         },
-        None if tolerance.is_some() => Order::Second,
+        None if tolerance.is_some() => Order::Third,
         None => default.order,
     };
     Ok(Time {

@@ -11,7 +11,7 @@ use std::fmt;
 pub enum Pace {
     /// Δt, fixed; the scheme as it is, of first order.
     Step(f64),
-    /// Chosen by a tolerance, of second order.
+    /// Chosen by a tolerance, of third order.
     Tolerance(f64),
 }
 
@@ -69,7 +69,7 @@ impl Choice {
             Pace::Tolerance(tolerance) => Time {
                 step: default.step,
                 tolerance: Some(tolerance),
-                order: Order::Second,
+                order: Order::Third,
                 end,
             },
         };

@@ -198,8 +198,8 @@ impl Runs<'_> {
     /// About what a run would take, in seconds, from the most similar one so far.
     fn price(&self, choice: &Choice) -> f64 {
         let steps = |pace: Pace| match pace {
-            // Three solves each, and longer ones; the number as the square root of the tolerance.
-            Pace::Tolerance(tolerance) => 10.0 / tolerance.sqrt(),
+            // Six solves each, and longer ones; the number as the cube root of the tolerance.
+            Pace::Tolerance(tolerance) => 60.0 / tolerance.cbrt(),
             Pace::Step(step) => self.scene.time.end / step,
         };
         let estimate = |(other, measured): &(Choice, Measurement)| {

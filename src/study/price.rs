@@ -118,7 +118,10 @@ fn chosen(scene: &Scene) -> Result<Price, SimulationError> {
 
     let mut fine = scene.clone();
     (fine.time.tolerance, fine.time.step) = (None, typical);
-    fine.time.order = Order::Second;
+    fine.time.order = match scene.time.order {
+        Order::First => Order::Second,
+        order => order,
+    };
     let watch = Stopwatch::start();
     let mut simulation = Simulation::new(&fine)?;
     let setup = watch.elapsed();

@@ -48,7 +48,7 @@ fn a_chosen_step_takes_the_place_of_a_given_one_and_the_other_way_round() {
     let chosen = case3(&["time.tolerance=1e-4"]);
     assert_eq!(
         (chosen.time.tolerance, chosen.time.order),
-        (Some(1e-4), Order::Second)
+        (Some(1e-4), Order::Third)
     );
     assert_eq!(
         case3(&["time.tolerance=1e-4", "time.order=1"]).time.order,
