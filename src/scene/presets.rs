@@ -14,22 +14,18 @@ const PRESETS: [(&str, &str); 10] = [
         "case1-draft",
         include_str!("../../presets/case1-draft.toml"),
     ),
-    ("case1-fine", include_str!("../../presets/case1-fine.toml")),
     (
         "case2-draft",
         include_str!("../../presets/case2-draft.toml"),
     ),
-    ("case2-fine", include_str!("../../presets/case2-fine.toml")),
     (
         "case3-draft",
         include_str!("../../presets/case3-draft.toml"),
     ),
-    ("case3-fine", include_str!("../../presets/case3-fine.toml")),
     (
         "case4-draft",
         include_str!("../../presets/case4-draft.toml"),
     ),
-    ("case4-fine", include_str!("../../presets/case4-fine.toml")),
     ("bending", include_str!("../../presets/bending.toml")),
     ("circle", include_str!("../../presets/circle.toml")),
 ];

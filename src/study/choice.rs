@@ -11,7 +11,7 @@ use std::fmt;
 pub enum Pace {
     /// Δt, fixed; the scheme as it is, of first order.
     Step(f64),
-    /// Chosen by a tolerance, of third order.
+    /// Chosen by a tolerance; of third order, or of the scene's own.
     Tolerance(f64),
 }
 
@@ -58,6 +58,14 @@ impl Choice {
         let Mesh::Structured { cells, .. } = &mut scene.mesh;
         *cells = self.cells;
         let end = scene.time.end;
+        let order = match scene.time {
+            Time {
+                tolerance: Some(_),
+                order: Order::Second,
+                ..
+            } => Order::Second,
+            _ => Order::Third,
+        };
         let default = Time::default();
         scene.time = match self.pace {
             Pace::Step(step) => Time {
@@ -69,7 +77,7 @@ impl Choice {
             Pace::Tolerance(tolerance) => Time {
                 step: default.step,
                 tolerance: Some(tolerance),
-                order: Order::Third,
+                order,
                 end,
             },
         };
