@@ -47,14 +47,14 @@ enum Command {
     Run(run::Arguments),
     /// Draw the figures of a report
     Figures(figures::Arguments),
-    /// Tell what accuracy costs in time, and which knob to turn
-    Accuracy(accuracy::Arguments),
     /// List the built-in scenes
     Presets,
     /// Print a built-in scene as TOML
     Preset(presets::Arguments),
     /// Check scenes without running them
     Check(check::Arguments),
+    /// Tell what accuracy costs in time, and which knob to turn
+    Accuracy(accuracy::Arguments),
 }
 
 /// Runs the program with the process's arguments.

@@ -65,7 +65,9 @@ fn fixed(scene: &Scene, steps: u64) -> Result<Price, SimulationError> {
     let setup = watch.elapsed();
     let mut times = Vec::new();
     let mut before = watch.elapsed();
-    while (times.len() as u64) < steps.min(SETTLED) && watch.wall() < CALIBRATION {
+    while (times.len() as u64) < steps.min(SETTLED)
+        && (times.is_empty() || watch.wall() < CALIBRATION)
+    {
         simulation.advance()?;
         let now = watch.elapsed();
         times.push((now - before).as_secs_f64());
