@@ -129,7 +129,19 @@ fn a_name_is_typed_and_keys_mean_nothing_else_meanwhile() {
 
 #[test]
 fn a_preset_is_chosen_or_completed() {
-    assert_eq!(offered("cas"), ["case1", "case2", "case3", "case4"]);
+    assert_eq!(
+        offered("cas"),
+        [
+            "case1",
+            "case2",
+            "case3",
+            "case4",
+            "case1-draft",
+            "case2-draft",
+            "case3-draft",
+            "case4-draft"
+        ]
+    );
     let mut rig = Rig::new();
     rig.keys("ocas");
     rig.press(KeyCode::Down);
