@@ -2,8 +2,8 @@
 //! without numerics. Pieces are Δt/2^level long and meet the grid's times again; the level falls when
 //! pieces go well for a while.
 
-/// The smallest piece is Δt/2³⁰: from Δt = 1 down to 1e-9.
-const DEEPEST: u32 = 30;
+/// The smallest piece is Δt/2⁴⁰: from Δt = 1 down to 1e-12.
+const DEEPEST: u32 = 40;
 
 /// So many pieces must go well before they are made longer.
 const STREAK: u32 = 4;
