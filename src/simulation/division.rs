@@ -17,6 +17,8 @@ pub(super) struct Division {
     level: u32,
     /// Pieces since the last that failed.
     streak: u32,
+    /// Pieces that failed in a row.
+    refusals: u32,
     /// How much of the grid step is done.
     done: u64,
     /// The deepest level of the grid step.
@@ -44,6 +46,7 @@ impl Division {
         let length = WHOLE >> self.level;
         self.done += length;
         self.streak += 1;
+        self.refusals = 0;
         let whole = self.done == WHOLE;
         // Only where a longer piece would end on its own grid.
         if self.level > 0 && self.streak >= STREAK && self.done.is_multiple_of(2 * length) {
@@ -67,7 +70,10 @@ impl Division {
         if self.level == DEEPEST {
             return false;
         }
-        self.level += 1;
+        // Where the right Δt is far, it is reached by longer and longer leaps.
+        let leap = self.refusals.saturating_sub(1).max(1);
+        self.refusals += 1;
+        self.level = (self.level + leap).min(DEEPEST);
         self.deepest = self.deepest.max(self.level);
         true
     }

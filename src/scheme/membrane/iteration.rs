@@ -34,7 +34,7 @@ impl Limits {
 }
 
 /// The smallest damping factor that is tried: a smaller Δt is the better way from there on.
-const LEAST_DAMPING: f64 = 1.0 / 256.0;
+const LEAST_DAMPING: f64 = 1.0 / 64.0;
 
 /// So many iterations without a better one before: it leads nowhere, and a smaller Δt is cheaper.
 const STALLED_AFTER: u32 = 12;
@@ -116,6 +116,9 @@ impl MembraneStep {
             nodes
                 .filter(|(_, fixed)| **fixed)
                 .for_each(|((to, from), _)| *to = *from);
+        }
+        for effect in places.effects.iter_mut() {
+            effect.follow_correction(0.0);
         }
         let mut norm = self.evaluate(places, 0)?;
         let mut progress = Progress::new(norm);
@@ -199,9 +202,26 @@ impl MembraneStep {
             last.copy_from_slice(now);
         }
         (places.watch)(Phase::Krylov);
+        self.tell_correction(places);
         let mut advance = self.advance(places, limits, norm, iteration)?;
         advance.krylov += krylov;
+        for effect in places.effects.iter_mut() {
+            effect.follow_correction(advance.damping);
+        }
         Ok(advance)
+    }
+
+    /// Tells every effect with a rank-one term what the correction makes of it.
+    fn tell_correction(&self, places: &mut Places<'_>) {
+        let increment = &self.linear.increment[..places.space.nodes()];
+        for effect in places.effects.iter_mut() {
+            let along = effect
+                .rank_one()
+                .map(|term| vector::dot(&term.row, increment));
+            if let Some(along) = along {
+                effect.set_correction(along);
+            }
+        }
     }
 
     /// Moves to the new iterate, with Newton's method damped as the head of this file says.
