@@ -3,6 +3,7 @@
 //! (z = −δ_t d/γ_nem eliminated), by conjugate gradients: at the paper's Δt it is nearly a mass matrix.
 
 use super::StepError;
+use super::faults::{self, Place};
 use crate::fem::{MassForm, Space};
 use crate::linalg::{ConjugateGradients, LinearOperator, SparseMatrix, vector};
 use crate::physics::{DirectorForm, Effects, Sample};
@@ -45,6 +46,7 @@ impl LinearOperator for System {
             self.coupling.multiply_add(1.0, x1, y0);
             self.coupling.multiply_add(1.0, x0, y1);
         }
+        faults::tap(Place::DirectorProduct, y);
     }
 }
 
@@ -107,6 +109,7 @@ impl DirectorStep {
         to: &mut [Vec<f64>; 2],
     ) -> Result<u32, StepError> {
         self.assemble(space, effects, old, dt, (phi, from));
+        faults::tap(Place::DirectorLoad, &mut self.load);
         self.guess();
         let solution = self
             .method
@@ -125,6 +128,7 @@ impl DirectorStep {
             for ((to, from), step) in to[axis].iter_mut().zip(&from[axis]).zip(increment) {
                 *to = from + step;
             }
+            faults::tap(Place::Director(axis), &mut to[axis]);
         }
         Ok(solution.iterations as u32)
     }

@@ -15,6 +15,7 @@ use crate::physics::{Effects, MembraneForce, Sample};
 use crate::scene::Iteration;
 
 use super::factored::{FactoredPreconditioner, ThreeFieldOperator};
+use super::faults;
 use super::linearised::Linearised;
 use super::transform::{BulkPreconditioner, ReducedOperator};
 use super::{Phase, State, StepError};
@@ -392,12 +393,15 @@ impl MembraneStep {
         let space = places.space;
         let State { phi, omega, mu, .. } = &mut *places.to;
         let (effects, samples) = (&mut *places.effects, &mut *places.samples);
+        faults::tap(faults::Place::Phi, phi);
         self.solve_omega(space, effects, &mut samples.new, phi, omega);
+        faults::tap(faults::Place::Omega, omega);
         self.assemble_force(space, effects, samples, [&places.from.phi, phi, omega]);
         if !self.clamped {
             self.mass_inverse
                 .solve(space, &self.load, mu, self.mass_tolerance);
         }
+        faults::tap(faults::Place::Mu, mu);
         let mobility = places.dt * self.mobility;
         for ((step, phi), old) in self.scratch.iter_mut().zip(&*phi).zip(&places.from.phi) {
             *step = phi - old;
@@ -405,6 +409,7 @@ impl MembraneStep {
         let [first, second] = &mut self.residual;
         space.mass().multiply(&self.scratch, first);
         space.stiffness().multiply_add(mobility, mu, first);
+        faults::tap(faults::Place::Residual, first);
         self.scratch.copy_from_slice(first);
         if self.clamped {
             second.copy_from_slice(&self.load);
@@ -540,6 +545,7 @@ impl MembraneStep {
                 }
             }
         };
+        faults::tap(faults::Place::Increment, &mut self.linear.increment);
         if !self.linear.increment.iter().all(|value| value.is_finite()) {
             return Err(LinalgError::NotFinite {
                 place: "GMRES",

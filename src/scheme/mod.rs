@@ -5,6 +5,7 @@ mod detour;
 mod director;
 mod error;
 mod factored;
+mod faults;
 mod history;
 mod initial;
 mod linearised;
@@ -25,6 +26,7 @@ use crate::scene::{self, Boundary, Iteration, LinearMethod, Quadrature, Scene, S
 
 use detour::Detour;
 use director::DirectorStep;
+use faults::Place;
 use history::History;
 use membrane::{Limits, MembraneStep, Places, Samples};
 
@@ -361,6 +363,16 @@ impl Scheme {
 
     /// The energies of the new state and every term of (3.26); refuses a step whose law is broken.
     fn close_books(&mut self, dt: f64, report: &mut StepReport) -> Result<(), StepError> {
+        let State {
+            phi,
+            omega,
+            mu,
+            director,
+        } = &mut self.next;
+        let director = director.iter_mut().flatten();
+        for (number, field) in [phi, omega, mu].into_iter().chain(director).enumerate() {
+            faults::tap(Place::Solved(number), field);
+        }
         let space = &self.space;
         self.terms.clear();
         sweep(
@@ -465,6 +477,7 @@ fn sweep(
     }
     for (effect, energy) in effects.iter().zip(&mut report.energies) {
         energy.value = effect.energy(energy.value);
+        faults::tap(Place::Energy, std::slice::from_mut(&mut energy.value));
     }
     report.total_energy = report.energies.iter().map(|energy| energy.value).sum();
 }
