@@ -354,6 +354,7 @@ fn data((name, run): (String, RecordedRun), command: &str) -> Option<RunData> {
         history: run.history,
         snapshots: snapshots.collect(),
         command: command.to_owned(),
+        switches: Vec::new(),
     })
 }
 

@@ -139,16 +139,35 @@ impl Columns {
 
     /// As CSV. Numbers read back exactly; what is no number is an empty cell.
     pub fn to_csv(&self) -> String {
-        let names: Vec<&str> = self.names().collect();
+        self.csv(&self.names().collect::<Vec<_>>())
+    }
+
+    /// The text of `history.csv`: the columns that every run has, then those of further effects.
+    pub(super) fn to_history(&self) -> String {
+        let mut names = HISTORY_COLUMNS.to_vec();
+        let further = |name: &&str| name.starts_with("E_") && !HISTORY_COLUMNS.contains(name);
+        names.extend(self.names().filter(further));
+        self.csv(&names)
+    }
+
+    /// The text of `shape.csv`.
+    pub(super) fn to_shape(&self) -> String {
+        self.csv(&["step", "t", SHAPE[0], SHAPE[1], SHAPE[2]])
+    }
+
+    /// Some columns as CSV; one that is not there has empty cells.
+    fn csv(&self, names: &[&str]) -> String {
+        let columns: Vec<_> = names.iter().map(|name| self.column(name)).collect();
         let mut text = names.join(",") + "\n";
         for row in 0..self.rows {
-            for (number, (_, values)) in self.columns.iter().enumerate() {
+            for (number, values) in columns.iter().enumerate() {
                 if number > 0 {
                     text.push(',');
                 }
-                if !values[row].is_nan() {
+                let value = values.map_or(f64::NAN, |values| values[row]);
+                if !value.is_nan() {
                     // Writing to a String cannot fail.
-                    let _ = write!(text, "{}", Number(values[row]));
+                    let _ = write!(text, "{}", Number(value));
                 }
             }
             text.push('\n');

@@ -26,7 +26,7 @@ use super::theme::{ColorTier, Theme};
 use super::update::update;
 use super::watch::Watch;
 use super::{editing, job_control, opening, panel};
-use crate::scene::Scene;
+use crate::scene::{AnchoringKind, Scene};
 use crate::simulation::{Command, Orders, Picture, RunId, Worker};
 
 /// How long saving may hold up an end that was not asked for by a person.
@@ -322,13 +322,22 @@ impl Session {
             let reason = "the run has no state yet".to_owned();
             return self.message(Message::Saved(Err(reason)));
         };
+        let what = what(run);
+        let mut switches = run.history.marks.clone();
+        let scene = match &what {
+            What::View(picture, _) => {
+                switches.retain(|(step, _)| *step < picture.report.step);
+                with_anchoring(&setting.scene, picture.anchoring)
+            }
+            What::Set(..) => setting.scene.clone(),
+        };
         self.saver.give(Job {
             name: slot.name.clone(),
-            scene: Arc::clone(&slot.scene),
+            scene: Arc::new(scene),
             mesh: Arc::clone(&setting.mesh),
-            switches: run.history.marks.clone(),
+            switches,
             in_haste: matches!(self.app.ending, Some(Ending::Signal(_) | Ending::HungUp)),
-            what: what(run),
+            what,
         });
         Ok(())
     }
@@ -452,4 +461,15 @@ impl Session {
             .for_each(std::mem::forget);
         Ok(ending)
     }
+}
+
+/// A scene with the anchoring that was in force at some time; `None`: there is nothing to anchor.
+fn with_anchoring(scene: &Scene, kind: Option<AnchoringKind>) -> Scene {
+    let mut scene = scene.clone();
+    if let Some(kind) = kind
+        && (scene.anchoring.is_some() || kind != AnchoringKind::None)
+    {
+        scene.anchoring.get_or_insert_default().kind = kind;
+    }
+    scene
 }

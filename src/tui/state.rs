@@ -201,6 +201,17 @@ pub enum Question {
     Reload,
 }
 
+impl Question {
+    /// In a word.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Restart => "Restart",
+            Self::Quit => "Quit",
+            Self::Reload => "Reload",
+        }
+    }
+}
+
 /// How fields are shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct View {

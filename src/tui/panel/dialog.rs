@@ -19,19 +19,16 @@ pub fn confirm(app: &App, question: Question, theme: &Theme, screen: Rect, buffe
     let step = slot
         .and_then(|slot| slot.run.as_ref())
         .map_or(0, |run| run.report.step);
-    let (title, words) = match question {
-        Question::Restart => (
-            "Restart",
-            format!("Begin {name} anew? It is at step {step}, and not saved: S saves it."),
+    let title = question.title();
+    let words = match question {
+        Question::Restart => {
+            format!("Begin {name} anew? It is at step {step}, and not saved: S saves it.")
+        }
+        Question::Reload => format!(
+            "Begin {name} anew with the scene as it stands in its file now? \
+             It is at step {step}, and not saved."
         ),
-        Question::Reload => (
-            "Reload",
-            format!(
-                "Begin {name} anew with the scene as it stands in its file now? \
-                 It is at step {step}, and not saved."
-            ),
-        ),
-        Question::Quit => ("Quit", quit_words(app)),
+        Question::Quit => quit_words(app),
     };
     let width = 56.min(screen.width.saturating_sub(4));
     let words = text::wrap(&words, usize::from(width).saturating_sub(4));
