@@ -3,7 +3,6 @@
 
 /// A place in a step, named after what is computed there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(not(test), expect(dead_code, reason = "only tests tell places apart"))]
 pub(super) enum Place {
     /// The right side of substep 1.
     DirectorLoad,

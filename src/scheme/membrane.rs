@@ -20,7 +20,7 @@ use super::linearised::Linearised;
 use super::transform::{BulkPreconditioner, ReducedOperator};
 use super::{Phase, State, StepError};
 
-pub(super) use iteration::Limits;
+pub(super) use iteration::{Limits, Work};
 
 /// Limit of GMRES's iterations in one solve.
 const KRYLOV_LIMIT: usize = 200;

@@ -28,7 +28,7 @@ use detour::Detour;
 use director::DirectorStep;
 use faults::Place;
 use history::History;
-use membrane::{Limits, MembraneStep, Places, Samples};
+use membrane::{Limits, MembraneStep, Places, Samples, Work};
 
 pub use error::StepError;
 pub use initial::{InitialError, initial_fields};
@@ -256,27 +256,61 @@ impl Scheme {
             self.next.director.as_ref(),
         );
         self.history.extrapolate(self.t + dt, &mut self.next);
-        let fell_back = self.detour.is_some() && !self.membrane.uses_transform();
-        if fell_back && self.detour.is_some_and(|detour| detour.is_over(dt)) {
-            self.membrane.return_to_transform();
+        let mut work = self.climb(dt, energy_scale, report, watch)?;
+        let mut closed = self.close_books(dt, report);
+        let rise = report.total_energy - self.report.total_energy;
+        if closed.is_ok() && rise > RISE * energy_scale {
+            // Near a state of rest even a residual within the tolerance is more than what dissipates.
+            let limits = self.limits(Iteration::Newton);
+            let mut places = Places {
+                space: &self.space,
+                effects: &mut self.effects,
+                samples: &mut self.samples,
+                from: &self.state,
+                to: &mut self.next,
+                dt,
+                energy_scale,
+                watch,
+            };
+            self.membrane.refine(&mut places, limits, &mut work)?;
+            closed = self.close_books(dt, report);
         }
-        let iteration = match self.solver.iteration {
-            Iteration::Lagged if self.newton_detour.is_some_and(|detour| !detour.is_over(dt)) => {
-                Iteration::Newton
-            }
-            wanted => wanted,
-        };
-        let limits = Limits {
+        report.newton = work.newton;
+        report.krylov = work.krylov;
+        report.damping = work.damping;
+        watch(Phase::Ledger);
+        closed
+    }
+
+    fn limits(&self, iteration: Iteration) -> Limits {
+        Limits {
             iteration,
             tolerance: self.solver.tolerance,
             law_tolerance: self.solver.law_tolerance,
+        }
+    }
+
+    /// Substep 2, by the first way that succeeds: the scene's iteration; Newton's method in place of the
+    /// lagged one; the factor in place of the cosine transform. A way that failed is left alone for a
+    /// while.
+    fn climb(
+        &mut self,
+        dt: f64,
+        energy_scale: f64,
+        report: &mut StepReport,
+        watch: &mut dyn FnMut(Phase),
+    ) -> Result<Work, StepError> {
+        let is_over = |detour: Option<Detour>| detour.is_none_or(|detour| detour.is_over(dt));
+        if self.detour.is_some() && is_over(self.detour) {
+            self.membrane.return_to_transform();
+        }
+        let iteration = match self.solver.iteration {
+            Iteration::Lagged if is_over(self.newton_detour) => Iteration::Lagged,
+            _ => Iteration::Newton,
         };
-        let newton = Limits {
-            iteration: Iteration::Newton,
-            ..limits
-        };
+        let (limits, newton) = (self.limits(iteration), self.limits(Iteration::Newton));
         let mut places = Places {
-            space,
+            space: &self.space,
             effects: &mut self.effects,
             samples: &mut self.samples,
             from: &self.state,
@@ -306,7 +340,7 @@ impl Scheme {
             report.fallback = Some(reason);
             self.detour = Some(Detour::new(dt, self.detour));
             self.membrane
-                .fall_back(space)
+                .fall_back(places.space)
                 .map_err(|source| StepError::Membrane {
                     iteration: 0,
                     source,
@@ -314,39 +348,15 @@ impl Scheme {
             places.restart();
             outcome = self.membrane.solve(&mut places, newton);
         }
-        let mut work = outcome?;
-        report.damping = work.damping;
-        let mut closed = self.close_books(dt, report);
-        if closed.is_ok() && report.total_energy - self.report.total_energy > RISE * energy_scale {
-            // Near a state of rest even a residual within the tolerance is more than what dissipates.
-            let mut places = Places {
-                space: &self.space,
-                effects: &mut self.effects,
-                samples: &mut self.samples,
-                from: &self.state,
-                to: &mut self.next,
-                dt,
-                energy_scale,
-                watch,
-            };
-            self.membrane.refine(&mut places, newton, &mut work)?;
-            closed = self.close_books(dt, report);
+        if outcome.is_ok() {
+            let on_factor = !self.membrane.uses_transform();
+            let detours = [
+                self.detour.as_mut().filter(|_| on_factor),
+                self.newton_detour.as_mut(),
+            ];
+            detours.into_iter().flatten().for_each(Detour::advance);
         }
-        report.newton = work.newton;
-        report.krylov = work.krylov;
-        for detour in [
-            self.detour
-                .as_mut()
-                .filter(|_| !self.membrane.uses_transform()),
-            self.newton_detour.as_mut(),
-        ]
-        .into_iter()
-        .flatten()
-        {
-            detour.advance();
-        }
-        watch(Phase::Ledger);
-        closed
+        outcome
     }
 
     /// The energies of the state as it is.

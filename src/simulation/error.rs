@@ -30,7 +30,7 @@ pub enum SimulationError {
         /// The time at its end.
         t: f64,
         /// What was tried.
-        tried: Tried,
+        tried: Box<Tried>,
         /// What went wrong at last.
         source: StepError,
     },

@@ -244,13 +244,13 @@ impl Simulation {
                         return Err(SimulationError::Step {
                             step,
                             t: end,
-                            tried: Tried {
+                            tried: Box::new(Tried {
                                 refused: ladder.refused,
                                 transform: was_fast || self.scheme.uses_transform(),
                                 factor: !self.scheme.uses_transform(),
                                 lagged: self.scene.solver.iteration == Iteration::Lagged,
                                 steps: [dt, dt * self.division.smallest()],
-                            },
+                            }),
                             source: reason,
                         });
                     }

@@ -61,11 +61,14 @@ fn read_scene(text: &str, nodal: &[u8]) -> Option<Scene> {
         .ok()
 }
 
+/// Reads an input.
+type Read = Box<dyn Fn(&[u8])>;
+
 /// What is read, given an input.
 struct Target {
     name: &'static str,
     seeds: Vec<Vec<u8>>,
-    read: Box<dyn Fn(&[u8])>,
+    read: Read,
 }
 
 fn scene_target() -> Target {

@@ -2,7 +2,8 @@
 //! must hold whatever the scene.
 //!
 //! Each is a scene file in `scenes/`, which `vesica run` takes as well. The quick part runs with all
-//! tests. The long part makes at least ten times as many steps and writes the table of the worst values, `tests/hard_cases/results.md`:
+//! tests. The long part makes at least ten times as many steps and writes the table of the worst
+//! values, `tests/hard_cases/results.md`:
 //!
 //!     cargo test --release --test hard_cases -- --ignored
 
