@@ -3,6 +3,7 @@
 mod division;
 mod error;
 mod event;
+mod memory;
 mod schedule;
 #[cfg(test)]
 mod tests;
@@ -18,9 +19,10 @@ use crate::scheme::{Scheme, StepReport, initial_fields};
 
 pub use crate::fem::OutlineMeasure;
 pub use crate::physics::NamedValue;
-pub use crate::scheme::{Phase, State};
+pub use crate::scheme::{Phase, RecallError, State};
 pub use error::SimulationError;
 pub use event::{Event, EventKind};
+pub use memory::Memory;
 pub use schedule::{Schedule, step_count};
 pub use warnings::warnings;
 pub use worker::{Command, Mailbox, Message, News, Orders, Picture, RunId, Setting, Worker};
@@ -282,11 +284,8 @@ impl Simulation {
 
     /// Measures the vesicle and notices when it reaches the wall.
     fn look(&mut self) {
-        let phi = &self.scheme.state().phi;
-        self.contour.trace(&self.mesh, phi);
-        self.report.outline = self.contour.measure(self.axis);
-        self.report.isoperimetric_quotient = self.contour.isoperimetric_quotient();
-        if self.near_wall.is_reached(phi) {
+        self.measure();
+        if self.near_wall.is_reached(&self.scheme.state().phi) {
             let (step, t) = (self.report.step, self.report.t);
             self.events.push(Event {
                 step,
@@ -294,6 +293,13 @@ impl Simulation {
                 kind: EventKind::ReachedWall,
             });
         }
+    }
+
+    /// Measures the vesicle.
+    fn measure(&mut self) {
+        self.contour.trace(&self.mesh, &self.scheme.state().phi);
+        self.report.outline = self.contour.measure(self.axis);
+        self.report.isoperimetric_quotient = self.contour.isoperimetric_quotient();
     }
 
     /// The scene.
