@@ -111,7 +111,7 @@ fn a_state_is_remembered_and_recalled_without_allocation() {
         let scene = scene(SMALL, &[path]);
         let mut scheme = scheme(&scene);
         let mut memory = Memory::default();
-        let mut step = |scheme: &mut Scheme| {
+        let step = |scheme: &mut Scheme| {
             scheme.step(scene.time.step).expect("a step");
         };
         (0..WARM_UP).for_each(|_| step(&mut scheme));

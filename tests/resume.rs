@@ -373,3 +373,73 @@ fn two_processes_do_not_share_a_folder() {
     child.kill().expect("it is there to be killed");
     child.wait().expect("it ends");
 }
+
+/// A limit on the size of files stands for a disk that is full: the system refuses what goes beyond.
+#[test]
+fn a_run_that_cannot_be_written_goes_on_and_tells_it() {
+    let folder = folder_with_scene();
+    let path = folder.path();
+    // In blocks of 512 or 1024 bytes: history.csv gets larger.
+    let shell = format!(
+        "trap '' XFSZ; ulimit -f 200; exec {} run small.toml --out a --steps 1500 --snapshots 0",
+        env!("CARGO_BIN_EXE_vesica")
+    );
+    let output = Command::new("sh")
+        .args(["-c", &shell])
+        .current_dir(path)
+        .stdin(Stdio::null())
+        .output()
+        .expect("a shell");
+    let told = check(output, 1);
+    assert!(
+        told.contains("not all of the run could be recorded"),
+        "{told}"
+    );
+    assert!(told.contains("a/") && told.contains("too large"), "{told}");
+    let history = fs::read_to_string(path.join("a/history.csv")).expect("history.csv");
+    assert!(history.ends_with('\n'), "whole lines only");
+}
+
+#[test]
+fn odd_paths_are_no_hindrance() {
+    use std::os::unix::ffi::OsStrExt;
+    let folder = folder_with_scene();
+    let path = folder.path();
+    for name in [
+        &b"two words"[..],
+        b"not \xff UTF-8",
+        b"-dash",
+        "\u{e9}\u{1f9ea}".as_bytes(),
+    ] {
+        let out = path.join("runs").join(std::ffi::OsStr::from_bytes(name));
+        let mut first = command(path, &["run", "small.toml", "--steps", "3", "--out"]);
+        check(first.arg(&out).output().expect("vesica starts"), 0);
+        let mut second = command(path, &["run", "--resume", "--steps", "6"]);
+        let told = check(second.arg(&out).output().expect("vesica starts"), 0);
+        assert!(told.contains("goes on from step 3"), "{told}");
+        assert_eq!(summary(&out)["steps"], 6);
+        // A folder that cannot be: the path and the reason are told.
+        let below = out.join("run.json/below");
+        let mut third = command(path, &["run", "small.toml", "--out"]);
+        let told = check(third.arg(&below).output().expect("vesica starts"), 2);
+        assert!(told.contains("run.json/below"), "{told}");
+    }
+}
+
+#[test]
+fn a_scene_that_needs_more_memory_than_there_is_is_refused() {
+    let folder = folder_with_scene();
+    let path = folder.path();
+    for (command, status) in [("run", 2), ("check", 2)] {
+        let told = vesica(
+            path,
+            &[command, "case3", "--set", "mesh.cells=20000"],
+            status,
+        );
+        assert!(
+            told.contains("888 GB") && told.contains("mesh.cells"),
+            "{told}"
+        );
+    }
+    assert!(!path.join("runs").exists());
+}

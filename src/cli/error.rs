@@ -187,7 +187,9 @@ impl CliError {
                 | FigureError::Occupied { .. }
                 | FigureError::Nothing,
             )
-            | CliError::SetUp(SimulationError::Mesh(_)) => CliError::USAGE,
+            | CliError::SetUp(SimulationError::Mesh(_) | SimulationError::Memory { .. }) => {
+                CliError::USAGE
+            }
             CliError::SetUp(_)
             | CliError::Run { .. }
             | CliError::Resume(_)

@@ -10,7 +10,7 @@ use crate::record::{
     RunFolder, RunSummary, Settings, load_scene, step_count,
 };
 use crate::scene::{Scene, Time, preset};
-use crate::simulation::{Simulation, SimulationError};
+use crate::simulation::{Simulation, SimulationError, check_memory};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -87,6 +87,7 @@ impl Arguments {
 /// Simulates the scene and records it.
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let (scene, name) = scene(arguments)?;
+    check_memory(&scene).map_err(CliError::SetUp)?;
     let signal = EndSignal::listen()?;
     let found = if arguments.resume {
         find(arguments, &scene, &name)?

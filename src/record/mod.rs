@@ -29,6 +29,7 @@ mod columns;
 mod error;
 mod folder;
 mod history;
+mod kept;
 mod number;
 mod read;
 mod recorder;
@@ -47,6 +48,7 @@ pub use error::RecordError;
 pub(crate) use folder::make as make_folder;
 pub use folder::{IfOccupied, RunFolder};
 pub use history::HISTORY_COLUMNS;
+pub use kept::{KeptRun, RunKeeper};
 pub use number::{Brief, Number};
 pub use read::{
     ReadError, RecordedFields, RecordedRun, StoredFields, WrongArray, read_fields, read_run,

@@ -108,7 +108,7 @@ impl Preparation {
             snapshots: self.settings.snapshots,
             ..Content::default()
         };
-        let keeper = Keeper::new(self.folder.path(), true);
+        let keeper = Keeper::of_run(self.folder.path(), true);
         let mut recorder = Recorder::new(
             self.folder,
             (self.settings, self.schedule),

@@ -1,7 +1,7 @@
 //! Taking a run up again from its checkpoint.
 
 use super::atomic::clean;
-use super::checkpoint::{CheckpointError, Content, Keeper, Problem};
+use super::checkpoint::{CheckpointError, Content, Keeper, Problem, RUN};
 use super::folder::{FIELDS, FINAL, SERIES, a_file_of, remove, remove_snapshots};
 use super::history::{FoundTables, Tables};
 use super::scene_file::{identity, write_scene};
@@ -48,7 +48,7 @@ impl Resumption {
         let mut candidates = Vec::new();
         let mut problems = Vec::new();
         for name in Keeper::names() {
-            match Keeper::read(&path.join(name)) {
+            match Keeper::read::<Content>(RUN, &path.join(name)) {
                 Ok(content) if content.scene == wanted => candidates.push((name, content)),
                 Ok(content) => {
                     let difference = difference(&content.scene, &wanted);
@@ -185,7 +185,7 @@ impl Resumption {
         });
         let tables = self.cut_back(scene, &content, tables)?;
         let newest_is_good = name == Keeper::names()[0];
-        let keeper = Keeper::new(self.folder(), newest_is_good);
+        let keeper = Keeper::of_run(self.folder(), newest_is_good);
         let content = Content {
             every: settings.every,
             snapshots: settings.snapshots,

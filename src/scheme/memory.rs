@@ -50,6 +50,11 @@ pub enum RecallError {
 }
 
 impl Memory {
+    /// The anchoring that was in use.
+    pub fn anchoring(&self) -> Option<Anchoring> {
+        self.anchoring
+    }
+
     /// Whether a scheme can take it over.
     fn check(&self, scheme: &Scheme) -> Result<(), RecallError> {
         let nodes = scheme.space.nodes();

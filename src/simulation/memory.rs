@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Simulation;
 use super::division::Division;
+use crate::scene::Anchoring;
 use crate::scheme::{self, RecallError};
 
 /// What [`Simulation::remember`] has copied. It keeps its buffers.
@@ -26,6 +27,11 @@ impl Memory {
     /// The step that was reached.
     pub fn step(&self) -> u64 {
         self.step
+    }
+
+    /// The anchoring that was in use.
+    pub fn anchoring(&self) -> Option<Anchoring> {
+        self.scheme.anchoring()
     }
 
     /// The time that was reached.

@@ -4,6 +4,7 @@ mod division;
 mod error;
 mod event;
 mod memory;
+mod needs;
 mod schedule;
 #[cfg(test)]
 mod tests;
@@ -23,9 +24,12 @@ pub use crate::scheme::{Phase, RecallError, State};
 pub use error::SimulationError;
 pub use event::{Event, EventKind};
 pub use memory::Memory;
+pub use needs::{check_memory, memory_available, memory_needed};
 pub use schedule::{Schedule, step_count};
 pub use warnings::warnings;
-pub use worker::{Command, Mailbox, Message, News, Orders, Picture, RunId, Setting, Worker};
+pub use worker::{
+    Command, Continuity, Mailbox, Message, News, Orders, Picture, RunId, Setting, Worker,
+};
 
 use division::Division;
 use warnings::NearWall;
@@ -159,6 +163,7 @@ impl Simulation {
     /// # Errors
     /// [`SimulationError`]: what could not be built.
     pub fn new(scene: &Scene) -> Result<Self, SimulationError> {
+        check_memory(scene)?;
         let mesh = mesh(scene)?;
         let initial = initial_fields(scene, &mesh)?;
         let warnings = warnings(scene, &mesh, &initial.phi);

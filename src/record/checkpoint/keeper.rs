@@ -1,9 +1,11 @@
 //! The two generations of a run's checkpoint on the disk.
 
-use super::{Content, Problem, decode, encode};
+use super::{Magic, Problem, RUN, decode, encode};
 use crate::record::RecordError;
 use crate::record::atomic::{write_keeping, write_whole};
-use crate::record::folder::{NEWEST, OLDER};
+use crate::record::folder::{NEWEST, OLDER, make};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use std::fs::{self, File};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
@@ -11,9 +13,10 @@ use std::path::{Path, PathBuf};
 /// Bytes of a checkpoint at most: about a hundred million nodal values.
 const LARGEST: u64 = 1 << 30;
 
-/// Writes checkpoints into a folder, keeping the one before.
+/// Writes checkpoints, keeping the one before.
 #[derive(Debug)]
 pub(in crate::record) struct Keeper {
+    magic: Magic,
     newest: PathBuf,
     older: PathBuf,
     /// Whether what stands under the newest name is worth keeping.
@@ -24,10 +27,17 @@ pub(in crate::record) struct Keeper {
 impl Keeper {
     /// For the checkpoints in a run's folder. `newest_is_good`: what stands under the newest name, if
     /// anything does, can be used.
-    pub fn new(folder: &Path, newest_is_good: bool) -> Keeper {
+    pub fn of_run(folder: &Path, newest_is_good: bool) -> Keeper {
+        let generations = [NEWEST, OLDER].map(|name| folder.join(name));
+        Keeper::new(RUN, generations, newest_is_good)
+    }
+
+    /// For the checkpoints of these names, the newest first.
+    pub fn new(magic: Magic, [newest, older]: [PathBuf; 2], newest_is_good: bool) -> Keeper {
         Keeper {
-            newest: folder.join(NEWEST),
-            older: folder.join(OLDER),
+            magic,
+            newest,
+            older,
             newest_is_good,
             buffer: Vec::new(),
         }
@@ -37,8 +47,8 @@ impl Keeper {
     ///
     /// # Errors
     /// [`RecordError::Write`]; at least one generation stands as it was.
-    pub fn write(&mut self, content: &Content) -> Result<(), RecordError> {
-        let encoded = encode(content, &mut self.buffer);
+    pub fn write(&mut self, content: &impl Serialize) -> Result<(), RecordError> {
+        let encoded = encode(self.magic, content, &mut self.buffer);
         encoded.map_err(|error| RecordError::Write {
             path: self.newest.clone(),
             reason: io::Error::other(error),
@@ -53,6 +63,14 @@ impl Keeper {
         Ok(())
     }
 
+    /// Makes the folder that they are in.
+    ///
+    /// # Errors
+    /// [`RecordError::MakeFolder`].
+    pub fn make_folder(&self) -> Result<(), RecordError> {
+        self.newest.parent().map_or(Ok(()), make)
+    }
+
     /// The names of both generations, the newest first.
     pub fn names() -> [&'static str; 2] {
         [NEWEST, OLDER]
@@ -62,8 +80,8 @@ impl Keeper {
     ///
     /// # Errors
     /// [`Problem`]: why it cannot be used.
-    pub fn read(path: &Path) -> Result<Content, Problem> {
-        decode(&Keeper::bytes(path)?)
+    pub fn read<C: DeserializeOwned>(magic: Magic, path: &Path) -> Result<C, Problem> {
+        decode(magic, &Keeper::bytes(path)?)
     }
 
     fn bytes(path: &Path) -> Result<Vec<u8>, Problem> {

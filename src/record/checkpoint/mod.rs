@@ -4,7 +4,7 @@
 //!
 //! | bytes | what |
 //! |---|---|
-//! | 8 | `VESICACP` |
+//! | 8 | `VESICACP`; of a run in the app `VESICAAP` |
 //! | 4 | the version of the format, [`VERSION`] |
 //! | 8 | n, the length of the content |
 //! | n | the content: [`Content`] in postcard's format |
@@ -22,9 +22,16 @@ pub(super) use keeper::Keeper;
 use super::history::TablesMemory;
 use super::summary::Totals;
 use crate::simulation::Memory;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-const MAGIC: &[u8; 8] = b"VESICACP";
+/// How a kind of file begins: eight bytes.
+pub(super) type Magic = [u8; 8];
+
+/// Of a run that is recorded.
+pub(super) const RUN: Magic = *b"VESICACP";
+/// Of a run in the app.
+pub(super) const APP: Magic = *b"VESICAAP";
 
 /// Raised whenever the content becomes another.
 const VERSION: u32 = 1;
@@ -56,9 +63,13 @@ pub(super) struct Content {
 ///
 /// # Errors
 /// What the encoder says; there is no reason known for which it would.
-pub(super) fn encode(content: &Content, bytes: &mut Vec<u8>) -> Result<(), postcard::Error> {
+pub(super) fn encode(
+    magic: Magic,
+    content: &impl Serialize,
+    bytes: &mut Vec<u8>,
+) -> Result<(), postcard::Error> {
     bytes.clear();
-    bytes.extend_from_slice(MAGIC);
+    bytes.extend_from_slice(&magic);
     bytes.extend_from_slice(&VERSION.to_le_bytes());
     bytes.extend_from_slice(&[0; 8]);
     *bytes = postcard::to_extend(content, std::mem::take(bytes))?;
@@ -73,13 +84,10 @@ pub(super) fn encode(content: &Content, bytes: &mut Vec<u8>) -> Result<(), postc
 ///
 /// # Errors
 /// [`Problem`]: what is wrong with them.
-pub(super) fn decode(bytes: &[u8]) -> Result<Content, Problem> {
-    let Some((magic, rest)) = bytes.split_first_chunk::<8>() else {
+pub(super) fn decode<C: DeserializeOwned>(magic: Magic, bytes: &[u8]) -> Result<C, Problem> {
+    let Some(rest) = bytes.strip_prefix(&magic) else {
         return Err(Problem::NotACheckpoint);
     };
-    if magic != MAGIC {
-        return Err(Problem::NotACheckpoint);
-    }
     let cut_short = || Problem::CutShort { bytes: bytes.len() };
     let (version, rest) = rest.split_first_chunk::<4>().ok_or_else(cut_short)?;
     let version = u32::from_le_bytes(*version);

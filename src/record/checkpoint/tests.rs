@@ -21,7 +21,7 @@ fn content() -> Content {
 
 fn bytes_of(content: &Content) -> Vec<u8> {
     let mut bytes = vec![7; 3];
-    encode(content, &mut bytes).unwrap();
+    encode(RUN, content, &mut bytes).unwrap();
     bytes
 }
 
@@ -29,7 +29,7 @@ static BYTES: LazyLock<Vec<u8>> = LazyLock::new(|| bytes_of(&content()));
 
 #[test]
 fn what_is_read_back_is_what_was_written() {
-    let read = decode(&BYTES).unwrap();
+    let read = decode::<Content>(RUN, &BYTES).unwrap();
     assert_eq!(bytes_of(&read), *BYTES);
     assert_eq!((read.simulation.step(), read.every), (1, 3));
 }
@@ -39,22 +39,28 @@ fn every_kind_of_damage_has_its_name() {
     let changed = |place: usize, value: u8| {
         let mut bytes = BYTES.clone();
         bytes[place] ^= value;
-        decode(&bytes).unwrap_err()
+        decode::<Content>(RUN, &bytes).unwrap_err()
     };
     assert!(matches!(changed(0, 1), Problem::NotACheckpoint));
     assert!(matches!(changed(8, 1), Problem::Checksum));
     assert!(matches!(changed(19, 0x40), Problem::CutShort { .. }));
     assert!(matches!(changed(BYTES.len() / 2, 4), Problem::Checksum));
-    assert!(matches!(decode(b""), Err(Problem::NotACheckpoint)));
+    assert!(matches!(
+        decode::<Content>(RUN, b""),
+        Err(Problem::NotACheckpoint)
+    ));
     let short = &BYTES[..BYTES.len() - 1];
-    assert!(matches!(decode(short), Err(Problem::CutShort { .. })));
+    assert!(matches!(
+        decode::<Content>(RUN, short),
+        Err(Problem::CutShort { .. })
+    ));
 
     // A whole file of the next version.
     let mut next = BYTES[..BYTES.len() - CHECKSUM].to_vec();
     next[8] = VERSION as u8 + 1;
     let checksum = crc32fast::hash(&next);
     next.extend_from_slice(&checksum.to_le_bytes());
-    let version = decode(&next).unwrap_err();
+    let version = decode::<Content>(RUN, &next).unwrap_err();
     assert!(matches!(version, Problem::Version { version } if version == VERSION + 1));
 }
 
@@ -62,18 +68,21 @@ fn every_kind_of_damage_has_its_name() {
 fn two_generations_are_kept_and_a_damaged_one_takes_no_place() {
     let folder = tempfile::tempdir().unwrap();
     let [newest, older] = Keeper::names().map(|name| folder.path().join(name));
-    assert!(matches!(Keeper::read(&newest), Err(Problem::Missing)));
-    let mut keeper = Keeper::new(folder.path(), true);
+    assert!(matches!(
+        Keeper::read::<Content>(RUN, &newest),
+        Err(Problem::Missing)
+    ));
+    let mut keeper = Keeper::of_run(folder.path(), true);
     let mut content = Content::default();
     for every in 1..=3 {
         content.every = every;
         keeper.write(&content).unwrap();
     }
-    let every = |path| Keeper::read(path).unwrap().every;
+    let every = |path| Keeper::read::<Content>(RUN, path).unwrap().every;
     assert_eq!((every(&newest), every(&older)), (3, 2));
 
     fs::write(&newest, "damaged").unwrap();
-    let mut keeper = Keeper::new(folder.path(), false);
+    let mut keeper = Keeper::of_run(folder.path(), false);
     content.every = 4;
     keeper.write(&content).unwrap();
     assert_eq!((every(&newest), every(&older)), (4, 2));
@@ -92,7 +101,7 @@ fn two_generations_are_kept_and_a_damaged_one_takes_no_place() {
 /// Bytes with a right header and a right checksum around any content: what no accident makes, but what
 /// the decoder must bear all the same.
 fn sealed(content: &[u8]) -> Vec<u8> {
-    let mut bytes = MAGIC.to_vec();
+    let mut bytes = RUN.to_vec();
     bytes.extend_from_slice(&VERSION.to_le_bytes());
     bytes.extend_from_slice(&(content.len() as u64).to_le_bytes());
     bytes.extend_from_slice(content);
@@ -103,7 +112,7 @@ fn sealed(content: &[u8]) -> Vec<u8> {
 
 /// Decodes, and if that succeeds recalls it into a run.
 fn survive(bytes: &[u8]) -> bool {
-    let Ok(content) = decode(bytes) else {
+    let Ok(content) = decode::<Content>(RUN, bytes) else {
         return false;
     };
     let mut simulation = Simulation::new(&scene("[nematic]\n[anchoring]\n")).unwrap();
@@ -121,17 +130,17 @@ proptest! {
     fn flipped_bits_are_seen(place in 0..BYTES.len() * 8) {
         let mut bytes = BYTES.clone();
         bytes[place / 8] ^= 1 << (place % 8);
-        prop_assert!(decode(&bytes).is_err());
+        prop_assert!(decode::<Content>(RUN, &bytes).is_err());
     }
 
     #[test]
     fn a_cut_is_seen(length in 0..BYTES.len()) {
-        prop_assert!(decode(&BYTES[..length]).is_err());
+        prop_assert!(decode::<Content>(RUN, &BYTES[..length]).is_err());
     }
 
     #[test]
     fn any_bytes_are_an_error(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
-        prop_assert!(decode(&bytes).is_err());
+        prop_assert!(decode::<Content>(RUN, &bytes).is_err());
         survive(&sealed(&bytes));
     }
 
