@@ -37,12 +37,25 @@ pub(super) fn write_keeping(
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), RecordError> {
     write_beside(path, content)
-        .and_then(|file| match std::fs::rename(path, before) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
-            _ => file.persist(path).map_err(|error| error.error),
+        .and_then(|file| {
+            keep(path, before)?;
+            file.persist(path).map_err(|error| error.error)
         })
         .map(|_| ())
         .map_err(RecordError::write(path))
+}
+
+/// Gives what stands under a name, if anything does, a second one in place of what stood there. There is
+/// no moment at which the first name is free, unless the disk knows no second names.
+fn keep(path: &Path, before: &Path) -> io::Result<()> {
+    if !path.exists() {
+        return Ok(());
+    }
+    match std::fs::remove_file(before) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+        _ => {}
+    }
+    std::fs::hard_link(path, before).or_else(|_| std::fs::rename(path, before))
 }
 
 /// Removes what killed processes have left behind in a folder; what cannot be removed stays.

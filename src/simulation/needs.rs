@@ -41,11 +41,11 @@ pub fn memory_needed(scene: &Scene) -> u64 {
     (ANY_RUN + per_node * nodes) as u64
 }
 
-/// The memory that is to be had at present, in bytes: of the machine, and of the control group that the
-/// process is in. `None` where the system does not tell.
+/// The memory that is to be had at present, in bytes: of the machine, and of the control group that a
+/// container is. `None` where the system does not tell.
 pub fn memory_available() -> Option<u64> {
     let memory = MemoryRefreshKind::nothing().with_ram();
-    let system = System::new_with_specifics(RefreshKind::nothing().with_memory(memory));
+    let system = System::new_with_specifics(RefreshKind::nothing().with_memory(memory)).ok()?;
     let of_group = system.cgroup_limits().map(|group| group.free_memory);
     let of_machine = Some(system.available_memory()).filter(|bytes| *bytes > 0);
     of_machine.into_iter().chain(of_group).min()
