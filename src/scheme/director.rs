@@ -5,6 +5,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::StepError;
+use super::faults::{self, Place};
 use crate::fem::{MassForm, Space};
 use crate::linalg::{ConjugateGradients, LinearOperator, SparseMatrix, vector};
 use crate::physics::{DirectorForm, Effects, Sample};
@@ -79,6 +80,7 @@ impl LinearOperator for System {
             self.coupling.multiply_add(1.0, x1, y0);
             self.coupling.multiply_add(1.0, x0, y1);
         }
+        faults::tap(Place::DirectorProduct, y);
     }
 }
 
@@ -151,6 +153,7 @@ impl DirectorStep {
         to: &mut [Vec<f64>; 2],
     ) -> Result<u32, StepError> {
         self.assemble(space, effects, old, dt, (phi, from));
+        faults::tap(Place::DirectorLoad, &mut self.load);
         self.guess();
         let solution = self
             .method
@@ -169,6 +172,7 @@ impl DirectorStep {
             for ((to, from), step) in to[axis].iter_mut().zip(&from[axis]).zip(increment) {
                 *to = from + step;
             }
+            faults::tap(Place::Director(axis), &mut to[axis]);
         }
         Ok(solution.iterations as u32)
     }

@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use crate::fem::{MassForm, Space};
 use crate::linalg::{Ldlt, LinalgError, LinearOperator, Pattern, vector};
 
+use super::faults::{self, Place};
 use super::linearised::Linearised;
 
 /// Above this many GMRES iterations in one solve the factor is made anew: a factorisation costs
@@ -261,6 +262,7 @@ impl LinearOperator for FactoredPreconditioner {
                 y[field * size + node] = self.interleaved[3 * node + field];
             }
         }
+        faults::tap(Place::Preconditioner, y);
     }
 }
 
@@ -305,6 +307,7 @@ impl LinearOperator for ThreeFieldOperator<'_> {
                 .zip(self.root_weights)
                 .for_each(|(y, root)| *y *= scale / root);
         }
+        faults::tap(Place::Product, y);
     }
 }
 

@@ -36,6 +36,7 @@ pub struct Memory {
     increments: Option<Increments>,
     linear: LinearMemory,
     detour: Option<Detour>,
+    newton_detour: Option<Detour>,
 }
 
 /// Why a memory cannot be put into a scheme.
@@ -110,6 +111,7 @@ impl Scheme {
         }
         self.membrane.remember(&mut memory.linear);
         memory.detour = self.detour;
+        memory.newton_detour = self.newton_detour;
     }
 
     /// Puts it back, also into another scheme of the same scene: what follows is bit for bit what it
@@ -149,12 +151,15 @@ impl Scheme {
         report.law_residual = 0.0;
         (report.newton, report.krylov, report.director_iterations) = (0, 0, 0);
         report.fallback = None;
+        report.newton_took_over = None;
+        (report.refused_ways, report.damping) = (0, 1.0);
         self.t = memory.t;
         self.history.copy(&memory.history);
         if let (Some(director), Some(increments)) = (&mut self.director, &memory.increments) {
             director.recall(increments);
         }
         self.detour = memory.detour;
+        self.newton_detour = memory.newton_detour;
         Ok(())
     }
 }

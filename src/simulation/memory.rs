@@ -74,6 +74,7 @@ impl Simulation {
         report.law_residual = memory.law_residual;
         [report.newton, report.krylov, report.director_iterations] = memory.work;
         report.costs = super::Costs::default();
+        report.ladder = super::Ladder::default();
         self.division.clone_from(&memory.division);
         self.near_wall.set_reached(memory.reached_wall);
         self.events.clear();

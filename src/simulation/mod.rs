@@ -3,6 +3,7 @@
 mod division;
 mod error;
 mod event;
+mod ladder;
 mod memory;
 mod needs;
 mod schedule;
@@ -15,7 +16,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::fem::{Contour, FemError, Mesh};
-use crate::scene::{self, AnchoringKind, Scene, Shape, Warning};
+use crate::scene::{self, AnchoringKind, Iteration, Scene, Shape, Warning};
 use crate::scheme::{Scheme, StepReport, initial_fields};
 
 pub use crate::fem::OutlineMeasure;
@@ -23,6 +24,7 @@ pub use crate::physics::NamedValue;
 pub use crate::scheme::{Phase, RecallError, State};
 pub use error::SimulationError;
 pub use event::{Event, EventKind};
+pub use ladder::{Ladder, Tried};
 pub use memory::Memory;
 pub use needs::{check_memory, memory_available, memory_needed};
 pub use schedule::{Schedule, step_count};
@@ -99,6 +101,8 @@ pub struct Report {
     pub costs: Costs,
     /// Every term of (3.26), times Δt.
     pub ledger: Vec<NamedValue>,
+    /// What it took to solve the step.
+    pub ladder: Ladder,
     /// The size of the vesicle.
     pub outline: Option<OutlineMeasure>,
     /// 4π·area/length² of the zero set of φ: 1 for a circle.
@@ -213,7 +217,9 @@ impl Simulation {
         };
         let was_fast = self.scheme.uses_transform();
         let mut fallback = None;
+        let mut took_over = None;
         let mut divided = None;
+        let mut ladder = Ladder::default();
         self.division.begin();
         let mut first = true;
         loop {
@@ -223,6 +229,11 @@ impl Simulation {
                     if let Some(reason) = &solved.fallback {
                         fallback.get_or_insert_with(|| reason.clone());
                     }
+                    if let Some(reason) = &solved.newton_took_over {
+                        took_over.get_or_insert_with(|| reason.clone());
+                    }
+                    let solved = self.scheme.report();
+                    ladder.accept(solved, !self.scheme.uses_transform());
                     if std::mem::take(&mut first) {
                         self.report.take(solved);
                     } else {
@@ -235,11 +246,18 @@ impl Simulation {
                     self.report.t = begin + dt * self.division.done();
                 }
                 Err(reason) => {
+                    ladder.refuse();
                     if !self.division.refuse() {
                         return Err(SimulationError::Step {
                             step,
                             t: end,
-                            smallest: dt * self.division.smallest(),
+                            tried: Tried {
+                                refused: ladder.refused,
+                                transform: was_fast || self.scheme.uses_transform(),
+                                factor: !self.scheme.uses_transform(),
+                                lagged: self.scene.solver.iteration == Iteration::Lagged,
+                                steps: [dt, dt * self.division.smallest()],
+                            },
                             source: reason,
                         });
                     }
@@ -249,11 +267,16 @@ impl Simulation {
         }
         self.report.step = step;
         self.report.t = end;
+        self.report.ladder = ladder;
         let event = |kind| Event { step, t: end, kind };
         if let Some(reason) = divided {
             let smallest = self.report.dt;
             self.events
                 .push(event(EventKind::StepDivided { smallest, reason }));
+        }
+        if let Some(reason) = took_over {
+            self.events
+                .push(event(EventKind::NewtonTookOver { reason }));
         }
         match (was_fast, self.scheme.uses_transform(), fallback) {
             (true, false, Some(reason)) => self

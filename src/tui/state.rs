@@ -51,6 +51,8 @@ pub struct App {
     pub cores: usize,
     /// The time that no run of the gallery goes beyond at present; `None` outside the gallery.
     pub clock: Option<f64>,
+    /// Bytes that the older fields of all runs together may take.
+    pub memory: usize,
     /// The slot whose scene is being edited.
     pub editing: Option<usize>,
     /// A slot and the scene that waits to replace it, while that is asked.
@@ -139,6 +141,12 @@ pub struct Notice {
     pub step: u64,
     /// In words.
     pub text: String,
+}
+
+impl std::fmt::Display for Notice {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(formatter, "step {}: {}", self.step, self.text)
+    }
 }
 
 /// How grave a notice is.

@@ -93,7 +93,7 @@ fn two_generations_are_kept_and_a_damaged_one_takes_no_place() {
     fs::remove_file(&newest).unwrap();
     fs::create_dir(&newest).unwrap();
     assert!(matches!(
-        Keeper::read(&newest),
+        Keeper::read::<Content>(RUN, &newest),
         Err(Problem::NotACheckpoint)
     ));
 }
