@@ -6,6 +6,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use common::{SMALL, scene, scheme};
+use vesica::scheme::{Memory, Scheme};
 
 /// The system's allocator, which counts what each thread asks of it.
 struct Counting;
@@ -100,6 +101,29 @@ fn a_step_allocates_nothing() {
         ] {
             let counts = allocations_of_steps(&[quadrature, path]);
             assert_eq!(counts, [0; STEPS], "{quadrature}, {path}");
+        }
+    }
+}
+
+#[test]
+fn a_state_is_remembered_and_recalled_without_allocation() {
+    for path in ["solver.linear=transform", "solver.linear=factor"] {
+        let scene = scene(SMALL, &[path]);
+        let mut scheme = scheme(&scene);
+        let mut memory = Memory::default();
+        let step = |scheme: &mut Scheme| {
+            scheme.step(scene.time.step).expect("a step");
+        };
+        (0..WARM_UP).for_each(|_| step(&mut scheme));
+        scheme.remember(&mut memory);
+        for _ in 0..STEPS {
+            let count = allocations(|| {
+                step(&mut scheme);
+                scheme.recall(&memory).expect("the same scheme");
+                step(&mut scheme);
+                scheme.remember(&mut memory);
+            });
+            assert_eq!(count, 0, "{path}");
         }
     }
 }

@@ -59,6 +59,7 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
 fn examine(source: &OsStr, overrides: &[String]) -> Result<(Scene, Vec<Warning>), CliError> {
     let scene = load_scene(source, overrides)?.scene;
     some_step(&scene.time)?;
+    simulation::check_memory(&scene).map_err(CliError::SetUp)?;
     let warnings = if nodes(&scene) <= MOST_NODES {
         simulation::examine(&scene).map_err(CliError::SetUp)?
     } else {

@@ -2,7 +2,7 @@
 
 use super::output;
 use crate::figure::FigureError;
-use crate::record::{LoadError, ReadError, RecordError};
+use crate::record::{CheckpointError, LoadError, ReadError, RecordError};
 use crate::scene::UnknownPreset;
 use crate::simulation::SimulationError;
 use crate::tui::AppError;
@@ -41,12 +41,9 @@ pub(super) enum CliError {
     /// The folder for the run could not be had.
     #[error(transparent)]
     Folder(RecordError),
-    /// Checkpoints do not exist yet.
-    #[error(
-        "--resume is not possible yet: this version of vesica keeps no checkpoints. Run the scene \
-         anew, into another folder or with --force"
-    )]
-    Resume,
+    /// A run cannot be taken up again.
+    #[error(transparent)]
+    Resume(#[from] CheckpointError),
     /// The app has nowhere to be.
     #[error(
         "the standard {stream} is not a terminal, and the app needs one; without one simulate the \
@@ -89,12 +86,24 @@ pub(super) enum CliError {
         /// The run's folder.
         folder: PathBuf,
     },
-    /// The run could not be recorded.
-    #[error("the run ended because it could not be recorded: {0}")]
+    /// A run cannot be recorded, from the start.
+    #[error("the run cannot be recorded: {0}")]
     Record(#[from] RecordError),
+    /// A run was made but not all of it could be recorded.
+    #[error(
+        "not all of the run could be recorded: {error}\nwhat there is stands in {}",
+        folder.display()
+    )]
+    Unrecorded {
+        /// Why.
+        #[source]
+        error: RecordError,
+        /// The run's folder.
+        folder: PathBuf,
+    },
     /// A signal ended the run.
     #[error(
-        "ended by {signal} after step {step} of {steps}; saved in {}",
+        "ended by {signal} after step {step} of {steps}; saved in {0}. Go on with: vesica run {0} --resume",
         folder.display()
     )]
     Interrupted {
@@ -167,7 +176,7 @@ impl CliError {
             | CliError::Preset(_)
             | CliError::NoStep { .. }
             | CliError::Folder(_)
-            | CliError::Resume
+            | CliError::Resume(CheckpointError::None { .. } | CheckpointError::Foreign { .. })
             | CliError::NoTerminal { .. }
             | CliError::Check { .. }
             | CliError::Read(_)
@@ -178,10 +187,14 @@ impl CliError {
                 | FigureError::Occupied { .. }
                 | FigureError::Nothing,
             )
-            | CliError::SetUp(SimulationError::Mesh(_)) => CliError::USAGE,
+            | CliError::SetUp(SimulationError::Mesh(_) | SimulationError::Memory { .. }) => {
+                CliError::USAGE
+            }
             CliError::SetUp(_)
             | CliError::Run { .. }
+            | CliError::Resume(_)
             | CliError::Record(_)
+            | CliError::Unrecorded { .. }
             | CliError::App(_)
             | CliError::Figure(_)
             | CliError::RunsFailed { .. }

@@ -333,7 +333,6 @@ fn compute_one(
     let stop = simulate(&mut simulation, &mut recorder, signal, progress, true);
     let finished = recorder.finish(&mut simulation, stop.ending());
     match stop {
-        Stop::Unrecorded(error) => Err(error),
         Stop::Failed(error) => Ok(Outcome::Failed(error.to_string())),
         Stop::Signal(signal) => finished.map(|_| Outcome::Stopped(signal)),
         Stop::Done => finished.map(|_| Outcome::Done),

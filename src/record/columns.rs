@@ -3,6 +3,7 @@
 use super::read::{ReadError, read_table};
 use super::{HISTORY_COLUMNS, Number};
 use crate::simulation::Report;
+use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
 use std::fmt::Write;
 use std::path::Path;
@@ -11,7 +12,7 @@ use std::path::Path;
 const SHAPE: [&str; 3] = ["length", "waist", "width"];
 
 /// Columns of scalars, each with a value a row; NaN where there is none.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Columns {
     columns: Vec<(String, Vec<f64>)>,
     rows: usize,
@@ -109,6 +110,20 @@ impl Columns {
                 let value = |row: &Option<usize>| row.map_or(f64::NAN, |row| values[row]);
                 self.columns.push((name, rows.iter().map(value).collect()));
             }
+        }
+    }
+
+    /// Whether every column has a value a row: what comes from a file may not.
+    pub(super) fn is_whole(&self) -> bool {
+        let whole = |(_, values): &(String, Vec<f64>)| values.len() == self.rows;
+        self.columns.iter().all(whole)
+    }
+
+    /// Keeps the first rows only.
+    pub fn truncate(&mut self, rows: usize) {
+        self.rows = self.rows.min(rows);
+        for (_, values) in &mut self.columns {
+            values.truncate(rows);
         }
     }
 

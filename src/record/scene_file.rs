@@ -3,6 +3,7 @@
 use super::atomic::write_whole;
 use super::{Number, RecordError};
 use crate::scene::{InitialDirector, NodalValues, ScalarField, Scene, Shape};
+use std::fmt::Write as _;
 use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
@@ -38,6 +39,31 @@ pub(super) fn write_scene(folder: &Path, scene: &Scene) -> Result<(), RecordErro
     write_whole(&folder.join("scene.toml"), |file| {
         file.write_all(text.as_bytes())
     })
+}
+
+/// A text by which the scene of a run is known again: complete but for its end, which may be moved, with
+/// a checksum for the nodal values that are files.
+pub(super) fn identity(scene: &Scene) -> String {
+    let mut scene = scene.clone();
+    scene.time.end = 1.0;
+    let mut checksums = String::new();
+    for (name, nodal) in INPUT_NAMES.iter().zip(nodal_values(&mut scene)) {
+        let Some(nodal) = nodal else { continue };
+        nodal.path = format!("{INPUTS}/{name}");
+        let mut checksum = crc32fast::Hasher::new();
+        for value in nodal.values.iter() {
+            checksum.update(&value.to_le_bytes());
+        }
+        let count = nodal.values.len();
+        // Writing to a String cannot fail.
+        let _ = writeln!(
+            checksums,
+            "# {}: {count} values, checksum {:08x}",
+            nodal.path,
+            checksum.finalize()
+        );
+    }
+    scene.to_toml() + &checksums
 }
 
 /// The nodal values of a scene, in the order of [`INPUT_NAMES`].

@@ -32,7 +32,7 @@ pub fn write_states(
     let mut tables = Tables::create(folder.path(), first)?;
     for (report, _) in states {
         tables.observe(report);
-        tables.append(report, f64::NAN)?;
+        tables.append(report, f64::NAN);
     }
     tables.finish()?;
     if let Some(history) = history {

@@ -5,6 +5,8 @@
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 use super::expression::Expression;
 
 /// One simulation, complete.
@@ -244,7 +246,7 @@ pub struct Defect {
 }
 
 /// The anchoring of the director at the membrane.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Anchoring {
     /// Which direction it prefers.
     pub kind: AnchoringKind,
@@ -253,7 +255,7 @@ pub struct Anchoring {
 }
 
 /// The direction that the membrane prefers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum AnchoringKind {
     /// (δ1, δ2) = (0, 0).
     None,

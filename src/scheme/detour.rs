@@ -1,10 +1,12 @@
 //! When the fast path, having failed, is tried again: a small state machine without numerics.
 
+use serde::{Deserialize, Serialize};
+
 /// Steps with the factor before the fast path is tried again; doubled each time it fails once more.
 const PATIENCE: u32 = 16;
 
 /// A detour over the sparse factor.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct Detour {
     /// The Δt at which the fast path failed.
     failed_at: f64,
@@ -27,7 +29,7 @@ impl Detour {
 
     /// A step was solved with the factor.
     pub(super) fn advance(&mut self) {
-        self.solved += 1;
+        self.solved = self.solved.saturating_add(1);
     }
 
     /// Whether the fast path is worth another try: at half the Δt that was too much for it, or when

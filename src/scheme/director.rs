@@ -2,6 +2,8 @@
 //!   (δ, e)/(γ_nem Δt) + Σ_effects ⟨f_d(dⁿ + δ), e⟩ = 0,   δ = dⁿ⁺¹ − dⁿ
 //! (z = −δ_t d/γ_nem eliminated), by conjugate gradients: at the paper's Δt it is nearly a mass matrix.
 
+use serde::{Deserialize, Serialize};
+
 use super::StepError;
 use super::faults::{self, Place};
 use crate::fem::{MassForm, Space};
@@ -22,10 +24,42 @@ pub(super) struct DirectorStep {
     inverse_diagonal: Vec<f64>,
     /// δ of this step.
     increment: Vec<f64>,
-    /// Of the last steps, to extrapolate the guess from.
-    last_increments: [Vec<f64>; 3],
-    steps_known: usize,
+    past: Increments,
     method: ConjugateGradients,
+}
+
+/// The increments of the last steps, to extrapolate the guess from; newest first.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(super) struct Increments {
+    last: [Vec<f64>; 3],
+    known: usize,
+}
+
+impl Increments {
+    fn new(size: usize) -> Self {
+        Self {
+            last: [vec![0.0; size], vec![0.0; size], vec![0.0; size]],
+            known: 0,
+        }
+    }
+
+    /// Takes over others. Allocates only where there is no room yet.
+    fn copy(&mut self, other: &Self) {
+        self.known = other.known;
+        for (target, source) in self.last.iter_mut().zip(&other.last) {
+            target.clone_from(source);
+        }
+    }
+
+    #[cfg(test)]
+    pub(super) fn forget(&mut self) {
+        self.known = 0;
+    }
+
+    /// Whether they are of a director with so many components in all.
+    pub(super) fn fits(&self, size: usize) -> bool {
+        self.known <= self.last.len() && self.last.iter().all(|last| last.len() == size)
+    }
 }
 
 /// The matrix: two diagonal blocks and what couples the components.
@@ -65,35 +99,45 @@ impl DirectorStep {
             load: vec![0.0; size],
             inverse_diagonal: vec![0.0; size],
             increment: vec![0.0; size],
-            last_increments: [vec![0.0; size], vec![0.0; size], vec![0.0; size]],
-            steps_known: 0,
+            past: Increments::new(size),
             method: ConjugateGradients::new(size),
         }
     }
 
     /// Forgets the increments of the last steps, from which the guess for the next one is made.
     pub(super) fn forget(&mut self) {
-        self.steps_known = 0;
+        self.past.known = 0;
     }
 
     /// Takes the increment of an accepted step.
     pub(super) fn accept(&mut self) {
-        self.last_increments.rotate_right(1);
-        self.last_increments[0].copy_from_slice(&self.increment);
-        self.steps_known = (self.steps_known + 1).min(self.last_increments.len());
+        let Increments { last, known } = &mut self.past;
+        last.rotate_right(1);
+        last[0].copy_from_slice(&self.increment);
+        *known = (*known + 1).min(last.len());
+    }
+
+    /// What the guess for the next step is made from.
+    pub(super) fn remember(&self, past: &mut Increments) {
+        past.copy(&self.past);
+    }
+
+    /// Puts that back.
+    pub(super) fn recall(&mut self, past: &Increments) {
+        self.past.copy(past);
     }
 
     /// The increment that the last ones lead to expect, by a polynomial through them.
     fn guess(&mut self) {
         // Of degree 0, 1 and 2; steps of unequal length make it a worse guess, no more.
-        let weights: &[f64] = match self.steps_known {
+        let weights: &[f64] = match self.past.known {
             0 => &[],
             1 => &[1.0],
             2 => &[2.0, -1.0],
             _ => &[3.0, -3.0, 1.0],
         };
         self.increment.fill(0.0);
-        for (weight, last) in weights.iter().zip(&self.last_increments) {
+        for (weight, last) in weights.iter().zip(&self.past.last) {
             vector::add_scaled(&mut self.increment, *weight, last);
         }
     }

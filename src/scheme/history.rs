@@ -2,6 +2,8 @@
 
 use std::collections::VecDeque;
 
+use serde::{Deserialize, Serialize};
+
 use super::State;
 
 /// The sum of the weights' magnitudes is 15 for equal steps and four states, 49 if the next step is twice
@@ -9,14 +11,16 @@ use super::State;
 const MOST_MAGNIFIED: f64 = 64.0;
 
 /// Accepted φ, ω, μ at the last times.
-#[derive(Debug)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct History {
-    /// Newest last; the times count from an arbitrary origin.
+    /// Newest last; the times count from an arbitrary origin. Those before the last `known` are only
+    /// room for the next ones.
     entries: VecDeque<Entry>,
+    known: usize,
     capacity: usize,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 struct Entry {
     t: f64,
     fields: [Vec<f64>; 3],
@@ -26,33 +30,64 @@ impl History {
     /// Extrapolation by polynomials of at most the degree `order`.
     pub(super) fn new(order: usize) -> Self {
         Self {
-            entries: VecDeque::with_capacity(order + 2),
+            entries: VecDeque::with_capacity(order + 1),
+            known: 0,
             capacity: order + 1,
         }
     }
 
     /// Forgets everything: the right-hand side has jumped.
     pub(super) fn forget(&mut self) {
-        self.entries.clear();
+        self.known = 0;
     }
 
-    /// Takes an accepted state. Allocates only until the history is full.
+    /// Takes an accepted state. Allocates only until the history has been full once.
     pub(super) fn push(&mut self, t: f64, state: &State) {
+        let room = if self.entries.len() < self.capacity {
+            None
+        } else {
+            self.entries.pop_front()
+        };
+        let mut entry = room.unwrap_or_default();
+        entry.t = t;
         let sources = [&state.phi, &state.omega, &state.mu];
-        if self.entries.len() < self.capacity {
-            self.entries.push_back(Entry {
-                t,
-                fields: sources.map(Vec::clone),
-            });
-            return;
+        for (target, source) in entry.fields.iter_mut().zip(sources) {
+            target.clone_from(source);
         }
-        if let Some(mut entry) = self.entries.pop_front() {
-            entry.t = t;
-            for (target, source) in entry.fields.iter_mut().zip(sources) {
-                target.copy_from_slice(source);
+        self.entries.push_back(entry);
+        self.known = (self.known + 1).min(self.capacity);
+    }
+
+    /// What is known, oldest first.
+    fn known(&self) -> impl Iterator<Item = &Entry> {
+        self.entries.range(self.entries.len() - self.known..)
+    }
+
+    /// Takes over what another history knows. Allocates only where there is no room yet.
+    pub(super) fn copy(&mut self, other: &Self) {
+        self.capacity = other.capacity;
+        self.known = other.known;
+        self.entries.truncate(self.capacity);
+        while self.entries.len() < other.known {
+            self.entries.push_back(Entry::default());
+        }
+        let unknown = self.entries.len() - self.known;
+        for (target, source) in self.entries.range_mut(unknown..).zip(other.known()) {
+            target.t = source.t;
+            for (target, source) in target.fields.iter_mut().zip(&source.fields) {
+                target.clone_from(source);
             }
-            self.entries.push_back(entry);
         }
+    }
+
+    /// Whether this may stand in the place of a history of the same scheme: of as many entries, of
+    /// fields at so many nodes.
+    pub(super) fn fits(&self, other: &Self, nodes: usize) -> bool {
+        let full = |entry: &Entry| entry.fields.iter().all(|field| field.len() == nodes);
+        self.capacity == other.capacity
+            && self.known <= self.entries.len()
+            && self.entries.len() <= self.capacity
+            && self.known().all(full)
     }
 
     /// Lagrange's extrapolation of all three fields to the time t, from as many of the last states as
@@ -61,7 +96,7 @@ impl History {
         let targets = [&mut state.phi, &mut state.omega, &mut state.mu];
         let skipped = self.too_many(t);
         for (field, target) in targets.into_iter().enumerate() {
-            for (index, entry) in self.entries.iter().enumerate().skip(skipped) {
+            for (index, entry) in self.known().enumerate().skip(skipped) {
                 if index == skipped {
                     target.fill(0.0);
                 }
@@ -75,7 +110,7 @@ impl History {
     /// polynomial from being magnified by more than [`MOST_MAGNIFIED`], all but the last one where Δt has
     /// become much longer.
     fn too_many(&self, t: f64) -> usize {
-        let count = self.entries.len();
+        let count = self.known;
         let magnified = |skipped: &usize| {
             let weights = (*skipped..count).map(|index| self.weight(index, *skipped, t).abs());
             weights.sum::<f64>() > MOST_MAGNIFIED
@@ -85,8 +120,8 @@ impl History {
 
     /// The weight of a state where the first `skipped` are left out.
     fn weight(&self, index: usize, skipped: usize, t: f64) -> f64 {
-        let own = self.entries[index].t;
-        let others = self.entries.iter().skip(skipped).map(|entry| entry.t);
+        let own = self.entries[self.entries.len() - self.known + index].t;
+        let others = self.known().skip(skipped).map(|entry| entry.t);
         others
             .filter(|other| *other != own)
             .map(|other| (t - other) / (own - other))

@@ -9,12 +9,14 @@
 
 mod iteration;
 
+use serde::{Deserialize, Serialize};
+
 use crate::fem::{Grid, MassInverse, Space};
 use crate::linalg::{Gmres, LinalgError, LinearOperator, vector};
 use crate::physics::{Effects, MembraneForce, Sample};
 use crate::scene::Iteration;
 
-use super::factored::{FactoredPreconditioner, ThreeFieldOperator};
+use super::factored::{FactorMemory, FactoredPreconditioner, ThreeFieldOperator};
 use super::faults;
 use super::linearised::Linearised;
 use super::transform::{BulkPreconditioner, ReducedOperator};
@@ -83,6 +85,38 @@ impl LinearSolver {
 
     fn is_transform(&self) -> bool {
         matches!(self.path, Path::Transform { .. })
+    }
+
+    fn preconditioner(&self) -> Option<&FactoredPreconditioner> {
+        match &self.path {
+            Path::Transform { .. } => None,
+            Path::Factor { preconditioner } => Some(preconditioner),
+        }
+    }
+
+    fn preconditioner_mut(&mut self) -> Option<&mut FactoredPreconditioner> {
+        match &mut self.path {
+            Path::Transform { .. } => None,
+            Path::Factor { preconditioner } => Some(preconditioner),
+        }
+    }
+}
+
+/// How the linear systems are solved at present, and the factor that is kept.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(super) struct LinearMemory {
+    uses_transform: bool,
+    factor: FactorMemory,
+}
+
+#[cfg(test)]
+impl LinearMemory {
+    pub(super) fn has_no_factor(&self) -> bool {
+        self.factor.is_empty()
+    }
+
+    pub(super) fn forget_factor(&mut self) {
+        self.factor.clear();
     }
 }
 
@@ -228,6 +262,52 @@ impl MembraneStep {
     pub(super) fn return_to_transform(&mut self) {
         if let Some(spare) = self.spare.as_mut().filter(|spare| spare.is_transform()) {
             std::mem::swap(spare, &mut self.linear);
+        }
+    }
+
+    /// How the linear systems are solved at present. All else is made anew in every step.
+    pub(super) fn remember(&self, memory: &mut LinearMemory) {
+        memory.uses_transform = self.uses_transform();
+        let mut solvers = std::iter::once(&self.linear).chain(&self.spare);
+        match solvers.find_map(LinearSolver::preconditioner) {
+            Some(factor) => factor.remember(&mut memory.factor),
+            None => memory.factor.clear(),
+        }
+    }
+
+    /// Whether this step can solve the linear systems as another did.
+    pub(super) fn can_recall(&self, memory: &LinearMemory) -> bool {
+        let mut solvers = std::iter::once(&self.linear).chain(&self.spare);
+        !memory.uses_transform || solvers.any(LinearSolver::is_transform)
+    }
+
+    /// Solves the linear systems from now on as they were then, with the same factor.
+    ///
+    /// # Errors
+    /// What a factor may run into.
+    pub(super) fn recall(
+        &mut self,
+        space: &Space,
+        memory: &LinearMemory,
+    ) -> Result<(), LinalgError> {
+        if memory.uses_transform {
+            self.return_to_transform();
+        } else {
+            self.fall_back(space)?;
+        }
+        let solvers = std::iter::once(&mut self.linear).chain(&mut self.spare);
+        let mut factors = solvers.filter_map(LinearSolver::preconditioner_mut);
+        match factors.next() {
+            Some(factor) => factor.recall(&memory.factor),
+            None if memory.factor.is_empty() => Ok(()),
+            None => {
+                let mut solver = LinearSolver::factor(space, &self.fixed)?;
+                if let Some(factor) = solver.preconditioner_mut() {
+                    factor.recall(&memory.factor)?;
+                }
+                self.spare = Some(solver);
+                Ok(())
+            }
         }
     }
 

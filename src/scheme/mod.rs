@@ -10,6 +10,7 @@ mod history;
 mod initial;
 mod linearised;
 mod membrane;
+mod memory;
 #[doc(hidden)]
 pub mod phases;
 mod state;
@@ -32,6 +33,7 @@ use membrane::{Limits, MembraneStep, Places, Samples, Work};
 
 pub use error::StepError;
 pub use initial::{InitialError, initial_fields};
+pub use memory::{Memory, RecallError};
 pub use state::{Phase, State, StepReport};
 
 /// Degree of the polynomials by which the guess of a step is extrapolated. At Table 1 with lumped
@@ -48,6 +50,8 @@ const RISE: f64 = 5e-13;
 pub struct Scheme {
     space: Space,
     effects: Effects,
+    /// The anchoring among the effects.
+    anchoring: Option<scene::Anchoring>,
     solver: Solver,
     state: State,
     next: State,
@@ -109,6 +113,7 @@ impl Scheme {
             terms: Terms::default(),
             space,
             effects,
+            anchoring: scene.anchoring,
             solver: scene.solver,
             state,
             director: director_step,
@@ -162,10 +167,16 @@ impl Scheme {
     /// no ledger, for no step was taken.
     pub fn set_anchoring(&mut self, anchoring: Option<&scene::Anchoring>) {
         self.effects.set_anchoring(anchoring, &self.space);
+        self.anchoring = anchoring.copied();
         self.measure_anew();
         self.report.ledger.clear();
         self.report.law_residual = 0.0;
         self.forget();
+    }
+
+    /// The anchoring that is in use.
+    pub fn anchoring(&self) -> Option<scene::Anchoring> {
+        self.anchoring
     }
 
     /// The effects.

@@ -2,6 +2,8 @@
 //! without numerics. Pieces are Δt/2^level long and meet the grid's times again; the level falls when
 //! pieces go well for a while.
 
+use serde::{Deserialize, Serialize};
+
 /// The smallest piece is Δt/2⁴⁰: from Δt = 1 down to 1e-12.
 const DEEPEST: u32 = 40;
 
@@ -12,7 +14,7 @@ const STREAK: u32 = 4;
 const WHOLE: u64 = 1 << DEEPEST;
 
 /// Where a run stands in the division of its grid steps.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Division {
     level: u32,
     /// Pieces since the last that failed.
@@ -26,6 +28,12 @@ pub(super) struct Division {
 }
 
 impl Division {
+    /// Whether it can be: one that comes from a file may hold any numbers.
+    pub(super) fn is_possible(&self) -> bool {
+        let length = WHOLE.checked_shr(self.level).unwrap_or(0);
+        self.level <= DEEPEST && self.done < WHOLE && self.done.is_multiple_of(length)
+    }
+
     /// The next piece, as a fraction of the grid step.
     pub(super) fn piece(&self) -> f64 {
         (f64::from(self.level)).exp2().recip()
@@ -45,7 +53,7 @@ impl Division {
     pub(super) fn accept(&mut self) -> bool {
         let length = WHOLE >> self.level;
         self.done += length;
-        self.streak += 1;
+        self.streak = self.streak.saturating_add(1);
         self.refusals = 0;
         let whole = self.done == WHOLE;
         // Only where a longer piece would end on its own grid.
@@ -72,8 +80,8 @@ impl Division {
         }
         // Where the right Δt is far, it is reached by longer and longer leaps.
         let leap = self.refusals.saturating_sub(1).max(1);
-        self.refusals += 1;
-        self.level = (self.level + leap).min(DEEPEST);
+        self.refusals = self.refusals.saturating_add(1);
+        self.level = self.level.saturating_add(leap).min(DEEPEST);
         self.deepest = self.deepest.max(self.level);
         true
     }

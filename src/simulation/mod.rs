@@ -4,6 +4,8 @@ mod division;
 mod error;
 mod event;
 mod ladder;
+mod memory;
+mod needs;
 mod schedule;
 #[cfg(test)]
 mod tests;
@@ -19,13 +21,17 @@ use crate::scheme::{Scheme, StepReport, initial_fields};
 
 pub use crate::fem::OutlineMeasure;
 pub use crate::physics::NamedValue;
-pub use crate::scheme::{Phase, State};
+pub use crate::scheme::{Phase, RecallError, State};
 pub use error::SimulationError;
 pub use event::{Event, EventKind};
 pub use ladder::{Ladder, Tried};
+pub use memory::Memory;
+pub use needs::{check_memory, memory_available, memory_needed};
 pub use schedule::{Schedule, step_count};
 pub use warnings::warnings;
-pub use worker::{Command, Mailbox, Message, News, Orders, Picture, RunId, Setting, Worker};
+pub use worker::{
+    Command, Continuity, Mailbox, Message, News, Orders, Picture, RunId, Setting, Worker,
+};
 
 use division::Division;
 use warnings::NearWall;
@@ -161,6 +167,7 @@ impl Simulation {
     /// # Errors
     /// [`SimulationError`]: what could not be built.
     pub fn new(scene: &Scene) -> Result<Self, SimulationError> {
+        check_memory(scene)?;
         let mesh = mesh(scene)?;
         let initial = initial_fields(scene, &mesh)?;
         let warnings = warnings(scene, &mesh, &initial.phi);
@@ -305,11 +312,8 @@ impl Simulation {
 
     /// Measures the vesicle and notices when it reaches the wall.
     fn look(&mut self) {
-        let phi = &self.scheme.state().phi;
-        self.contour.trace(&self.mesh, phi);
-        self.report.outline = self.contour.measure(self.axis);
-        self.report.isoperimetric_quotient = self.contour.isoperimetric_quotient();
-        if self.near_wall.is_reached(phi) {
+        self.measure();
+        if self.near_wall.is_reached(&self.scheme.state().phi) {
             let (step, t) = (self.report.step, self.report.t);
             self.events.push(Event {
                 step,
@@ -317,6 +321,13 @@ impl Simulation {
                 kind: EventKind::ReachedWall,
             });
         }
+    }
+
+    /// Measures the vesicle.
+    fn measure(&mut self) {
+        self.contour.trace(&self.mesh, &self.scheme.state().phi);
+        self.report.outline = self.contour.measure(self.axis);
+        self.report.isoperimetric_quotient = self.contour.isoperimetric_quotient();
     }
 
     /// The scene.

@@ -22,7 +22,12 @@ pub struct Schedule {
 impl Schedule {
     /// Whether the tables get a row at this step.
     pub fn row_due(&self, step: u64) -> bool {
-        step.is_multiple_of(self.every.max(1)) || step == self.steps
+        self.row_in_turn(step) || step == self.steps
+    }
+
+    /// Whether they get it whenever the run ends.
+    pub fn row_in_turn(&self, step: u64) -> bool {
+        step.is_multiple_of(self.every.max(1))
     }
 
     /// Whether the fields are written at this step.

@@ -7,8 +7,8 @@
 use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use signal_hook::consts::{SIGINT, SIGQUIT};
@@ -17,6 +17,7 @@ use super::canvas::Canvas;
 use super::farewell;
 use super::incoming::{Incoming, spawn};
 use super::input::Input;
+use super::keeping::{self, Logbook};
 use super::message::{Effect, Message};
 use super::pacing::{Occasion, Pacing};
 use super::saving::{Job, PARENT, Save, Saver, What};
@@ -26,11 +27,15 @@ use super::theme::{ColorTier, Theme};
 use super::update::update;
 use super::watch::Watch;
 use super::{editing, job_control, opening, panel};
+use crate::record::Settings;
 use crate::scene::{AnchoringKind, Scene};
-use crate::simulation::{Command, Orders, Picture, RunId, Worker};
+use crate::simulation::{Command, Continuity, Orders, Picture, RunId, Worker};
 
 /// How long saving may hold up an end that was not asked for by a person.
 const LAST_SAVE: Duration = Duration::from_millis(1200);
+
+/// How long the steps in hand may hold up an end that a person asked for.
+const LAST_STEP: Duration = Duration::from_secs(3);
 
 /// What the app is started with.
 #[derive(Debug)]
@@ -78,12 +83,17 @@ pub fn run(options: Options) -> Result<Ending, AppError> {
     // In this order, so that the terminal is restored after all that use it are gone.
     let watch = Watch::start(incoming.clone(), terminal.modes()).map_err(AppError::Threads)?;
     let input = Input::start(incoming.clone()).map_err(AppError::Threads)?;
-    let app = App::new(
-        options.slots,
+    let mut slots = options.slots;
+    for slot in &mut slots {
+        slot.kept = keeping::find_here(&slot.name, &slot.loaded).map(Arc::new);
+    }
+    let mut app = App::new(
+        slots,
         options.active,
         terminal::size(),
         options.frames_per_second,
     );
+    app.offer_to_go_on();
     let session = Session {
         app,
         theme,
@@ -270,9 +280,38 @@ impl Session {
     fn start(&mut self, orders: Orders, scene: Arc<Scene>) {
         let incoming = self.incoming.clone();
         let run = orders.run;
-        let worker = Worker::start(orders, scene, move |news| {
+        let slots = &self.app.slots;
+        let slot = slots
+            .iter()
+            .find(|slot| slot.run.as_ref().is_some_and(|known| known.id == run));
+        let kept = slot.and_then(|slot| slot.kept.as_deref());
+        let logbook = slot.map(|slot| {
+            Mutex::new(Logbook::new(
+                Path::new(PARENT),
+                &slot.name,
+                &slot.loaded,
+                kept,
+            ))
+        });
+        let continuity = Continuity {
+            from: kept.map(|kept| Box::new(kept.memory.clone())),
+            keep: Some(Settings::CHECKPOINT),
+        };
+        let worker = Worker::start_from(orders, scene, continuity, move |message| {
+            let noted = match &logbook {
+                Some(logbook) => logbook
+                    .lock()
+                    .unwrap_or_else(PoisonError::into_inner)
+                    .take(message.news),
+                None => Ok(Some(message.news)),
+            };
+            let told = match noted {
+                Ok(None) => return,
+                Ok(Some(news)) => Message::Solver(crate::simulation::Message { run, news }),
+                Err(words) => Message::Remark(format!("the run is not kept: {words}")),
+            };
             // If the loop has ended, so will the worker.
-            let _ = incoming.send(Incoming::Message(Message::Solver(news)));
+            let _ = incoming.send(Incoming::Message(told));
         });
         self.workers.insert(run, worker);
     }
@@ -452,6 +491,12 @@ impl Session {
                 Some(Incoming::Crashed(_)) | None => break,
                 Some(_) => {}
             }
+        }
+        // Each keeps its state. A step of a large run may take seconds: then the state is the one of up to
+        // half a minute ago.
+        let until = until.unwrap_or_else(|| Instant::now() + LAST_STEP);
+        while !self.workers.values().all(Worker::has_ended) && Instant::now() < until {
+            std::thread::sleep(Duration::from_millis(5));
         }
         self.terminal
             .leave_behind(&farewell::line(&self.app, &self.saved));

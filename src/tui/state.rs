@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::past::Past;
 use super::reins::Reins;
+use crate::record::KeptRun;
 use crate::scene::{AnchoringKind, Scene};
 use crate::simulation::{Picture, Report, RunId, Setting};
 
@@ -69,6 +70,10 @@ pub struct Slot {
     pub file: Option<PathBuf>,
     /// The scene as loaded, with the anchoring that is in force at present.
     pub scene: Arc<Scene>,
+    /// The scene as loaded: by it a kept run is known again.
+    pub loaded: Arc<Scene>,
+    /// The run of an earlier time, from which the next one goes on.
+    pub kept: Option<Arc<KeptRun>>,
     /// The run; `None` until the slot is looked at for the first time.
     pub run: Option<Run>,
 }
@@ -88,6 +93,8 @@ pub struct Run {
     pub report: Report,
     /// The anchoring in force.
     pub anchoring: Option<AnchoringKind>,
+    /// The run of an earlier time that this one goes on from, until its first news.
+    pub before: Option<Arc<KeptRun>>,
     /// The scalars of all steps, decimated.
     pub history: History,
     /// The latest fields.
@@ -199,6 +206,8 @@ pub enum Question {
     Quit,
     /// Begin anew with the scene as it stands in its file now?
     Reload,
+    /// Go on with the runs of an earlier time?
+    GoOn,
 }
 
 impl Question {
@@ -208,6 +217,7 @@ impl Question {
             Self::Restart => "Restart",
             Self::Quit => "Quit",
             Self::Reload => "Reload",
+            Self::GoOn => "Go on",
         }
     }
 }

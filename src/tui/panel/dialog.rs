@@ -29,6 +29,7 @@ pub fn confirm(app: &App, question: Question, theme: &Theme, screen: Rect, buffe
              It is at step {step}, and not saved."
         ),
         Question::Quit => quit_words(app),
+        Question::GoOn => kept_words(app),
     };
     let width = 56.min(screen.width.saturating_sub(4));
     let words = text::wrap(&words, usize::from(width).saturating_sub(4));
@@ -45,6 +46,22 @@ pub fn confirm(app: &App, question: Question, theme: &Theme, screen: Rect, buffe
         Span::raw(" no"),
     ]);
     text::line(buffer, inside, count + 1, answers);
+}
+
+/// Which runs can be gone on with.
+fn kept_words(app: &App) -> String {
+    let kept: Vec<String> = app
+        .slots
+        .iter()
+        .filter_map(|slot| {
+            let kept = slot.kept.as_ref()?;
+            Some(format!("{} at step {}", slot.name, kept.memory.step()))
+        })
+        .collect();
+    format!(
+        "Go on where you were: {}? With n the runs begin anew.",
+        kept.join(", ")
+    )
 }
 
 /// Which runs would be lost.

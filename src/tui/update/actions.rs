@@ -81,6 +81,7 @@ pub(super) fn ask(app: &mut App, question: Question, effects: &mut Vec<Effect>) 
     let loses = match question {
         Question::Quit => app.has_unsaved(),
         Question::Restart => app.active_run().is_some_and(|run| run.unsaved),
+        Question::GoOn => true,
         Question::Reload => app.reloaded.as_ref().is_some_and(|(index, _)| {
             let run = app.slots.get(*index).and_then(|slot| slot.run.as_ref());
             run.is_some_and(|run| run.unsaved)
@@ -98,6 +99,8 @@ pub(super) fn consent(app: &mut App, question: Question, effects: &mut Vec<Effec
     match question {
         Question::Quit => leave(app, Ending::Quit, effects),
         Question::Restart => begin_anew(app, app.active, effects),
+        // They are where the next runs begin.
+        Question::GoOn => {}
         Question::Reload => {
             if let Some((index, slot)) = app.reloaded.take() {
                 begin_anew(app, index, effects);
@@ -116,7 +119,11 @@ fn begin_anew(app: &mut App, index: usize, effects: &mut Vec<Effect>) {
     if index == app.active {
         look_back(app, None);
     }
-    if let Some(run) = app.slots.get_mut(index).and_then(|slot| slot.run.take()) {
+    let Some(slot) = app.slots.get_mut(index) else {
+        return;
+    };
+    slot.kept = None;
+    if let Some(run) = slot.run.take() {
         effects.push(Effect::Drop(run.id));
     }
 }

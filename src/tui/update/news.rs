@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::super::history::History;
 use super::super::reins::Stand;
 use super::super::state::{App, Notice, Run, Screen, Severity, Status};
 use crate::scene::{AnchoringKind, Warning};
@@ -89,6 +90,8 @@ pub(super) fn hear(app: &mut App, message: WorkerMessage) {
         }
         News::Anchored { kind, report } => anchored(run, kind, *report),
         News::Snapshot(picture) => run.snapshots.push(picture),
+        // It was written down on the way.
+        News::State(_) => {}
         News::Paused => run.reins.hear(Stand::Paused),
         News::Resumed => run.reins.hear(Stand::Computing),
         News::AtHorizon => run.reins.hear(Stand::AtHorizon),
@@ -120,6 +123,11 @@ fn warn(run: &mut Run, warning: &Warning) {
 /// Takes the scalars of a step.
 fn take(run: &mut Run, report: Report, law_tolerance: f64) {
     let steps = run.steps().unwrap_or(report.step);
+    if let Some(before) = run.before.take() {
+        run.history = History::of(&before, &report);
+        // Of the energy that it rises from.
+        run.report = report.clone();
+    }
     run.pace.take(&report, steps);
     run.history.take(&report);
     let finite = [

@@ -21,6 +21,10 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
         (Action::Quit, Some(Overlay::Confirm(Question::Quit))) => {
             leave(app, Ending::Quit, effects);
         }
+        // Nothing has begun.
+        (Action::Quit, Some(Overlay::Confirm(Question::GoOn))) => {
+            leave(app, Ending::Quit, effects);
+        }
         (Action::Quit, _) => {
             app.reloaded = None;
             app.overlay = None;
@@ -35,6 +39,9 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
         (Action::No, Some(Overlay::Confirm(question))) => {
             let question = *question;
             app.overlay = None;
+            if question == Question::GoOn {
+                app.slots.iter_mut().for_each(|slot| slot.kept = None);
+            }
             if question == Question::Reload {
                 app.reloaded = None;
                 remark(
