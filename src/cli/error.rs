@@ -109,6 +109,17 @@ pub(super) enum CliError {
         /// The run's folder.
         folder: PathBuf,
     },
+    /// A scene could not be measured.
+    #[error("the effects cannot be measured: {0}")]
+    Study(#[source] SimulationError),
+    /// A signal ended the measuring.
+    #[error("ended by {signal}; nothing was measured to the end")]
+    StudyEnded {
+        /// The signal's name.
+        signal: &'static str,
+        /// The signal's number.
+        number: i32,
+    },
     /// A signal ended the runs of a set of figures.
     #[error(
         "ended by {signal}; what was computed is saved. Draw it with `vesica figures {}`",
@@ -178,8 +189,10 @@ impl CliError {
                 | FigureError::Occupied { .. }
                 | FigureError::Nothing,
             )
+            | CliError::Study(SimulationError::Mesh(_))
             | CliError::SetUp(SimulationError::Mesh(_)) => CliError::USAGE,
             CliError::SetUp(_)
+            | CliError::Study(_)
             | CliError::Run { .. }
             | CliError::Record(_)
             | CliError::App(_)
@@ -190,6 +203,7 @@ impl CliError {
             // A signal's number is below 65.
             CliError::Interrupted { number, .. }
             | CliError::FiguresInterrupted { number, .. }
+            | CliError::StudyEnded { number, .. }
             | CliError::AppEnded { number } => 128_u8.saturating_add(*number as u8),
         }
     }
@@ -197,9 +211,9 @@ impl CliError {
     /// Tells it on the standard error.
     pub fn tell(&self) {
         match self {
-            CliError::Interrupted { .. } | CliError::FiguresInterrupted { .. } => {
-                output::note(self)
-            }
+            CliError::Interrupted { .. }
+            | CliError::FiguresInterrupted { .. }
+            | CliError::StudyEnded { .. } => output::note(self),
             // It has left a line that says how far it came.
             CliError::AppEnded { .. } => {}
             _ => output::error(self),

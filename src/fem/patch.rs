@@ -57,6 +57,15 @@ impl<'a> Patch<'a> {
         self.points[1] - self.points[0]
     }
 
+    /// The number of each of its points in the whole space, of which this space may be a part.
+    pub fn point_numbers(&self, numbers: &mut Vec<u32>) {
+        numbers.clear();
+        match &self.space.numbers {
+            Some(of_part) => numbers.extend_from_slice(&of_part[self.point_range()]),
+            None => numbers.extend(self.point_range().map(|point| point as u32)),
+        }
+    }
+
     /// Whether it is the first one of its space.
     pub fn is_first(&self) -> bool {
         self.elements[0] == 0
@@ -70,7 +79,8 @@ impl<'a> Patch<'a> {
         &self.space.mesh().areas()[self.element_range()]
     }
 
-    fn weights(&self) -> &'a [f64] {
+    /// The weights of its quadrature points.
+    pub fn weights(&self) -> &'a [f64] {
         &self.space.weights[self.point_range()]
     }
 

@@ -124,6 +124,19 @@ fn effects(pair: &Pair) -> Vec<Box<dyn Effect>> {
         )),
         Box::new(Nematic::new(&nematic, space)),
     ];
+    for weight in [40.0, -40.0] {
+        let field = scene::Field {
+            weight,
+            strength: 0.7,
+            angle: 25.0,
+            ..scene::Field::default()
+        };
+        effects.push(Box::new(Field::new(&field, space)));
+    }
+    let pull = scene::Pull {
+        potential: ScalarField::Expression("3*x - y^2".parse().expect("a formula")),
+    };
+    effects.push(Box::new(Pull::new(&pull, space)));
     for kind in [AnchoringKind::Parallel, AnchoringKind::Homeotropic] {
         let anchoring = scene::Anchoring { kind, weight: 3.0 };
         effects.push(Box::new(Anchoring::new(&anchoring, space)));

@@ -11,6 +11,7 @@ mod linearised;
 mod membrane;
 #[doc(hidden)]
 pub mod phases;
+mod region;
 mod state;
 #[cfg(test)]
 mod tests;
@@ -20,11 +21,11 @@ use std::sync::Arc;
 
 use crate::fem::{Mesh, Patch, Rule, Space};
 use crate::linalg::LinalgError;
-use crate::physics::{Effects, NamedValue, Sample, Terms, area_integral};
+use crate::physics::{Effects, Interval, NamedValue, Sample, Terms, area_integral};
 use crate::scene::{self, Boundary, LinearMethod, Quadrature, Scene, Solver};
 
 use detour::Detour;
-use director::DirectorStep;
+use director::{Demand, DirectorStep};
 use history::History;
 use membrane::{Limits, MembraneStep, Places, Samples};
 
@@ -181,12 +182,14 @@ impl Scheme {
         dt: f64,
         watch: &mut dyn FnMut(Phase),
     ) -> Result<&StepReport, StepError> {
+        let switched = self.set_interval(dt);
         let energy_scale = energy_scale(&self.report.energies);
         let mut report = std::mem::take(&mut self.next_report);
         let outcome = self.try_step(dt, energy_scale, &mut report, watch);
         self.next_report = report;
         match outcome {
             Ok(()) => {
+                self.next_report.switched = switched;
                 std::mem::swap(&mut self.report, &mut self.next_report);
                 std::mem::swap(&mut self.state, &mut self.next);
                 self.t += dt;
@@ -214,6 +217,22 @@ impl Scheme {
         }
     }
 
+    /// Tells the effects the time of the coming step. Where that makes the energy another one, what the
+    /// law starts from is measured anew, as when the anchoring is switched; returns the jump.
+    fn set_interval(&mut self, dt: f64) -> Option<f64> {
+        let interval = Interval {
+            begin: self.t,
+            length: dt,
+        };
+        if !self.effects.set_interval(interval) {
+            return None;
+        }
+        let before = self.report.total_energy;
+        self.measure_anew();
+        self.forget();
+        Some(self.report.total_energy - before)
+    }
+
     fn try_step(
         &mut self,
         dt: f64,
@@ -228,12 +247,16 @@ impl Scheme {
             &self.state.director,
             &mut self.next.director,
         ) {
-            let tolerance = director_tolerance(&self.solver);
+            let demand = Demand {
+                dt,
+                tolerance: director_tolerance(&self.solver),
+                energy_scale,
+            };
             report.director_iterations = step.solve(
                 space,
                 &mut self.effects,
                 &mut self.samples.old,
-                (dt, tolerance),
+                demand,
                 (&self.state.phi, from),
                 to,
             )?;
@@ -389,12 +412,15 @@ fn sweep(
 ) {
     let width = effects.bending.interface_width();
     report.energies.clear();
-    report
-        .energies
-        .extend(effects.iter().map(|effect| NamedValue {
-            name: effect.name(),
-            value: 0.0,
-        }));
+    report.energies.extend(
+        effects
+            .iter()
+            .filter(|effect| effect.has_energy())
+            .map(|effect| NamedValue {
+                name: effect.name(),
+                value: 0.0,
+            }),
+    );
     report.surface_area = 0.0;
     for patch in space.patches() {
         fill(&mut samples.new, &patch, new_state);
@@ -402,14 +428,20 @@ fn sweep(
         if terms.is_some() {
             fill(&mut samples.old, &patch, old_state);
         }
-        for (effect, energy) in effects.iter_mut().zip(&mut report.energies) {
-            energy.value += effect.integral(&patch, &samples.new);
+        let mut energies = report.energies.iter_mut();
+        for effect in effects.iter_mut() {
+            if effect.has_energy()
+                && let Some(energy) = energies.next()
+            {
+                energy.value += effect.integral(&patch, &samples.new);
+            }
             if let Some(terms) = &mut terms {
                 effect.add_dissipation(&patch, &samples.old, &samples.new, terms);
             }
         }
     }
-    for (effect, energy) in effects.iter().zip(&mut report.energies) {
+    let effects = effects.iter().filter(|effect| effect.has_energy());
+    for (effect, energy) in effects.zip(&mut report.energies) {
         energy.value = effect.energy(energy.value);
     }
     report.total_energy = report.energies.iter().map(|energy| energy.value).sum();

@@ -207,6 +207,7 @@ impl Simulation {
         let was_fast = self.scheme.uses_transform();
         let mut fallback = None;
         let mut divided = None;
+        let mut switched = None;
         self.division.begin();
         let mut first = true;
         loop {
@@ -215,6 +216,9 @@ impl Simulation {
                 Ok(solved) => {
                     if let Some(reason) = &solved.fallback {
                         fallback.get_or_insert_with(|| reason.clone());
+                    }
+                    if let Some(jump) = solved.switched {
+                        switched = Some(switched.unwrap_or(0.0) + jump);
                     }
                     if std::mem::take(&mut first) {
                         self.report.take(solved);
@@ -242,6 +246,11 @@ impl Simulation {
         }
         self.report.step = step;
         self.report.t = end;
+        if let Some(jump) = switched {
+            let kind = EventKind::FieldSwitched { jump };
+            let (step, t) = (step - 1, begin);
+            self.events.push(Event { step, t, kind });
+        }
         let event = |kind| Event { step, t: end, kind };
         if let Some(reason) = divided {
             let smallest = self.report.dt;
