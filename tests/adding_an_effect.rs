@@ -3,20 +3,15 @@
 
 mod common;
 
-// What the file finds around it in src/.
+// What the file finds around it in src/physics/: that folder's own names as `super`, and fem and scene.
+use vesica::physics::{DirectorReach, Effect, MembraneForce, MembraneLinearisation, Sample, Terms};
 use vesica::{fem, scene};
 
-/// In the place of src/physics/.
-mod physics {
-    #[path = "../../docs/effect/tension.rs"]
-    mod tension;
-
-    pub use tension::Tension;
-    pub use vesica::physics::*;
-}
+#[path = "../docs/effect/tension.rs"]
+mod tension;
 
 use common::{SMALL, TIGHT, energy_scale, named, scheme};
-use physics::Tension;
+use tension::Tension;
 
 #[test]
 fn the_effect_of_the_readme_keeps_the_energy_law() {
@@ -33,7 +28,10 @@ fn the_effect_of_the_readme_keeps_the_energy_law() {
                 Err(error) => panic!("{quadrature} step {step}: {error}"),
             };
             let residual = report.law_residual;
-            assert!(residual.abs() <= 1e-12, "{quadrature} step {step}: {residual:e}");
+            assert!(
+                residual.abs() <= 1e-12,
+                "{quadrature} step {step}: {residual:e}"
+            );
             assert!(named(&report.energies, "tension") > 0.1);
             assert!(named(&report.ledger, "ND_tension") > 0.0);
             assert!(named(&report.ledger, "dE") < 0.0);

@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use super::space::{GROUP, LANES, Lane};
 use super::{MassForm, Rule, Space, SymmetricTensor};
-use crate::linalg::vector;
+use crate::linalg::{count, vector};
 
 /// The six different entries aa, ab, ac, bb, bc, cc of the element matrices of a group of triangles.
 type Entries = [Lane; 6];
@@ -191,6 +191,7 @@ impl<'a> Patch<'a> {
     /// matrix ← matrix + ∫ c ψ_j ψ_i for a coefficient at the points; `values` are stored in the
     /// pattern of the mesh.
     pub fn add_mass(&self, coefficient: &[f64], values: &mut [f64]) {
+        count::assembly();
         match self.space.rule() {
             Rule::Lumped => self.add_diagonal(coefficient, values),
             Rule::Consistent => self.add_elements(coefficient, |_, _| [[0.0; LANES]; 6], values),
@@ -205,6 +206,7 @@ impl<'a> Patch<'a> {
         tensors: &[SymmetricTensor],
         values: &mut [f64],
     ) {
+        count::assembly();
         if self.space.rule() == Rule::Lumped {
             self.add_diagonal(coefficient, values);
         }
@@ -294,6 +296,7 @@ impl<'a> Patch<'a> {
         [x_block, y_block]: [&mut [f64]; 2],
         coupling: &mut MassForm,
     ) {
+        count::assembly();
         let assembly = self.space.assembly();
         let lumped = self.space.rule() == Rule::Lumped;
         if lumped {

@@ -107,10 +107,11 @@ impl Effects {
     /// Tells all effects the time of the step that comes. Whether the energy of a state is another one
     /// now, as that of a field that was switched on.
     pub fn set_interval(&mut self, interval: Interval) -> bool {
-        // Every effect is to be told.
-        self.iter_mut().fold(false, |changed, effect| {
-            effect.set_interval(interval) || changed
-        })
+        let mut changed = false;
+        for effect in self.iter_mut() {
+            changed |= effect.set_interval(interval);
+        }
+        changed
     }
 
     /// How strongly all effects together act on the director; `None`: nobody knows.

@@ -28,6 +28,8 @@ pub(super) struct DirectorStep {
     /// Of the last steps, to extrapolate the guess from.
     last_increments: [Vec<f64>; 3],
     steps_known: usize,
+    #[cfg(test)]
+    everywhere: bool,
 }
 
 /// The matrix and the vectors of substep 1 on its region.
@@ -112,12 +114,26 @@ impl DirectorStep {
             increment: vec![0.0; size],
             last_increments: [vec![0.0; size], vec![0.0; size], vec![0.0; size]],
             steps_known: 0,
+            #[cfg(test)]
+            everywhere: false,
         }
     }
 
     /// Forgets the increments of the last steps, from which the guess for the next one is made.
     pub(super) fn forget(&mut self) {
         self.steps_known = 0;
+    }
+
+    /// Has the next steps be solved on the whole mesh: for tests of the region.
+    #[cfg(test)]
+    pub(super) fn solve_everywhere(&mut self) {
+        self.everywhere = true;
+    }
+
+    /// Where the last step was solved.
+    #[cfg(test)]
+    pub(super) fn region(&self) -> &Region {
+        &self.region
     }
 
     /// Takes the increment of an accepted step.
@@ -216,8 +232,11 @@ impl DirectorStep {
     fn criterion(&self, effects: &Effects, demand: Demand, from: &[Vec<f64>; 2]) -> Criterion {
         let [x, y] = from;
         let squares = x.iter().zip(y).map(|(x, y)| x * x + y * y);
+        let reach = effects.director_reach();
+        #[cfg(test)]
+        let reach = reach.filter(|_| !self.everywhere);
         Criterion {
-            reach: effects.director_reach(),
+            reach,
             largest_eigenvalue: self.largest_eigenvalue,
             length: squares.fold(0.0, f64::max).sqrt(),
             energy_scale: demand.energy_scale,

@@ -105,7 +105,9 @@ impl Region {
         let mut free = vec![false; mesh.nodes().len()];
         let blocks = mesh.triangles().chunks(BLOCK).zip(&self.blocks);
         for triangle in blocks.filter(|(_, on)| **on).flat_map(|(block, _)| block) {
-            triangle.map(|node| free[node as usize] = true);
+            for &node in triangle {
+                free[node as usize] = true;
+            }
         }
         // Every triangle that a free node has.
         let triangles: Vec<u32> = (0..)
@@ -148,7 +150,7 @@ fn mark(
             let square = slope[0] * slope[0] + slope[1] * slope[1];
             let force = of_inside * inside(a.max(b).max(c)) + of_slope * square;
             // A NaN is somebody else's to find; it matters.
-            !(force <= limit)
+            force > limit || force.is_nan()
         })
     }));
 }

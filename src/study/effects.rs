@@ -82,8 +82,11 @@ pub struct Progress {
     pub of: u64,
 }
 
+/// Takes an effect away from a scene; whether it was there.
+type Removal = fn(&mut Scene) -> bool;
+
 /// The effects of a scene that can be taken away, and how.
-const REMOVABLE: [(&str, fn(&mut Scene) -> bool); 7] = [
+const REMOVABLE: [(&str, Removal); 7] = [
     ("curvature", |scene| {
         let k = &mut scene.membrane.spontaneous_curvature;
         let none = ScalarField::Constant(0.0);
@@ -106,7 +109,7 @@ const REMOVABLE: [(&str, fn(&mut Scene) -> bool); 7] = [
 ];
 
 /// A scene without an effect, if it has it.
-fn without(scene: &Scene, remove: fn(&mut Scene) -> bool) -> Option<Scene> {
+fn without(scene: &Scene, remove: Removal) -> Option<Scene> {
     let mut rest = scene.clone();
     remove(&mut rest).then_some(rest)
 }

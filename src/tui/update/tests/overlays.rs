@@ -225,3 +225,17 @@ fn an_error_of_an_edited_scene_is_shown_whole() {
     assert_eq!(rig.app.overlay, None);
     assert_eq!(rig.run(2).status, Status::Running);
 }
+
+#[test]
+fn the_prices_are_shown_while_they_are_looked_at() {
+    let mut rig = Rig::new();
+    rig.keys("p");
+    assert!(matches!(&rig.app.overlay, Some(Overlay::Prices { .. })));
+    rig.tell(Message::Prices("a table".to_owned()));
+    let text = "a table".to_owned();
+    assert_eq!(rig.app.overlay, Some(Overlay::Prices { text }));
+    rig.press(KeyCode::Esc);
+    assert_eq!(rig.app.overlay, None);
+    rig.tell(Message::Prices("too late".to_owned()));
+    assert_eq!(rig.app.overlay, None);
+}
