@@ -60,7 +60,7 @@ pub struct View<'a> {
 }
 
 /// A field that can be shown in colour. The contour is that of φ in any case.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Field {
     /// φ.
     #[default]
@@ -71,6 +71,11 @@ pub enum Field {
     Bending,
     /// μ.
     Potential,
+    /// ε/2 ω², the density of the bending energy, at the nodes and linear between them.
+    BendingDensity {
+        /// ε.
+        interface_width: f64,
+    },
 }
 
 /// What a run is called on pictures and in the names of files.

@@ -128,11 +128,14 @@ fn drawings(runs: &[RunData], width: u32) -> Vec<(&'static str, Drawing)> {
 fn views(run: &RunData, width: u32) -> Vec<(&'static str, Drawing)> {
     let mut drawings = Vec::new();
     let label = RunLabel::new(&run.name, &run.scene);
+    let interface_width = run.scene.membrane.interface_width;
+    let density = Field::BendingDensity { interface_width };
     for (field, name) in [
         (Field::Phase, "view of φ"),
         (Field::DirectorLength, "view of |d|"),
         (Field::Bending, "view of ω"),
         (Field::Potential, "view of μ"),
+        (density, "view of ε/2 ω²"),
     ] {
         let report = report(run.snapshots[0].step);
         let view = View {

@@ -56,7 +56,10 @@ fn save_view(
         state: &picture.state,
         report: &picture.report,
         field: match view.field {
-            Field::Phase | Field::EnergyDensity => figure::Field::Phase,
+            Field::Phase => figure::Field::Phase,
+            Field::EnergyDensity => figure::Field::BendingDensity {
+                interface_width: job.scene.membrane.interface_width,
+            },
             Field::DirectorLength => figure::Field::DirectorLength,
             Field::Omega => figure::Field::Bending,
             Field::Mu => figure::Field::Potential,

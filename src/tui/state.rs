@@ -134,6 +134,12 @@ pub struct Notice {
     pub text: String,
 }
 
+impl std::fmt::Display for Notice {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(formatter, "step {}: {}", self.step, self.text)
+    }
+}
+
 /// How grave a notice is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {

@@ -61,6 +61,8 @@ pub enum Action {
     Prices,
     /// Open another scene.
     Open,
+    /// Show all that the run has to say, whole.
+    Notices,
     /// Show all keys.
     Help,
     /// Leave what lies over the screen.
@@ -188,6 +190,15 @@ pub fn footer(app: &App) -> impl Iterator<Item = &'static Binding> {
 /// What the help and the README name: all that keys do when nothing lies over the screen.
 pub fn help() -> impl Iterator<Item = &'static Binding> {
     bindings(Place::Main).chain(bindings(Place::Anywhere))
+}
+
+/// The label of the first key that does something; "" where none does.
+pub fn label(action: Action) -> &'static str {
+    let does = |binding: &&Binding| binding.keys.iter().any(|(_, does)| *does == action);
+    BINDINGS
+        .iter()
+        .find(does)
+        .map_or("", |binding| binding.label)
 }
 
 /// What a key does where the app is at present: an action, or why it does nothing now. `None`: it

@@ -4,7 +4,7 @@ use crossterm::event::KeyCode;
 
 use super::conditions::{
     always, gallery, in_gallery, next_panel, on_one_run, pause_or_resume, when_a_step_is_left,
-    when_not_over, with_a_past, with_director, with_opened_scenes, with_picture,
+    when_not_over, with_a_past, with_director, with_notices, with_opened_scenes, with_picture,
 };
 use super::{Action, Binding, Key, Place};
 
@@ -196,6 +196,15 @@ pub static BINDINGS: &[Binding] = &[
         brief: next_panel,
         words: "next panel or the one before, in the gallery the next run",
         when: always,
+    },
+    Binding {
+        place: Place::Main,
+        keys: &[key('w', Action::Notices)],
+        label: "w",
+        plain_label: "w",
+        brief: |_| "warnings",
+        words: "all warnings and notes of this run, whole",
+        when: with_notices,
     },
     Binding {
         place: Place::Main,

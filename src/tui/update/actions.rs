@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::super::keys::Action;
 use super::super::message::Effect;
 use super::super::state::{
-    App, DirectorStyle, Ending, Field, Overlay, Panel, Question, Save, Screen, Slot, Status,
+    App, DirectorStyle, Ending, Field, Notice, Overlay, Panel, Question, Save, Screen, Slot, Status,
 };
 use super::{leave, remark, saving};
 use crate::scene::AnchoringKind;
@@ -54,6 +54,7 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
                 app.overlay = Some(Overlay::Prices { text });
             }
         }
+        Action::Notices => show_notices(app),
         Action::Help => app.overlay = Some(Overlay::Help { scroll: 0 }),
         Action::Suspend => effects.push(Effect::Suspend),
         Action::Quit => ask(app, Question::Quit, effects),
@@ -68,6 +69,18 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
         | Action::Erase
         | Action::Clear => {}
     }
+}
+
+/// All that the run has to say, the newest first.
+fn show_notices(app: &mut App) {
+    let Some(run) = app.active_run() else {
+        return;
+    };
+    let said: Vec<String> = run.notices.iter().rev().map(Notice::to_string).collect();
+    app.overlay = Some(Overlay::Message {
+        title: "Warnings and notes".to_owned(),
+        text: said.join("\n\n"),
+    });
 }
 
 /// Asks before something is lost, and does at once what loses nothing.
