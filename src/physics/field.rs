@@ -64,7 +64,7 @@ impl Field {
             vector: field.vector(),
             from: field.from,
             until: field.until.unwrap_or(f64::INFINITY),
-            on: true,
+            on: field.from <= 0.0,
             squares: vec![0.0; space.points()],
             points: Vec::new(),
             elements: Vec::new(),

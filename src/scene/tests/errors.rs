@@ -49,7 +49,8 @@ fn unknown_keys() {
     assert_eq!(
         message("[aera]"),
         "a.toml:1:2: unknown key 'aera' at the top level; did you mean 'area'? Allowed: name, \
-         domain, mesh, vesicle, time, membrane, area, nematic, anchoring, solver",
+         domain, mesh, vesicle, time, membrane, area, nematic, anchoring, field, pull, \
+         noise, solver",
     );
     assert_eq!(
         message("[time]\ncells = 12"),
