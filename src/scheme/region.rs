@@ -61,6 +61,9 @@ pub(super) struct Region {
     blocks: Vec<bool>,
     /// Those of the present state.
     now: Vec<bool>,
+    /// Nodes on which a triangle that matters has a corner, and all triangles of these nodes.
+    free: Vec<bool>,
+    triangles: Vec<u32>,
     /// Its space; `None`: the whole.
     part: Option<Space>,
     /// The number of each of its nodes in the whole.
@@ -102,7 +105,11 @@ impl Region {
             return Ok(false);
         }
         std::mem::swap(&mut self.now, &mut self.blocks);
-        let mut free = vec![false; mesh.nodes().len()];
+        let Self {
+            free, triangles, ..
+        } = self;
+        free.clear();
+        free.resize(mesh.nodes().len(), false);
         let blocks = mesh.triangles().chunks(BLOCK).zip(&self.blocks);
         for triangle in blocks.filter(|(_, on)| **on).flat_map(|(block, _)| block) {
             for &node in triangle {
@@ -110,18 +117,23 @@ impl Region {
             }
         }
         // Every triangle that a free node has.
-        let triangles: Vec<u32> = (0..)
-            .zip(mesh.triangles())
-            .filter(|(_, corners)| corners.iter().any(|&node| free[node as usize]))
-            .map(|(triangle, _)| triangle)
-            .collect();
+        triangles.clear();
+        triangles.extend(
+            (0..)
+                .zip(mesh.triangles())
+                .filter(|(_, corners)| corners.iter().any(|&node| free[node as usize]))
+                .map(|(triangle, _)| triangle),
+        );
         if triangles.len() as f64 > LARGEST_SHARE * mesh.triangles().len() as f64 {
-            self.part = None;
-            self.nodes = (0..mesh.nodes().len() as u32).collect();
-            self.kept.clear();
-            return Ok(true);
+            let was_whole = self.part.is_none() && !self.nodes.is_empty();
+            if !was_whole {
+                self.part = None;
+                self.nodes = (0..mesh.nodes().len() as u32).collect();
+                self.kept.clear();
+            }
+            return Ok(!was_whole);
         }
-        let (part, nodes) = whole.part(&triangles)?;
+        let (part, nodes) = whole.part(triangles)?;
         self.kept = (0..)
             .zip(&nodes)
             .filter(|(_, node)| !free[**node as usize])
