@@ -24,7 +24,12 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
 
-    /// Steps that are timed, after ten others
+    /// Steps before anything is timed; the first of a run are harder than the rest
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = numbers::count,
+          allow_negative_numbers = true)]
+    after: u64,
+
+    /// Steps that are timed
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = numbers::count_from_one,
           allow_negative_numbers = true)]
     steps: u64,
@@ -34,8 +39,8 @@ pub(super) struct Arguments {
 pub(super) fn effects(arguments: &Arguments) -> Result<(), CliError> {
     let scene = load_scene(&arguments.scene, &arguments.set)?.scene;
     let plan = Plan {
+        warm_up: arguments.after,
         steps: arguments.steps,
-        ..Plan::default()
     };
     let signal = EndSignal::listen()?;
     let target = if std::io::stderr().is_terminal() {

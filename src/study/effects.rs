@@ -8,7 +8,7 @@
 use std::time::Duration;
 
 use crate::scene::{ScalarField, Scene};
-use crate::simulation::{Simulation, SimulationError};
+use crate::simulation::{Phase, Simulation, SimulationError};
 
 use super::memory::held;
 
@@ -35,6 +35,8 @@ impl Default for Plan {
 pub struct Cost {
     /// The median of the steps.
     pub step: Duration,
+    /// The median of their substeps 1.
+    pub substep_1: Duration,
     /// Iterations of substep 2, a step.
     pub newton: f64,
     /// Krylov iterations, a step.
@@ -185,6 +187,7 @@ pub fn prices(
 struct Run {
     simulation: Simulation,
     steps: Vec<Duration>,
+    substeps_1: Vec<Duration>,
     iterations: [u64; 3],
     memory: i64,
 }
@@ -196,6 +199,7 @@ impl Run {
         Ok(Self {
             simulation,
             steps: Vec::new(),
+            substeps_1: Vec::new(),
             iterations: [0; 3],
             memory: held() - before,
         })
@@ -207,6 +211,7 @@ impl Run {
         self.memory += held() - before;
         if counts {
             self.steps.push(report.costs.total());
+            self.substeps_1.push(report.costs.of(Phase::Director));
             let iterations = [report.newton, report.krylov, report.director_iterations];
             for (sum, count) in self.iterations.iter_mut().zip(iterations) {
                 *sum += u64::from(count);
@@ -216,18 +221,23 @@ impl Run {
     }
 
     fn cost(&self) -> Cost {
-        let mut steps = self.steps.clone();
-        steps.sort_unstable();
-        let mean = |count: u64| count as f64 / steps.len().max(1) as f64;
+        let mean = |count: u64| count as f64 / self.steps.len().max(1) as f64;
         let [newton, krylov, director] = self.iterations.map(mean);
         Cost {
-            step: steps.get(steps.len() / 2).copied().unwrap_or_default(),
+            step: median(&self.steps),
+            substep_1: median(&self.substeps_1),
             newton,
             krylov,
             director,
             memory: (self.memory != 0).then_some(self.memory),
         }
     }
+}
+
+fn median(times: &[Duration]) -> Duration {
+    let mut times = times.to_vec();
+    times.sort_unstable();
+    times.get(times.len() / 2).copied().unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -4,12 +4,15 @@ use std::fmt::Write;
 
 use super::{Cost, Prices};
 
-const COLUMNS: usize = 8;
-const HEADER: [&str; COLUMNS] = ["", "energy", "ms", "share", "Newton", "Krylov", "CG", "MB"];
+const COLUMNS: usize = 9;
+const HEADER: [&str; COLUMNS] = [
+    "", "energy", "ms", "saved", "Newton", "Krylov", "CG", "CG ms", "MB",
+];
 const LEGEND: &str = "\
 energy: of the effect, as in E_total. ms: the median of a step.
-share: of a step's time, by what is saved without the effect.
-Newton, Krylov, CG: iterations a step; CG is of the director.
+saved: share of a step's time that is saved without the effect.
+Newton, Krylov, CG: iterations a step. CG is of the director, CG ms all of
+its substep.
 ";
 
 /// The table: the scene, the membrane alone, and the scene without one effect after the other.
@@ -23,7 +26,7 @@ pub fn prices_table(prices: &Prices) -> String {
             "bending alone",
             Some(prices.bending),
             prices.alone,
-            Some(share(&prices.alone)),
+            Some(1.0 - share(&prices.alone)),
         ),
     ];
     for price in &prices.effects {
@@ -64,6 +67,7 @@ fn row(label: &str, energy: Option<f64>, cost: Cost, share: Option<f64>) -> [Str
         format!("{:.1}", cost.newton),
         format!("{:.1}", cost.krylov),
         format!("{:.1}", cost.director),
+        format!("{:.2}", 1e3 * cost.substep_1.as_secs_f64()),
         or_dash(
             cost.memory
                 .map(|bytes| format!("{:.1}", bytes as f64 / 1e6)),
@@ -81,6 +85,7 @@ mod tests {
     fn the_table_says_what_is_saved_and_fits_a_terminal() {
         let cost = |ms, director| Cost {
             step: Duration::from_millis(ms),
+            substep_1: Duration::from_millis(2),
             newton: 1.0,
             krylov: 7.5,
             director,
