@@ -121,6 +121,14 @@ impl Costs {
 }
 
 impl Report {
+    /// By how much the energy rose in the step beyond the work that was done on it from outside, which
+    /// the energy law forbids; `None` without a ledger. A switched energy is another one, and no rise.
+    pub fn unexplained_rise(&self) -> Option<f64> {
+        let counts = |name: &str| name == "dE" || name.ends_with("_work");
+        let terms = self.ledger.iter().filter(|term| counts(term.name));
+        (!self.ledger.is_empty()).then(|| terms.map(|term| term.value).sum())
+    }
+
     fn take(&mut self, step: &StepReport) {
         self.energies.clone_from(&step.energies);
         self.total_energy = step.total_energy;

@@ -234,3 +234,20 @@ fn a_switched_field_is_told_with_its_jump() {
     }
     assert_eq!(steps, [2, 4]);
 }
+
+/// Noise may raise the energy, by its work and no more.
+#[test]
+fn what_noise_does_is_no_unexplained_rise() {
+    let mut simulation = Simulation::new(&small(&["noise.strength=1e-2"])).unwrap();
+    assert_eq!(simulation.report().unexplained_rise(), None);
+    let mut before = simulation.report().total_energy;
+    let mut rises = 0;
+    for _ in 0..30 {
+        let report = simulation.advance().unwrap();
+        rises += u32::from(report.total_energy > before);
+        before = report.total_energy;
+        let unexplained = report.unexplained_rise().expect("a ledger");
+        assert!(unexplained <= 1e-8 * report.total_energy, "{unexplained:e}");
+    }
+    assert!(rises > 0);
+}
