@@ -189,6 +189,18 @@ pub trait Effect: Send + std::fmt::Debug {
         None
     }
 
+    /// Told what the correction of Newton's method that was just solved for makes of the rank-one term:
+    /// rowᵀδφ.
+    ///
+    /// An effect whose force has a stiff factor p(φ) = B(φ)/η may treat p as an unknown of its own, as the
+    /// mixed form of a penalty method does: the residual stays what it is, but the derivative of the rest
+    /// of the force is taken with the p that the correction leads to, not with p(φ), which is off by
+    /// δφ²/η after it.
+    fn set_correction(&mut self, _along: f64) {}
+
+    /// Told that an iterate lies by this part of the correction further; 0: an iteration begins.
+    fn follow_correction(&mut self, _part: f64) {}
+
     /// Adds the terms of the numerical dissipation, each Δt·ND ≥ 0 (times Δt, so that nothing is
     /// divided by a small number); and minus the work that comes from outside, of either sign.
     fn add_dissipation(

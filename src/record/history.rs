@@ -106,12 +106,15 @@ impl Tables {
                 owned(&LEDGER_COLUMNS),
             )?),
         };
-        let late = missing(ledger.columns(), &report.ledger, str::to_owned);
+        let ladder = report.ladder.columns();
+        let ladder = ladder.map(|(name, value)| NamedValue { name, value });
+        let all: Vec<NamedValue> = report.ledger.iter().chain(&ladder).copied().collect();
+        let late = missing(ledger.columns(), &all, str::to_owned);
         ledger.add_columns(late)?;
         let terms = &ledger.columns()[LEDGER_COLUMNS.len()..];
         let cells: Vec<_> = [Some(report.step as f64), Some(report.t)]
             .into_iter()
-            .chain(terms.iter().map(|term| value(&report.ledger, term)))
+            .chain(terms.iter().map(|term| value(&all, term)))
             .collect();
         ledger.append(cells);
         Ok(())
@@ -310,7 +313,8 @@ mod tests {
         tables.finish().unwrap();
         assert_eq!(
             read(folder.path(), "ledger.csv"),
-            "step,t,rate,anchoring\n1,1e-7,0.5,\n2,2e-7,0.5,0.5\n"
+            "step,t,rate,rung,damping,parts,refused,anchoring\n\
+             1,1e-7,0.5,0,1,0,0,\n2,2e-7,0.5,0,1,0,0,0.5\n"
         );
         let history = read(folder.path(), "history.csv");
         let lines: Vec<_> = history.lines().collect();

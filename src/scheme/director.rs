@@ -4,6 +4,7 @@
 //! It is solved where anything acts on the director ([`Region`]); elsewhere δ = 0.
 
 use super::StepError;
+use super::faults::{self, Place};
 use super::region::{Criterion, Region};
 use crate::fem::{MassForm, Space};
 use crate::linalg::{ConjugateGradients, LinearOperator, SparseMatrix, vector};
@@ -99,6 +100,7 @@ impl LinearOperator for System {
             self.coupling.multiply_add(1.0, x0, y1);
         }
         self.keep(y);
+        faults::tap(Place::DirectorProduct, y);
     }
 }
 
@@ -194,6 +196,7 @@ impl DirectorStep {
         }
         let inertia = (self.mobility * demand.dt).recip();
         work.assemble(part, effects, old, inertia, &mut self.form);
+        faults::tap(Place::DirectorLoad, &mut work.load);
 
         let nodes = region.nodes.len();
         for axis in 0..2 {
@@ -224,6 +227,7 @@ impl DirectorStep {
                 increment[node as usize] = *step;
                 to[axis][node as usize] = from[axis][node as usize] + step;
             }
+            faults::tap(Place::Director(axis), &mut to[axis]);
         }
         Ok(solution.iterations as u32)
     }

@@ -12,6 +12,7 @@
 use crate::fem::{MassForm, Space};
 use crate::linalg::{Ldlt, LinalgError, LinearOperator, Pattern, vector};
 
+use super::faults::{self, Place};
 use super::linearised::Linearised;
 
 /// Above this many GMRES iterations in one solve the factor is made anew: a factorisation costs
@@ -200,6 +201,7 @@ impl LinearOperator for FactoredPreconditioner {
                 y[field * size + node] = self.interleaved[3 * node + field];
             }
         }
+        faults::tap(Place::Preconditioner, y);
     }
 }
 
@@ -244,6 +246,7 @@ impl LinearOperator for ThreeFieldOperator<'_> {
                 .zip(self.root_weights)
                 .for_each(|(y, root)| *y *= scale / root);
         }
+        faults::tap(Place::Product, y);
     }
 }
 

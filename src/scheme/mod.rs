@@ -5,6 +5,7 @@ mod detour;
 mod director;
 mod error;
 mod factored;
+mod faults;
 mod history;
 mod initial;
 mod linearised;
@@ -22,10 +23,11 @@ use std::sync::Arc;
 use crate::fem::{Mesh, Patch, Rule, Space};
 use crate::linalg::LinalgError;
 use crate::physics::{Effects, Interval, NamedValue, Sample, Terms, area_integral};
-use crate::scene::{self, Boundary, LinearMethod, Quadrature, Scene, Solver};
+use crate::scene::{self, Boundary, Iteration, LinearMethod, Quadrature, Scene, Solver};
 
 use detour::Detour;
 use director::{Demand, DirectorStep};
+use faults::Place;
 use history::History;
 use membrane::{Limits, MembraneStep, Places, Samples};
 
@@ -37,6 +39,10 @@ pub use state::{Phase, State, StepReport};
 /// quadrature the 50th step takes 31 Krylov iterations with degree 1, 21 with 2, 7 with 3 and 9 with 4, where
 /// what the tolerance leaves of earlier steps is amplified.
 const EXTRAPOLATION: usize = 3;
+
+/// A step whose energy rises by more than this, over S, is solved more tightly: half of what "the energy
+/// never rises" allows.
+const RISE: f64 = 5e-13;
 
 /// The scheme on a mesh with the effects of a scene, and the state that it has reached.
 #[derive(Debug)]
@@ -53,10 +59,14 @@ pub struct Scheme {
     history: History,
     /// The detour that the linear solver is on or was on last.
     detour: Option<Detour>,
+    /// The detour over Newton's method that the lagged iteration is on.
+    newton_detour: Option<Detour>,
     /// The clock of the history: only differences matter.
     t: f64,
     report: StepReport,
     next_report: StepReport,
+    /// By how much the energy has jumped since the last step that was accepted.
+    switched: Option<f64>,
 }
 
 impl Scheme {
@@ -108,9 +118,11 @@ impl Scheme {
             membrane,
             history: History::new(EXTRAPOLATION),
             detour: None,
+            newton_detour: None,
             t: 0.0,
             report: StepReport::default(),
             next_report: StepReport::default(),
+            switched: None,
         };
         scheme.start();
         Ok(scheme)
@@ -182,14 +194,14 @@ impl Scheme {
         dt: f64,
         watch: &mut dyn FnMut(Phase),
     ) -> Result<&StepReport, StepError> {
-        let switched = self.set_interval(dt);
+        self.set_interval(dt);
         let energy_scale = energy_scale(&self.report.energies);
         let mut report = std::mem::take(&mut self.next_report);
         let outcome = self.try_step(dt, energy_scale, &mut report, watch);
         self.next_report = report;
         match outcome {
             Ok(()) => {
-                self.next_report.switched = switched;
+                self.next_report.switched = self.switched.take();
                 std::mem::swap(&mut self.report, &mut self.next_report);
                 std::mem::swap(&mut self.state, &mut self.next);
                 self.t += dt;
@@ -218,19 +230,19 @@ impl Scheme {
     }
 
     /// Tells the effects the time of the coming step. Where that makes the energy another one, what the
-    /// law starts from is measured anew, as when the anchoring is switched; returns the jump.
-    fn set_interval(&mut self, dt: f64) -> Option<f64> {
+    /// law starts from is measured anew, as when the anchoring is switched.
+    fn set_interval(&mut self, dt: f64) {
         let interval = Interval {
             begin: self.t,
             length: dt,
         };
         if !self.effects.set_interval(interval) {
-            return None;
+            return;
         }
         let before = self.report.total_energy;
         self.measure_anew();
         self.forget();
-        Some(self.report.total_energy - before)
+        *self.switched.get_or_insert(0.0) += self.report.total_energy - before;
     }
 
     fn try_step(
@@ -270,15 +282,25 @@ impl Scheme {
             self.next.director.as_ref(),
         );
         self.history.extrapolate(self.t + dt, &mut self.next);
-        let limits = Limits {
-            iteration: self.solver.iteration,
-            tolerance: self.solver.tolerance,
-            law_tolerance: self.solver.law_tolerance,
-        };
         let fell_back = self.detour.is_some() && !self.membrane.uses_transform();
         if fell_back && self.detour.is_some_and(|detour| detour.is_over(dt)) {
             self.membrane.return_to_transform();
         }
+        let iteration = match self.solver.iteration {
+            Iteration::Lagged if self.newton_detour.is_some_and(|detour| !detour.is_over(dt)) => {
+                Iteration::Newton
+            }
+            wanted => wanted,
+        };
+        let limits = Limits {
+            iteration,
+            tolerance: self.solver.tolerance,
+            law_tolerance: self.solver.law_tolerance,
+        };
+        let newton = Limits {
+            iteration: Iteration::Newton,
+            ..limits
+        };
         let mut places = Places {
             space,
             effects: &mut self.effects,
@@ -289,12 +311,24 @@ impl Scheme {
             energy_scale,
             watch,
         };
-        let mut outcome = self.membrane.solve(&mut places, limits);
         report.fallback = None;
+        report.newton_took_over = None;
+        report.refused_ways = 0;
+        let mut outcome = self.membrane.solve(&mut places, limits);
+        if iteration == Iteration::Lagged
+            && let Err(reason) = outcome
+        {
+            report.refused_ways += 1;
+            report.newton_took_over = Some(reason);
+            self.newton_detour = Some(Detour::new(dt, self.newton_detour));
+            places.restart();
+            outcome = self.membrane.solve(&mut places, newton);
+        }
         if self.membrane.uses_transform()
             && self.solver.linear == LinearMethod::Automatic
             && let Err(reason) = outcome
         {
+            report.refused_ways += 1;
             report.fallback = Some(reason);
             self.detour = Some(Detour::new(dt, self.detour));
             self.membrane
@@ -303,21 +337,40 @@ impl Scheme {
                     iteration: 0,
                     source,
                 })?;
-            // From the last state, not from an iterate that went astray.
-            places.to.phi.copy_from_slice(&places.from.phi);
-            places.to.omega.copy_from_slice(&places.from.omega);
-            places.to.mu.copy_from_slice(&places.from.mu);
-            outcome = self.membrane.solve(&mut places, limits);
+            places.restart();
+            outcome = self.membrane.solve(&mut places, newton);
         }
-        let work = outcome?;
-        if let Some(detour) = self.detour.as_mut()
-            && !self.membrane.uses_transform()
-        {
-            detour.advance();
+        let mut work = outcome?;
+        report.damping = work.damping;
+        let mut closed = self.close_books(dt, report);
+        if closed.is_ok() && report.total_energy - self.report.total_energy > RISE * energy_scale {
+            // Near a state of rest even a residual within the tolerance is more than what dissipates.
+            let mut places = Places {
+                space: &self.space,
+                effects: &mut self.effects,
+                samples: &mut self.samples,
+                from: &self.state,
+                to: &mut self.next,
+                dt,
+                energy_scale,
+                watch,
+            };
+            self.membrane.refine(&mut places, newton, &mut work)?;
+            closed = self.close_books(dt, report);
         }
         report.newton = work.newton;
         report.krylov = work.krylov;
-        let closed = self.close_books(dt, report);
+        for detour in [
+            self.detour
+                .as_mut()
+                .filter(|_| !self.membrane.uses_transform()),
+            self.newton_detour.as_mut(),
+        ]
+        .into_iter()
+        .flatten()
+        {
+            detour.advance();
+        }
         watch(Phase::Ledger);
         closed
     }
@@ -336,6 +389,16 @@ impl Scheme {
 
     /// The energies of the new state and every term of (3.26); refuses a step whose law is broken.
     fn close_books(&mut self, dt: f64, report: &mut StepReport) -> Result<(), StepError> {
+        let State {
+            phi,
+            omega,
+            mu,
+            director,
+        } = &mut self.next;
+        let director = director.iter_mut().flatten();
+        for (number, field) in [phi, omega, mu].into_iter().chain(director).enumerate() {
+            faults::tap(Place::Solved(number), field);
+        }
         let space = &self.space;
         self.terms.clear();
         sweep(
@@ -370,6 +433,12 @@ impl Scheme {
         let scale = energy_scale(&report.energies).max(energy_scale(&self.report.energies));
         let sum: f64 = ledger.iter().map(|term| term.value).sum();
         report.law_residual = if scale > 0.0 { sum / scale } else { sum };
+        if let Some(place) = self.next.first_not_finite() {
+            return Err(StepError::NotFinite {
+                place,
+                iteration: report.newton,
+            });
+        }
         if !report.law_residual.is_finite() {
             return Err(StepError::NotFinite {
                 place: "the energy law",
@@ -443,6 +512,7 @@ fn sweep(
     let effects = effects.iter().filter(|effect| effect.has_energy());
     for (effect, energy) in effects.zip(&mut report.energies) {
         energy.value = effect.energy(energy.value);
+        faults::tap(Place::Energy, std::slice::from_mut(&mut energy.value));
     }
     report.total_energy = report.energies.iter().map(|energy| energy.value).sum();
 }

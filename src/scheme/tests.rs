@@ -1,200 +1,178 @@
-//! Off is absent: a scene without an effect is the limit of the scene with it, bit for bit, and its
-//! steps do no work for it. And substep 1 is solved where it matters, no more and no less.
+//! Faults on purpose: a value spoiled in every place of a step, in every way. Whatever it is, the step
+//! either fails with an error and leaves the state as it was, or is mended and leads to where it
+//! would have led without the fault.
+
+mod effects;
 
 use std::sync::Arc;
 
-use super::director::{Demand, DirectorStep};
-use super::*;
-use crate::linalg::count::{self, Counts};
+use super::faults::Place;
+use super::faults::armed::{Fault, Spoiling, with_fault};
+use super::{Scheme, State, StepError, initial_fields};
+use crate::fem::Mesh;
+use crate::scene::{self, Scene};
 
-const STEPS: u32 = 4;
-const DT: f64 = 1e-6;
-
-/// A small vesicle with room around it, and the three effects of the paper.
-const SMALL: &str = r#"
-    [mesh]
-    cells = 32
-    [vesicle]
-    shape = "ellipse"
-    half_axes = [0.2, 0.14]
-    angle = 70
-    [membrane]
-    interface_width = 0.025
-    [area]
-    target = 1.1
-    [nematic]
-    initial = [0.6, 0.8]
-    [anchoring]
-    kind = "parallel"
+/// A vesicle with every effect, off the centre.
+const SCENE: &str = r#"
+    mesh.cells = 10
+    vesicle = { shape = "ellipse", half_axes = [0.3, 0.2], center = [0.48, 0.51], angle = 70 }
+    membrane.interface_width = 0.09
+    area.target = 1.1
+    nematic.initial = [0.6, 0.8]
+    anchoring.kind = "parallel"
 "#;
 
-fn scene(settings: &[&str]) -> Scene {
-    let settings: Vec<String> = settings.iter().map(|text| (*text).to_owned()).collect();
-    let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
-    Scene::parse(SMALL, "the test", &settings, &mut no_files).expect("a scene")
-}
+const DT: f64 = 1e-6;
 
-fn scheme(scene: &Scene) -> Scheme {
-    let scene::Mesh::Structured { cells, .. } = scene.mesh;
-    let mesh = Arc::new(Mesh::structured(cells, 0.0, 0).expect("a fair mesh"));
-    let initial = initial_fields(scene, &mesh).expect("initial fields");
-    Scheme::new(scene, mesh, initial.phi, initial.director).expect("a scheme")
-}
+/// Of φ's values, and of d's, against the step without a fault; solver.tolerance is 1e-5.
+const NEAR: f64 = 1e-4;
 
-/// A few steps: where they end, what they did, and their Newton iterations.
-fn steps(settings: &[&str]) -> (Scheme, Counts, u64) {
-    let mut scheme = scheme(&scene(settings));
-    let mut newton = 0;
-    let counts = count::of(|| {
-        for step in 1..=STEPS {
-            match scheme.step(DT) {
-                Ok(report) => newton += u64::from(report.newton),
-                Err(error) => panic!("{settings:?} step {step}: {error}"),
-            }
-        }
-    });
-    (scheme, counts, newton)
-}
-
-const QUADRATURES: [&str; 2] = ["solver.quadrature=lumped", "solver.quadrature=consistent"];
-
-/// Each effect off, and so weak that adding it changes no bit.
-const LIMITS: [(&[&str], &[&str]); 8] = [
-    (&["area=false"], &["area.penalty=1e300"]),
-    (
-        &["anchoring=false", "nematic=false"],
-        &["anchoring.kind=none", "nematic.weight=0"],
-    ),
-    (&["anchoring=false"], &["anchoring.weight=0"]),
-    (&["anchoring=false"], &["anchoring.kind=none"]),
-    (&[], &["field.weight=0"]),
-    (&[], &["field={ weight = 300, from = 1 }"]),
-    (&[], &["pull.potential=0"]),
-    (&[], &["membrane.spontaneous_curvature=1e-300"]),
+const PLACES: [Place; 20] = [
+    Place::DirectorLoad,
+    Place::DirectorProduct,
+    Place::Director(0),
+    Place::Director(1),
+    Place::Phi,
+    Place::Omega,
+    Place::Mu,
+    Place::Residual,
+    Place::Tangent,
+    Place::Secant,
+    Place::Local,
+    Place::Preconditioner,
+    Place::Product,
+    Place::Increment,
+    Place::Solved(0),
+    Place::Solved(1),
+    Place::Solved(2),
+    Place::Solved(3),
+    Place::Solved(4),
+    Place::Energy,
 ];
 
-#[test]
-fn an_absent_effect_is_the_limit_of_a_weak_one() {
-    for quadrature in QUADRATURES {
-        for (off, weak) in LIMITS
-            .into_iter()
-            .chain([(&[][..], &["noise.strength=0"][..])])
-        {
-            let (without, counts, _) = steps(&[off, &[quadrature]].concat());
-            let (with, counts_with, _) = steps(&[weak, &[quadrature]].concat());
-            let (a, b) = (without.state(), with.state());
-            assert_eq!(
-                (&a.phi, &a.omega, &a.mu),
-                (&b.phi, &b.omega, &b.mu),
-                "{weak:?}"
-            );
-            if a.director.is_some() {
-                assert_eq!(a.director, b.director, "{weak:?}");
+const SPOILINGS: [Spoiling; 6] = [
+    Spoiling::Becomes(f64::NAN),
+    Spoiling::Becomes(f64::INFINITY),
+    Spoiling::Becomes(f64::NEG_INFINITY),
+    Spoiling::Becomes(1e300),
+    Spoiling::Becomes(-1e9),
+    Spoiling::Negated,
+];
+
+/// A scheme that has made a few steps.
+fn scheme(settings: &[&str]) -> Scheme {
+    let settings: Vec<String> = settings.iter().map(|&text| text.to_owned()).collect();
+    let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+    let scene = Scene::parse(SCENE, "faults", &settings, &mut no_files).expect("a scene");
+    let scene::Mesh::Structured {
+        cells,
+        jitter,
+        seed,
+    } = scene.mesh;
+    let mesh = Arc::new(Mesh::structured(cells, jitter, seed).expect("a mesh"));
+    let initial = initial_fields(&scene, &mesh).expect("fields");
+    let mut scheme = Scheme::new(&scene, mesh, initial.phi, initial.director).expect("a scheme");
+    for _ in 0..3 {
+        scheme.step(DT).expect("a step without a fault");
+    }
+    scheme
+}
+
+/// The largest difference of φ and of d, over the largest value.
+fn difference(a: &State, b: &State) -> f64 {
+    let fields = |state: &State| -> Vec<f64> {
+        let director = state.director.iter().flatten().flatten();
+        state.phi.iter().chain(director).copied().collect()
+    };
+    let (a, b) = (fields(a), fields(b));
+    let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
+    let off = most(&mut a.iter().zip(&b).map(|(a, b)| (a - b).abs()));
+    off / most(&mut b.iter().map(|b| b.abs()))
+}
+
+/// What is wrong with what a fault led to, in words.
+fn take_step(settings: &[&str], fault: Fault, aim: &State) -> Result<bool, String> {
+    let mut scheme = scheme(settings);
+    let before = scheme.state().clone();
+    let mut outcome = Ok(());
+    let fired = with_fault(fault, || outcome = scheme.step(DT).map(|_| ()));
+    if let Err(error) = outcome {
+        if *scheme.state() != before {
+            return Err(format!("the state has changed, in spite of: {error}"));
+        }
+        // Nothing of it stays behind.
+        scheme
+            .step(DT)
+            .map_err(|error| format!("afterwards: {error}"))?;
+    }
+    let report = scheme.report();
+    if let Some(field) = scheme.state().first_not_finite() {
+        return Err(format!("{field} is not finite"));
+    }
+    if !report.total_energy.is_finite() || report.law_residual.abs() > 1e-8 {
+        return Err(format!("the law misses by {:.1e}", report.law_residual));
+    }
+    let off = difference(scheme.state(), aim);
+    if off > NEAR {
+        return Err(format!("the step leads {off:.1e} off"));
+    }
+    Ok(fired > 0)
+}
+
+fn hunt(settings: &[&str]) {
+    let mut clean = scheme(settings);
+    clean.step(DT).expect("a step without a fault");
+    let aim = clean.state();
+    let mut complaints = String::new();
+    for place in PLACES {
+        let mut fired = false;
+        for spoiling in SPOILINGS {
+            for (passes, lasting) in [(0, false), (1, false), (3, false), (0, true)] {
+                let fault = Fault {
+                    place,
+                    passes,
+                    lasting,
+                    spoiling,
+                };
+                match take_step(settings, fault, aim) {
+                    Ok(happened) => fired |= happened,
+                    Err(words) => complaints += &format!("{fault:?}: {words}\n"),
+                }
             }
-            for energy in &without.report().energies {
-                assert!(
-                    with.report().energies.contains(energy),
-                    "{weak:?}: {energy:?}"
-                );
-            }
-            assert!(
-                counts.products <= counts_with.products
-                    && counts.assemblies <= counts_with.assemblies,
-                "{off:?} {counts:?}, {weak:?} {counts_with:?}"
-            );
+        }
+        if !fired {
+            complaints += &format!("{place:?} is not come by\n");
         }
     }
+    assert!(complaints.is_empty(), "{settings:?}\n{complaints}");
 }
 
-/// Three matrices an iteration of Newton's method, whatever the effects, and those of substep 1 only
-/// where there is a director.
 #[test]
-fn an_absent_effect_does_no_work() {
-    let without = ["anchoring=false", "nematic=false"];
-    for off in [&["area=false"][..], &[]] {
-        let (_, counts, newton) = steps(&[&[QUADRATURES[0]], off, &without].concat());
-        assert_eq!(counts.assemblies, 3 * newton, "{off:?}");
-    }
-    let (_, counts, newton) = steps(&[QUADRATURES[0], "nematic.weight=0", "anchoring=false"]);
-    assert_eq!(
-        counts.assemblies,
-        3 * newton,
-        "nothing acts on the director"
-    );
-    let (scheme, counts, newton) = steps(&[QUADRATURES[0]]);
-    // When the region is made, so are its stiffness matrix and nothing else.
-    assert_eq!(counts.assemblies, 3 * newton + u64::from(STEPS) + 1);
-    assert!(scheme.report().director_iterations > 0);
+fn a_fault_is_caught_on_the_fast_path() {
+    hunt(&["solver.quadrature=lumped"]);
+    hunt(&["solver.quadrature=consistent", "solver.linear=transform"]);
 }
 
-/// The whole mesh, in place of the region, gives the same director up to what may be left out.
 #[test]
-fn substep_1_leaves_out_what_does_not_matter() {
-    for (quadrature, dt) in [
-        (QUADRATURES[0], 1e-7),
-        (QUADRATURES[1], 1e-7),
-        (QUADRATURES[0], 1e-3),
-    ] {
-        // Neighbours that differ: wherever anything acts there is something to do.
-        let random = "nematic.initial={ kind = 'random', seed = 3, length = 1.2 }";
-        let mut scheme = scheme(&scene(&[quadrature, random]));
-        let energy_scale = energy_scale(&scheme.report.energies);
-        let demand = Demand {
-            dt,
-            tolerance: 1e-14,
-            energy_scale,
+fn a_fault_is_caught_with_the_factor() {
+    hunt(&["mesh.jitter=0.3"]);
+    hunt(&["domain.boundary=clamped", "solver.quadrature=lumped"]);
+}
+
+/// What catches a solved field that is wrong but finite is the energy law.
+#[test]
+fn the_law_sees_a_wrong_sign() {
+    for field in [0, 1, 3, 4] {
+        let mut scheme = scheme(&[]);
+        let fault = Fault {
+            place: Place::Solved(field),
+            passes: 0,
+            lasting: true,
+            spoiling: Spoiling::Negated,
         };
-        let mobility = 0.5;
-        let mut part = DirectorStep::new(&scheme.space, mobility);
-        let mut whole = DirectorStep::new(&scheme.space, mobility);
-        whole.solve_everywhere();
-        let from = scheme.state.director.clone().expect("a director");
-        let mut ends = [from.clone(), from.clone()];
-        for (step, to) in [&mut part, &mut whole].into_iter().zip(&mut ends) {
-            let (effects, sample) = (&mut scheme.effects, &mut scheme.samples.old);
-            let start = (&scheme.state.phi[..], &from);
-            step.solve(&scheme.space, effects, sample, demand, start, to)
-                .expect("a solved substep");
-        }
-        let nodes = scheme.space.nodes();
-        let still =
-            (0..nodes).filter(|&n| ends[0][0][n] == from[0][n] && ends[0][1][n] == from[1][n]);
-        let share = still.count() as f64 / nodes as f64;
-        assert!(
-            share > 0.3,
-            "{quadrature} {dt:e}: {share} of the nodes left out"
-        );
-        // Substep 1 minimises ‖δ‖²/(2γΔt) + ...; its dissipation differs by what was left out.
-        let [lost, all] = [&part, &whole].map(|step| step.dissipation(&scheme.space, dt));
-        let difference = (all - lost).abs() / energy_scale;
-        assert!(difference < 1e-12, "{quadrature} {dt:e}: {difference:e}");
-        assert!(
-            all / energy_scale > 1e-9,
-            "{quadrature} {dt:e}: {:e}",
-            all / energy_scale
-        );
+        let mut outcome = Ok(());
+        with_fault(fault, || outcome = scheme.step(DT).map(|_| ()));
+        let broken = matches!(outcome, Err(StepError::LawBroken { .. }));
+        assert!(broken, "field {field}: {outcome:?}");
     }
-}
-
-/// The region goes with the vesicle: a tweezer draws it away, and the law closes all the same.
-#[test]
-fn the_region_moves_with_the_vesicle() {
-    let settings = [
-        QUADRATURES[0],
-        "pull.potential='-200000*(x-0.7)^2'",
-        "vesicle.center=[0.4, 0.5]",
-        "solver.law_tolerance=1e-12",
-        "solver.tolerance=1e-10",
-    ];
-    let mut scheme = scheme(&scene(&settings));
-    let mut regions = std::collections::BTreeSet::new();
-    for step in 1..=40 {
-        match scheme.step(1e-5) {
-            Ok(report) => assert!(report.law_residual.abs() <= 1e-12, "step {step}"),
-            Err(error) => panic!("step {step}: {error}"),
-        }
-        let director = scheme.director.as_ref().expect("a director");
-        regions.insert(director.region().nodes.clone());
-    }
-    assert!(regions.len() > 2, "{} regions", regions.len());
 }

@@ -2,8 +2,8 @@
 //! without numerics. Pieces are Δt/2^level long and meet the grid's times again; the level falls when
 //! pieces go well for a while.
 
-/// The smallest piece is Δt/2³⁰: from Δt = 1 down to 1e-9.
-const DEEPEST: u32 = 30;
+/// The smallest piece is Δt/2⁴⁰: from Δt = 1 down to 1e-12.
+const DEEPEST: u32 = 40;
 
 /// So many pieces must go well before they are made longer.
 const STREAK: u32 = 4;
@@ -17,6 +17,8 @@ pub(super) struct Division {
     level: u32,
     /// Pieces since the last that failed.
     streak: u32,
+    /// Pieces that failed in a row.
+    refusals: u32,
     /// How much of the grid step is done.
     done: u64,
     /// The deepest level of the grid step.
@@ -44,6 +46,7 @@ impl Division {
         let length = WHOLE >> self.level;
         self.done += length;
         self.streak += 1;
+        self.refusals = 0;
         let whole = self.done == WHOLE;
         // Only where a longer piece would end on its own grid.
         if self.level > 0 && self.streak >= STREAK && self.done.is_multiple_of(2 * length) {
@@ -67,7 +70,10 @@ impl Division {
         if self.level == DEEPEST {
             return false;
         }
-        self.level += 1;
+        // Where the right Δt is far, it is reached by longer and longer leaps.
+        let leap = self.refusals.saturating_sub(1).max(1);
+        self.refusals += 1;
+        self.level = (self.level + leap).min(DEEPEST);
         self.deepest = self.deepest.max(self.level);
         true
     }

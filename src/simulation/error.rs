@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use super::ladder::Tried;
 use crate::fem::FemError;
 use crate::linalg::LinalgError;
 use crate::scheme::{InitialError, StepError};
@@ -22,16 +23,14 @@ pub enum SimulationError {
     #[error("the scene has no director to anchor: give it a table [nematic]")]
     NoDirector,
     /// A step was not solved, nor any part of it.
-    #[error(
-        "step {step} to t = {t:e} failed: it was solved neither whole nor in parts down to \u{394}t = {smallest:.1e}; the last attempt: {source}"
-    )]
+    #[error("step {step} to t = {t:e} failed; tried were {tried}; the last one: {source}")]
     Step {
         /// The number of the step.
         step: u64,
         /// The time at its end.
         t: f64,
-        /// The smallest Δt that was tried.
-        smallest: f64,
+        /// What was tried.
+        tried: Tried,
         /// What went wrong at last.
         source: StepError,
     },

@@ -27,6 +27,11 @@ pub enum EventKind {
     },
     /// The cosine transform is in use again.
     ReturnedToTransform,
+    /// The lagged iteration failed, and Newton's method took over; the lagged one is tried again later.
+    NewtonTookOver {
+        /// How it failed.
+        reason: StepError,
+    },
     /// The step could not be solved whole and was divided.
     StepDivided {
         /// The smallest Δt that was used.
@@ -54,6 +59,7 @@ impl EventKind {
         match self {
             Self::FellBackToFactor { .. } => "fell-back-to-factor",
             Self::ReturnedToTransform => "returned-to-transform",
+            Self::NewtonTookOver { .. } => "newton-took-over",
             Self::StepDivided { .. } => "step-divided",
             Self::ReachedWall => "reached-wall",
             Self::FieldSwitched { .. } => "field-switched",
@@ -70,6 +76,10 @@ impl fmt::Display for EventKind {
                 "the sparse factor took over from the cosine transform for a while, which had failed: {reason}"
             ),
             EventKind::ReturnedToTransform => f.write_str("the cosine transform is in use again"),
+            EventKind::NewtonTookOver { reason } => write!(
+                f,
+                "Newton's method took over from the lagged iteration for a while, which had failed: {reason}"
+            ),
             EventKind::StepDivided { smallest, reason } => write!(
                 f,
                 "the step was divided, down to \u{394}t = {smallest:.1e}, since a longer one failed: {reason}"

@@ -3,6 +3,7 @@
 mod division;
 mod error;
 mod event;
+mod ladder;
 mod schedule;
 #[cfg(test)]
 mod tests;
@@ -13,7 +14,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::fem::{Contour, FemError, Mesh};
-use crate::scene::{self, AnchoringKind, Scene, Shape, Warning};
+use crate::scene::{self, AnchoringKind, Iteration, Scene, Shape, Warning};
 use crate::scheme::{Scheme, StepReport, initial_fields};
 
 pub use crate::fem::OutlineMeasure;
@@ -21,6 +22,7 @@ pub use crate::physics::NamedValue;
 pub use crate::scheme::{Phase, State};
 pub use error::SimulationError;
 pub use event::{Event, EventKind};
+pub use ladder::{Ladder, Tried};
 pub use schedule::{Schedule, step_count};
 pub use warnings::warnings;
 pub use worker::{Command, Mailbox, Message, News, Orders, Picture, RunId, Setting, Worker};
@@ -93,6 +95,8 @@ pub struct Report {
     pub costs: Costs,
     /// Every term of (3.26), times Δt.
     pub ledger: Vec<NamedValue>,
+    /// What it took to solve the step.
+    pub ladder: Ladder,
     /// The size of the vesicle.
     pub outline: Option<OutlineMeasure>,
     /// 4π·area/length² of the zero set of φ: 1 for a circle.
@@ -214,8 +218,10 @@ impl Simulation {
         };
         let was_fast = self.scheme.uses_transform();
         let mut fallback = None;
+        let mut took_over = None;
         let mut divided = None;
         let mut switched = None;
+        let mut ladder = Ladder::default();
         self.division.begin();
         let mut first = true;
         loop {
@@ -228,6 +234,11 @@ impl Simulation {
                     if let Some(jump) = solved.switched {
                         switched = Some(switched.unwrap_or(0.0) + jump);
                     }
+                    if let Some(reason) = &solved.newton_took_over {
+                        took_over.get_or_insert_with(|| reason.clone());
+                    }
+                    let solved = self.scheme.report();
+                    ladder.accept(solved, !self.scheme.uses_transform());
                     if std::mem::take(&mut first) {
                         self.report.take(solved);
                     } else {
@@ -240,11 +251,18 @@ impl Simulation {
                     self.report.t = begin + dt * self.division.done();
                 }
                 Err(reason) => {
+                    ladder.refuse();
                     if !self.division.refuse() {
                         return Err(SimulationError::Step {
                             step,
                             t: end,
-                            smallest: dt * self.division.smallest(),
+                            tried: Tried {
+                                refused: ladder.refused,
+                                transform: was_fast || self.scheme.uses_transform(),
+                                factor: !self.scheme.uses_transform(),
+                                lagged: self.scene.solver.iteration == Iteration::Lagged,
+                                steps: [dt, dt * self.division.smallest()],
+                            },
                             source: reason,
                         });
                     }
@@ -259,11 +277,16 @@ impl Simulation {
             let (step, t) = (step - 1, begin);
             self.events.push(Event { step, t, kind });
         }
+        self.report.ladder = ladder;
         let event = |kind| Event { step, t: end, kind };
         if let Some(reason) = divided {
             let smallest = self.report.dt;
             self.events
                 .push(event(EventKind::StepDivided { smallest, reason }));
+        }
+        if let Some(reason) = took_over {
+            self.events
+                .push(event(EventKind::NewtonTookOver { reason }));
         }
         match (was_fast, self.scheme.uses_transform(), fallback) {
             (true, false, Some(reason)) => self

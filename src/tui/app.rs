@@ -7,7 +7,7 @@ use std::thread::available_parallelism;
 
 use super::history::History;
 use super::pace::Pace;
-use super::past::Past;
+use super::past::{self, Past};
 use super::reins::Reins;
 use super::state::{
     App, DirectorStyle, Field, Notice, Panel, Run, Saving, Screen, Slot, Status, View,
@@ -49,6 +49,7 @@ impl App {
             next_run: RunId(1),
             cores: available_parallelism().map_or(1, NonZero::get),
             clock: None,
+            memory: past::BUDGET,
             editing: None,
             reloaded: None,
             ending: None,

@@ -50,6 +50,8 @@ pub struct App {
     pub cores: usize,
     /// The time that no run of the gallery goes beyond at present; `None` outside the gallery.
     pub clock: Option<f64>,
+    /// Bytes that the older fields of all runs together may take.
+    pub memory: usize,
     /// The slot whose scene is being edited.
     pub editing: Option<usize>,
     /// A slot and the scene that waits to replace it, while that is asked.

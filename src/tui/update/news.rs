@@ -34,7 +34,17 @@ pub(super) fn show(app: &mut App, picture: Arc<Picture>) {
     run.picture = Some(picture.clone());
     run.past.put(picture);
     app.stale |= app.shows(index);
+    share_memory(app);
     follow(app);
+}
+
+/// All runs have the same share of the memory for older fields.
+fn share_memory(app: &mut App) {
+    let runs = app.slots.iter().filter(|slot| slot.run.is_some()).count();
+    let share = app.memory / runs.max(1);
+    for run in app.slots.iter_mut().filter_map(|slot| slot.run.as_mut()) {
+        run.past.set_budget(share);
+    }
 }
 
 /// Keeps looking at the same picture when thinning has moved it.
