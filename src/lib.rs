@@ -13,4 +13,5 @@ pub mod record;
 pub mod scene;
 pub mod scheme;
 pub mod simulation;
+pub mod study;
 pub mod tui;

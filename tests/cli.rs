@@ -598,3 +598,39 @@ mod signals {
         assert!(!path.join("a").exists());
     }
 }
+
+#[test]
+fn the_effects_are_priced() {
+    let folder = folder_with_scene();
+    let output = vesica(
+        folder.path(),
+        &[
+            "effects",
+            "small.toml",
+            "--steps",
+            "2",
+            "--set",
+            "area.target=1.1",
+        ],
+    );
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(stderr(&output), "");
+    let lines: Vec<&str> = stdout(&output).lines().collect();
+    assert_eq!(lines[0], "Small: 8 × 8 cells, steps 11 to 12");
+    let labels = ["all effects", "bending alone", "no area", "no nematic"];
+    for (line, label) in lines[3..].iter().zip(labels) {
+        assert!(line.starts_with(label), "{line}");
+        // The program's allocator counts.
+        assert!(!line.ends_with('-'), "{line}");
+    }
+    let names: Vec<String> = fs::read_dir(folder.path())
+        .expect("a folder")
+        .map(|entry| entry.expect("an entry").file_name().display().to_string())
+        .collect();
+    assert_eq!(names, ["small.toml"], "nothing is saved");
+    refused(
+        folder.path(),
+        &["effects", "nowhere.toml"],
+        &["nowhere.toml"],
+    );
+}

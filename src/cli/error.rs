@@ -118,6 +118,17 @@ pub(super) enum CliError {
         /// The run's folder.
         folder: PathBuf,
     },
+    /// A scene could not be measured.
+    #[error("the effects cannot be measured: {0}")]
+    Study(#[source] SimulationError),
+    /// A signal ended the measuring.
+    #[error("ended by {signal}; nothing was measured to the end")]
+    StudyEnded {
+        /// The signal's name.
+        signal: &'static str,
+        /// The signal's number.
+        number: i32,
+    },
     /// A signal ended the runs of a set of figures.
     #[error(
         "ended by {signal}; what was computed is saved. Draw it with `vesica figures {}`",
@@ -187,10 +198,12 @@ impl CliError {
                 | FigureError::Occupied { .. }
                 | FigureError::Nothing,
             )
+            | CliError::Study(SimulationError::Mesh(_) | SimulationError::Memory { .. })
             | CliError::SetUp(SimulationError::Mesh(_) | SimulationError::Memory { .. }) => {
                 CliError::USAGE
             }
             CliError::SetUp(_)
+            | CliError::Study(_)
             | CliError::Run { .. }
             | CliError::Resume(_)
             | CliError::Record(_)
@@ -203,6 +216,7 @@ impl CliError {
             // A signal's number is below 65.
             CliError::Interrupted { number, .. }
             | CliError::FiguresInterrupted { number, .. }
+            | CliError::StudyEnded { number, .. }
             | CliError::AppEnded { number } => 128_u8.saturating_add(*number as u8),
         }
     }
@@ -210,9 +224,9 @@ impl CliError {
     /// Tells it on the standard error.
     pub fn tell(&self) {
         match self {
-            CliError::Interrupted { .. } | CliError::FiguresInterrupted { .. } => {
-                output::note(self)
-            }
+            CliError::Interrupted { .. }
+            | CliError::FiguresInterrupted { .. }
+            | CliError::StudyEnded { .. } => output::note(self),
             // It has left a line that says how far it came.
             CliError::AppEnded { .. } => {}
             _ => output::error(self),

@@ -104,6 +104,32 @@ impl Mesh {
         Ok(mesh)
     }
 
+    /// A part of the mesh: the given triangles, in the order of their numbers, and their nodes; with
+    /// the number of each of its nodes in the whole.
+    ///
+    /// # Errors
+    /// None where the mesh itself could be made.
+    pub fn part(&self, triangles: &[u32]) -> Result<(Self, Vec<u32>), FemError> {
+        let mut used = vec![false; self.nodes.len()];
+        for &triangle in triangles {
+            for node in self.triangles[triangle as usize] {
+                used[node as usize] = true;
+            }
+        }
+        let mut local = vec![0; self.nodes.len()];
+        let mut nodes = Vec::new();
+        for (node, _) in used.iter().enumerate().filter(|(_, used)| **used) {
+            local[node] = nodes.len() as u32;
+            nodes.push(node as u32);
+        }
+        let corners = triangles
+            .iter()
+            .map(|&triangle| self.triangles[triangle as usize].map(|node| local[node as usize]));
+        let places = nodes.iter().map(|&node| self.nodes[node as usize]);
+        let part = Self::new(places.collect(), corners.collect())?;
+        Ok((part, nodes))
+    }
+
     /// Where the nodes are.
     pub fn nodes(&self) -> &[[f64; 2]] {
         &self.nodes

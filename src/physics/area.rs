@@ -4,7 +4,7 @@
 use super::potentials::{
     double_well, double_well_secant, double_well_secant_slope, double_well_slope,
 };
-use super::{Effect, MembraneForce, MembraneLinearisation, RankOne, Sample};
+use super::{DirectorReach, Effect, MembraneForce, MembraneLinearisation, RankOne, Sample};
 use crate::fem::{Patch, Space};
 use crate::scene::{self, Iteration};
 
@@ -81,6 +81,10 @@ impl Effect for Area {
     fn energy(&self, area: f64) -> f64 {
         let excess = area - self.target;
         excess * excess / (2.0 * self.penalty)
+    }
+
+    fn director_reach(&self) -> Option<DirectorReach> {
+        Some(DirectorReach::NOWHERE)
     }
 
     fn needs_integrals(&self) -> bool {

@@ -12,8 +12,12 @@ use std::path::Path;
 pub(super) const INPUTS: &str = "inputs";
 
 /// The names that nodal values have there.
-pub(super) const INPUT_NAMES: [&str; 3] =
-    ["vesicle.txt", "spontaneous_curvature.txt", "director.txt"];
+pub(super) const INPUT_NAMES: [&str; 4] = [
+    "vesicle.txt",
+    "spontaneous_curvature.txt",
+    "director.txt",
+    "pull.txt",
+];
 
 /// Writes the scene into a run's folder, with its nodal values beside it, so that the run can be
 /// made again from the folder alone.
@@ -67,20 +71,26 @@ pub(super) fn identity(scene: &Scene) -> String {
 }
 
 /// The nodal values of a scene, in the order of [`INPUT_NAMES`].
-fn nodal_values(scene: &mut Scene) -> [Option<&mut NodalValues>; 3] {
+fn nodal_values(scene: &mut Scene) -> [Option<&mut NodalValues>; 4] {
     let vesicle = match &mut scene.vesicle.shape {
         Shape::File(nodal) => Some(nodal),
         Shape::Outlines(_) | Shape::Random { .. } => None,
     };
-    let curvature = match &mut scene.membrane.spontaneous_curvature {
-        ScalarField::File(nodal) => Some(nodal),
-        ScalarField::Constant(_) | ScalarField::Expression(_) => None,
-    };
+    let curvature = of_field(&mut scene.membrane.spontaneous_curvature);
+    let pull = scene.pull.as_mut();
+    let pull = pull.and_then(|pull| of_field(&mut pull.potential));
     let director = match scene.nematic.as_mut().map(|nematic| &mut nematic.initial) {
         Some(InitialDirector::File(nodal)) => Some(nodal),
         _ => None,
     };
-    [vesicle, curvature, director]
+    [vesicle, curvature, director, pull]
+}
+
+fn of_field(field: &mut ScalarField) -> Option<&mut NodalValues> {
+    match field {
+        ScalarField::File(nodal) => Some(nodal),
+        ScalarField::Constant(_) | ScalarField::Expression(_) => None,
+    }
 }
 
 /// One node a line, its values separated by a space.
@@ -143,7 +153,7 @@ pub(super) mod tests {
             fs::read_to_string(folder.path().join(path))
         })
         .unwrap();
-        let [Some(nodal), None, None] = nodal_values(&mut scene) else {
+        let [Some(nodal), None, None, None] = nodal_values(&mut scene) else {
             panic!("one file");
         };
         nodal.path = "inputs/vesicle.txt".into();

@@ -5,13 +5,17 @@ use thiserror::Error;
 use super::error::{DidYouMean, Quoted};
 use super::near::nearest;
 
-const PRESETS: [(&str, &str); 6] = [
+const PRESETS: [(&str, &str); 10] = [
     ("case1", include_str!("../../presets/case1.toml")),
     ("case2", include_str!("../../presets/case2.toml")),
     ("case3", include_str!("../../presets/case3.toml")),
     ("case4", include_str!("../../presets/case4.toml")),
     ("bending", include_str!("../../presets/bending.toml")),
     ("circle", include_str!("../../presets/circle.toml")),
+    ("curvature", include_str!("../../presets/curvature.toml")),
+    ("field", include_str!("../../presets/field.toml")),
+    ("pull", include_str!("../../presets/pull.toml")),
+    ("noise", include_str!("../../presets/noise.toml")),
 ];
 
 /// There is no such preset.

@@ -13,6 +13,7 @@ mod membrane;
 mod memory;
 #[doc(hidden)]
 pub mod phases;
+mod region;
 mod state;
 #[cfg(test)]
 mod tests;
@@ -22,11 +23,11 @@ use std::sync::Arc;
 
 use crate::fem::{Mesh, Patch, Rule, Space};
 use crate::linalg::LinalgError;
-use crate::physics::{Effects, NamedValue, Sample, Terms, area_integral};
+use crate::physics::{Effects, Interval, NamedValue, Sample, Terms, area_integral};
 use crate::scene::{self, Boundary, Iteration, LinearMethod, Quadrature, Scene, Solver};
 
 use detour::Detour;
-use director::DirectorStep;
+use director::{Demand, DirectorStep};
 use faults::Place;
 use history::History;
 use membrane::{Limits, MembraneStep, Places, Samples, Work};
@@ -68,6 +69,8 @@ pub struct Scheme {
     t: f64,
     report: StepReport,
     next_report: StepReport,
+    /// By how much the energy has jumped since the last step that was accepted.
+    switched: Option<f64>,
 }
 
 impl Scheme {
@@ -124,6 +127,7 @@ impl Scheme {
             t: 0.0,
             report: StepReport::default(),
             next_report: StepReport::default(),
+            switched: None,
         };
         scheme.start();
         Ok(scheme)
@@ -201,12 +205,14 @@ impl Scheme {
         dt: f64,
         watch: &mut dyn FnMut(Phase),
     ) -> Result<&StepReport, StepError> {
+        self.set_interval(dt);
         let energy_scale = energy_scale(&self.report.energies);
         let mut report = std::mem::take(&mut self.next_report);
         let outcome = self.try_step(dt, energy_scale, &mut report, watch);
         self.next_report = report;
         match outcome {
             Ok(()) => {
+                self.next_report.switched = self.switched.take();
                 std::mem::swap(&mut self.report, &mut self.next_report);
                 std::mem::swap(&mut self.state, &mut self.next);
                 self.t += dt;
@@ -234,6 +240,22 @@ impl Scheme {
         }
     }
 
+    /// Tells the effects the time of the coming step. Where that makes the energy another one, what the
+    /// law starts from is measured anew, as when the anchoring is switched.
+    fn set_interval(&mut self, dt: f64) {
+        let interval = Interval {
+            begin: self.t,
+            length: dt,
+        };
+        if !self.effects.set_interval(interval) {
+            return;
+        }
+        let before = self.report.total_energy;
+        self.measure_anew();
+        self.forget();
+        *self.switched.get_or_insert(0.0) += self.report.total_energy - before;
+    }
+
     fn try_step(
         &mut self,
         dt: f64,
@@ -248,12 +270,16 @@ impl Scheme {
             &self.state.director,
             &mut self.next.director,
         ) {
-            let tolerance = director_tolerance(&self.solver);
+            let demand = Demand {
+                dt,
+                tolerance: director_tolerance(&self.solver),
+                energy_scale,
+            };
             report.director_iterations = step.solve(
                 space,
                 &mut self.effects,
                 &mut self.samples.old,
-                (dt, tolerance),
+                demand,
                 (&self.state.phi, from),
                 to,
             )?;
@@ -476,12 +502,15 @@ fn sweep(
 ) {
     let width = effects.bending.interface_width();
     report.energies.clear();
-    report
-        .energies
-        .extend(effects.iter().map(|effect| NamedValue {
-            name: effect.name(),
-            value: 0.0,
-        }));
+    report.energies.extend(
+        effects
+            .iter()
+            .filter(|effect| effect.has_energy())
+            .map(|effect| NamedValue {
+                name: effect.name(),
+                value: 0.0,
+            }),
+    );
     report.surface_area = 0.0;
     for patch in space.patches() {
         fill(&mut samples.new, &patch, new_state);
@@ -489,14 +518,20 @@ fn sweep(
         if terms.is_some() {
             fill(&mut samples.old, &patch, old_state);
         }
-        for (effect, energy) in effects.iter_mut().zip(&mut report.energies) {
-            energy.value += effect.integral(&patch, &samples.new);
+        let mut energies = report.energies.iter_mut();
+        for effect in effects.iter_mut() {
+            if effect.has_energy()
+                && let Some(energy) = energies.next()
+            {
+                energy.value += effect.integral(&patch, &samples.new);
+            }
             if let Some(terms) = &mut terms {
                 effect.add_dissipation(&patch, &samples.old, &samples.new, terms);
             }
         }
     }
-    for (effect, energy) in effects.iter().zip(&mut report.energies) {
+    let effects = effects.iter().filter(|effect| effect.has_energy());
+    for (effect, energy) in effects.zip(&mut report.energies) {
         energy.value = effect.energy(energy.value);
         faults::tap(Place::Energy, std::slice::from_mut(&mut energy.value));
     }

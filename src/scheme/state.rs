@@ -50,6 +50,9 @@ pub struct StepReport {
     pub krylov: u32,
     /// Iterations of the conjugate gradients of substep 1.
     pub director_iterations: u32,
+    /// By how much the energy of the state before the step changed because something was switched then,
+    /// such as a field; the ledger starts from the energy after that.
+    pub switched: Option<f64>,
     /// Why the transform failed in this step and the factor took over, if that happened.
     pub fallback: Option<StepError>,
     /// Why the lagged iteration failed in this step and Newton's method took over, if that happened.

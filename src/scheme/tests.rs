@@ -2,6 +2,8 @@
 //! either fails with an error and leaves the state as it was, or is mended and leads to where it
 //! would have led without the fault.
 
+mod effects;
+
 use std::sync::Arc;
 
 use super::faults::Place;

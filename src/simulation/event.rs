@@ -41,6 +41,11 @@ pub enum EventKind {
     },
     /// φ became positive within ε of the wall.
     ReachedWall,
+    /// A field was switched on or off after this step: the energy jumped, not the state.
+    FieldSwitched {
+        /// By how much E_total changed.
+        jump: f64,
+    },
     /// The anchoring became another one after this step: the energy jumped, not the state.
     AnchoringSwitched {
         /// The new kind.
@@ -57,6 +62,7 @@ impl EventKind {
             Self::NewtonTookOver { .. } => "newton-took-over",
             Self::StepDivided { .. } => "step-divided",
             Self::ReachedWall => "reached-wall",
+            Self::FieldSwitched { .. } => "field-switched",
             Self::AnchoringSwitched { .. } => "anchoring-switched",
         }
     }
@@ -80,6 +86,10 @@ impl fmt::Display for EventKind {
             ),
             EventKind::ReachedWall => f.write_str(
                 "the vesicle has reached the wall, which now takes part in what happens",
+            ),
+            EventKind::FieldSwitched { jump } => write!(
+                f,
+                "the field is switched here: E_total jumps by {jump:.6e}, which no step has done"
             ),
             EventKind::AnchoringSwitched { kind } => {
                 write!(f, "the anchoring is {kind} from here on")

@@ -131,6 +131,14 @@ impl Costs {
 }
 
 impl Report {
+    /// By how much the energy rose in the step beyond the work that was done on it from outside, which
+    /// the energy law forbids; `None` without a ledger. A switched energy is another one, and no rise.
+    pub fn unexplained_rise(&self) -> Option<f64> {
+        let counts = |name: &str| name == "dE" || name.ends_with("_work");
+        let terms = self.ledger.iter().filter(|term| counts(term.name));
+        (!self.ledger.is_empty()).then(|| terms.map(|term| term.value).sum())
+    }
+
     fn take(&mut self, step: &StepReport) {
         self.energies.clone_from(&step.energies);
         self.total_energy = step.total_energy;
@@ -219,6 +227,7 @@ impl Simulation {
         let mut fallback = None;
         let mut took_over = None;
         let mut divided = None;
+        let mut switched = None;
         let mut ladder = Ladder::default();
         self.division.begin();
         let mut first = true;
@@ -228,6 +237,9 @@ impl Simulation {
                 Ok(solved) => {
                     if let Some(reason) = &solved.fallback {
                         fallback.get_or_insert_with(|| reason.clone());
+                    }
+                    if let Some(jump) = solved.switched {
+                        switched = Some(switched.unwrap_or(0.0) + jump);
                     }
                     if let Some(reason) = &solved.newton_took_over {
                         took_over.get_or_insert_with(|| reason.clone());
@@ -267,6 +279,11 @@ impl Simulation {
         }
         self.report.step = step;
         self.report.t = end;
+        if let Some(jump) = switched {
+            let kind = EventKind::FieldSwitched { jump };
+            let (step, t) = (step - 1, begin);
+            self.events.push(Event { step, t, kind });
+        }
         self.report.ladder = ladder;
         let event = |kind| Event { step, t: end, kind };
         if let Some(reason) = divided {

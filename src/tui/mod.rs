@@ -23,6 +23,7 @@ pub mod pace;
 mod pacing;
 pub mod panel;
 pub mod past;
+mod pricing;
 pub mod reins;
 pub mod sampled;
 pub mod saving;

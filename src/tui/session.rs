@@ -7,6 +7,7 @@
 use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -26,7 +27,7 @@ use super::terminal::{self, Terminal};
 use super::theme::{ColorTier, Theme};
 use super::update::update;
 use super::watch::Watch;
-use super::{editing, job_control, opening, panel};
+use super::{editing, job_control, opening, panel, pricing};
 use crate::record::Settings;
 use crate::scene::{AnchoringKind, Scene};
 use crate::simulation::{Command, Continuity, Orders, Picture, RunId, Worker};
@@ -107,6 +108,7 @@ pub fn run(options: Options) -> Result<Ending, AppError> {
         saved: Vec::new(),
         incoming,
         queue,
+        pricing: None,
         quitting: false,
     };
     session.run()
@@ -127,6 +129,8 @@ struct Session {
     saved: Vec<PathBuf>,
     incoming: Sender<Incoming>,
     queue: Receiver<Incoming>,
+    /// Where effects are being priced: tells that to end.
+    pricing: Option<Arc<AtomicBool>>,
     quitting: bool,
 }
 
@@ -227,6 +231,9 @@ impl Session {
         for effect in update(&mut self.app, message) {
             self.perform(effect)?;
         }
+        if !matches!(self.app.overlay, Some(Overlay::Prices { .. })) {
+            self.end_pricing();
+        }
         Ok(())
     }
 
@@ -264,6 +271,7 @@ impl Session {
                 let source = opening::typed_path(&text, home);
                 self.load(move || opening::open(source.as_os_str(), &[]))?;
             }
+            Effect::Price(scene) => self.price(scene)?,
             Effect::Edit(slot) => return self.edit(slot),
             Effect::SaveView(picture, slot) => return self.save_view(picture, slot),
             Effect::SaveSet(slot) => return self.save_set(slot),
@@ -333,6 +341,26 @@ impl Session {
             // If the loop has ended, nobody wants it.
             let _ = incoming.send(Incoming::Message(Message::Loaded(loaded)));
         })
+    }
+
+    /// Prices the effects of a scene, until it is done or nobody looks any more.
+    fn price(&mut self, scene: Arc<Scene>) -> Result<(), AppError> {
+        self.end_pricing();
+        let end = Arc::new(AtomicBool::new(false));
+        self.pricing = Some(Arc::clone(&end));
+        let incoming = self.incoming.clone();
+        self.aside("pricing", move || {
+            // If the loop has ended, nobody wants it.
+            pricing::measure(&scene, &end, &mut |text| {
+                let _ = incoming.send(Incoming::Message(Message::Prices(text)));
+            });
+        })
+    }
+
+    fn end_pricing(&mut self) {
+        if let Some(end) = self.pricing.take() {
+            end.store(true, Ordering::Relaxed);
+        }
     }
 
     fn save_view(&mut self, picture: Arc<Picture>, slot: usize) -> Result<(), AppError> {

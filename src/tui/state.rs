@@ -188,6 +188,11 @@ pub enum Overlay {
         /// Why the last attempt failed.
         error: Option<String>,
     },
+    /// What each effect of the scene costs: the table, or how far measuring it is.
+    Prices {
+        /// As it is shown, line by line.
+        text: String,
+    },
     /// A long text to read: an error of a scene with its lines.
     Message {
         /// The heading.

@@ -57,6 +57,8 @@ pub enum Action {
     Slower,
     /// Edit the scene and load it anew.
     Edit,
+    /// Tell what each effect costs.
+    Prices,
     /// Open another scene.
     Open,
     /// Show all that the run has to say, whole.
@@ -112,7 +114,7 @@ impl Place {
             Some(Overlay::Help { .. }) => Self::Help,
             Some(Overlay::Confirm(_)) => Self::Confirm,
             Some(Overlay::Open { .. }) => Self::Open,
-            Some(Overlay::Message { .. }) => Self::Message,
+            Some(Overlay::Message { .. } | Overlay::Prices { .. }) => Self::Message,
         }
     }
 }

@@ -241,6 +241,15 @@ pub static BINDINGS: &[Binding] = &[
     },
     Binding {
         place: Place::Main,
+        keys: &[key('p', Action::Prices)],
+        label: "p",
+        plain_label: "p",
+        brief: |_| "prices",
+        words: "what each effect costs; measured while you look at it",
+        when: on_one_run,
+    },
+    Binding {
+        place: Place::Main,
         keys: &[key('e', Action::Edit)],
         label: "e",
         plain_label: "e",

@@ -117,6 +117,7 @@ fn overlay(app: &App, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
             chosen,
             error,
         }) => dialog::open(text, *chosen, error.as_deref(), theme, screen, buffer),
+        Some(Overlay::Prices { text }) => dialog::prices(text, theme, screen, buffer),
         Some(Overlay::Message { title, text }) => {
             dialog::message(title, text, theme, screen, buffer);
         }

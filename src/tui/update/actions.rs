@@ -47,6 +47,13 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
                 error: None,
             });
         }
+        Action::Prices => {
+            if let Some(slot) = app.active_slot() {
+                effects.push(Effect::Price(Arc::clone(&slot.scene)));
+                let text = "getting ready to measure".to_owned();
+                app.overlay = Some(Overlay::Prices { text });
+            }
+        }
         Action::Notices => show_notices(app),
         Action::Help => app.overlay = Some(Overlay::Help { scroll: 0 }),
         Action::Suspend => effects.push(Effect::Suspend),

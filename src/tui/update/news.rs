@@ -150,7 +150,8 @@ fn take(run: &mut Run, report: Report, law_tolerance: f64) {
     }
     if report.step > 0 {
         run.unsaved = true;
-        let rise = report.total_energy - run.report.total_energy;
+        let change = report.total_energy - run.report.total_energy;
+        let rise = report.unexplained_rise().unwrap_or(change);
         let rising = rise > law_tolerance * energy_scale(&run.report).max(energy_scale(&report));
         if rising && !run.rising {
             run.notify(Notice {

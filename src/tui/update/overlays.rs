@@ -166,6 +166,14 @@ fn is_unchanged(slot: &Slot, loaded: &Slot) -> bool {
     slot.scene == loaded.scene || started.is_some_and(|setting| setting.scene == *loaded.scene)
 }
 
+/// Takes what effects cost, if that is still looked at.
+pub(super) fn priced(app: &mut App, news: String) {
+    if let Some(Overlay::Prices { text }) = &mut app.overlay {
+        *text = news;
+        app.stale = true;
+    }
+}
+
 /// Takes why a scene could not be loaded.
 pub(super) fn not_loaded(app: &mut App, reason: String) {
     app.stale = true;

@@ -250,3 +250,17 @@ fn runs_of_an_earlier_time_are_offered_before_anything_begins() {
     rig.keys("q");
     assert_eq!(rig.app.ending, Some(Ending::Quit));
 }
+
+#[test]
+fn the_prices_are_shown_while_they_are_looked_at() {
+    let mut rig = Rig::new();
+    rig.keys("p");
+    assert!(matches!(&rig.app.overlay, Some(Overlay::Prices { .. })));
+    rig.tell(Message::Prices("a table".to_owned()));
+    let text = "a table".to_owned();
+    assert_eq!(rig.app.overlay, Some(Overlay::Prices { text }));
+    rig.press(KeyCode::Esc);
+    assert_eq!(rig.app.overlay, None);
+    rig.tell(Message::Prices("too late".to_owned()));
+    assert_eq!(rig.app.overlay, None);
+}
