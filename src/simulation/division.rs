@@ -133,6 +133,6 @@ mod tests {
             assert!(division.refuse());
         }
         assert!(!division.refuse());
-        assert_eq!(division.smallest(), 0.5_f64.powi(30));
+        assert_eq!(division.smallest(), 0.5_f64.powi(40));
     }
 }
