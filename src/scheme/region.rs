@@ -124,6 +124,12 @@ impl Region {
                 .filter(|(_, corners)| corners.iter().any(|&node| free[node as usize]))
                 .map(|(triangle, _)| triangle),
         );
+        if triangles.is_empty() {
+            self.part = None;
+            self.nodes.clear();
+            self.kept.clear();
+            return Ok(true);
+        }
         if triangles.len() as f64 > LARGEST_SHARE * mesh.triangles().len() as f64 {
             let was_whole = self.part.is_none() && !self.nodes.is_empty();
             if !was_whole {

@@ -238,7 +238,7 @@ fn a_switched_field_is_told_with_its_jump() {
 /// Noise may raise the energy, by its work and no more.
 #[test]
 fn what_noise_does_is_no_unexplained_rise() {
-    let mut simulation = Simulation::new(&small(&["noise.strength=1e-2"])).unwrap();
+    let mut simulation = Simulation::new(&small(&["noise.strength=1"])).unwrap();
     assert_eq!(simulation.report().unexplained_rise(), None);
     let mut before = simulation.report().total_energy;
     let mut rises = 0;

@@ -115,7 +115,7 @@ mod tests {
             "{text}"
         );
         assert!(
-            text.lines().all(|line| line.chars().count() <= 72),
+            text.lines().all(|line| line.chars().count() <= 76),
             "{text}"
         );
     }

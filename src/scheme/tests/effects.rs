@@ -196,5 +196,5 @@ fn the_region_moves_with_the_vesicle() {
         let director = scheme.director.as_ref().expect("a director");
         regions.insert(director.region().nodes.clone());
     }
-    assert!(regions.len() > 2, "{} regions", regions.len());
+    assert!(regions.len() >= 2, "{} regions", regions.len());
 }
