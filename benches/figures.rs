@@ -41,6 +41,7 @@ fn run(name: &str) -> RunData {
         scene: Arc::new(scene),
         mesh: Arc::new(Mesh::structured(120, 0.0, 1).expect("a fair mesh")),
         history,
+        switches: Vec::new(),
         snapshots: snapshots.collect(),
         command: format!("vesica figures {name}"),
     }

@@ -6,6 +6,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use common::{SMALL, scene, scheme};
+use vesica::scheme::{Memory, Scheme};
 
 /// The system's allocator, which counts what each thread asks of it.
 struct Counting;
@@ -14,28 +15,34 @@ thread_local! {
     /// Allocations of this thread. Constant at the start and without a destructor, so that the
     /// allocator may use it at any time.
     static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
+    /// Bytes of a field, and how many blocks of at least that size were taken.
+    static FIELD: Cell<usize> = const { Cell::new(usize::MAX) };
+    static FIELDS: Cell<u64> = const { Cell::new(0) };
 }
 
-fn count() {
+fn count(size: usize) {
+    if size >= FIELD.with(Cell::get) {
+        FIELDS.with(|fields| fields.set(fields.get() + 1));
+    }
     ALLOCATIONS.with(|allocations| allocations.set(allocations.get() + 1));
 }
 
 // SAFETY: every call is handed to the system's allocator as it came.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        count();
+        count(layout.size());
         // SAFETY: the caller's promises are those that `System` asks for.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
-        count();
+        count(layout.size());
         // SAFETY: as above.
         unsafe { System.alloc_zeroed(layout) }
     }
 
     unsafe fn realloc(&self, block: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        count();
+        count(size);
         // SAFETY: as above.
         unsafe { System.realloc(block, layout, size) }
     }
@@ -78,6 +85,39 @@ fn allocations_of_steps(settings: &[&str]) -> Vec<u64> {
     counts
 }
 
+/// How many blocks as long as a field, or longer, are taken until a scheme has made its first step.
+fn fields_of(settings: &[&str]) -> u64 {
+    let scene = scene(SMALL, settings);
+    let nodes = common::mesh(&scene).nodes().len();
+    FIELD.with(|field| field.set(nodes * size_of::<f64>()));
+    let before = FIELDS.with(Cell::get);
+    let mut scheme = scheme(&scene);
+    if let Err(error) = scheme.step(scene.time.step) {
+        panic!("{settings:?}: {error}");
+    }
+    FIELDS.with(Cell::get) - before
+}
+
+/// An effect that is not there, or is of the kind "none", takes no vector; one that is there does.
+#[test]
+fn an_absent_effect_takes_no_vector() {
+    for quadrature in ["solver.quadrature=consistent", "solver.quadrature=lumped"] {
+        let of = |settings: &[&str]| fields_of(&[&[quadrature], settings].concat());
+        let bending = ["area=false", "anchoring=false", "nematic=false"];
+        let alone = of(&bending);
+        let with = |more: &[&str]| of(&[&bending[..], more].concat());
+        assert_eq!(with(&["membrane.spontaneous_curvature=0"]), alone);
+        assert!(with(&["membrane.spontaneous_curvature=1"]) > alone);
+        assert!(with(&["pull.potential=1"]) > alone);
+        let area = of(&["anchoring=false", "nematic=false"]);
+        assert!(area > alone);
+        let nematic = of(&["anchoring=false"]);
+        assert!(nematic >= area + 10, "{nematic} {area}");
+        assert_eq!(of(&["anchoring.kind=none"]), nematic);
+        assert!(of(&[]) > nematic);
+    }
+}
+
 #[test]
 fn the_allocator_counts() {
     let mut kept = Vec::new();
@@ -97,9 +137,36 @@ fn a_step_allocates_nothing() {
             "anchoring.kind=homeotropic",
             "anchoring.kind=none",
             "membrane.spontaneous_curvature=1.5",
+            "field.weight=300",
+            "field.weight=-300",
+            "pull.potential='100*x'",
+            "noise={ strength = 1e-4 }",
         ] {
             let counts = allocations_of_steps(&[quadrature, path]);
             assert_eq!(counts, [0; STEPS], "{quadrature}, {path}");
+        }
+    }
+}
+
+#[test]
+fn a_state_is_remembered_and_recalled_without_allocation() {
+    for path in ["solver.linear=transform", "solver.linear=factor"] {
+        let scene = scene(SMALL, &[path]);
+        let mut scheme = scheme(&scene);
+        let mut memory = Memory::default();
+        let step = |scheme: &mut Scheme| {
+            scheme.step(scene.time.step).expect("a step");
+        };
+        (0..WARM_UP).for_each(|_| step(&mut scheme));
+        scheme.remember(&mut memory);
+        for _ in 0..STEPS {
+            let count = allocations(|| {
+                step(&mut scheme);
+                scheme.recall(&memory).expect("the same scheme");
+                step(&mut scheme);
+                scheme.remember(&mut memory);
+            });
+            assert_eq!(count, 0, "{path}");
         }
     }
 }

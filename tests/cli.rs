@@ -205,8 +205,16 @@ fn a_folder_that_holds_a_run_is_kept() {
     );
     refused(
         path,
-        &["run", "small.toml", "--out", "a", "--resume"],
-        &["--resume", "checkpoint"],
+        &[
+            "run",
+            "small.toml",
+            "--out",
+            "a",
+            "--resume",
+            "--set",
+            "mesh.cells=9",
+        ],
+        &["another scene", "cells = 8", "cells = 9"],
     );
     assert!(fs::read(path.join("a/run.json")).expect("it is there") == before);
 
@@ -569,19 +577,60 @@ mod signals {
     }
 
     #[test]
-    fn a_vanished_folder_ends_the_run_with_its_path() {
+    fn a_run_whose_folder_vanishes_tells_it_and_goes_on() {
         let folder = folder_with_scene();
         let path = folder.path();
-        let child = long_run(path, command(path, &ARGUMENTS));
+        let mut child = long_run(path, command(path, &ARGUMENTS));
         fs::rename(path.join("a"), path.join("b")).expect("it can be moved");
+        std::thread::sleep(Duration::from_millis(1500));
+        assert!(child.try_wait().is_ok_and(|status| status.is_none()));
+        send(&child, SIGTERM);
         let output = child.wait_with_output().expect("it ends");
         assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+        let told = stderr(&output);
         // Which of the tables notices depends on where between two writes the folder goes.
         assert!(
-            stderr(&output).contains(".csv has vanished"),
-            "{}",
-            stderr(&output)
+            told.contains("cannot write a/") || told.contains(".csv has vanished"),
+            "{told}"
         );
-        assert!(!stderr(&output).contains("panicked"), "{}", stderr(&output));
+        assert!(told.contains("goes on in memory"), "{told}");
+        assert!(!told.contains("panicked"), "{told}");
+        assert!(!path.join("a").exists());
     }
+}
+
+#[test]
+fn the_effects_are_priced() {
+    let folder = folder_with_scene();
+    let output = vesica(
+        folder.path(),
+        &[
+            "effects",
+            "small.toml",
+            "--steps",
+            "2",
+            "--set",
+            "area.target=1.1",
+        ],
+    );
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(stderr(&output), "");
+    let lines: Vec<&str> = stdout(&output).lines().collect();
+    assert_eq!(lines[0], "Small: 8 × 8 cells, steps 11 to 12");
+    let labels = ["all effects", "bending alone", "no area", "no nematic"];
+    for (line, label) in lines[3..].iter().zip(labels) {
+        assert!(line.starts_with(label), "{line}");
+        // The program's allocator counts.
+        assert!(!line.ends_with('-'), "{line}");
+    }
+    let names: Vec<String> = fs::read_dir(folder.path())
+        .expect("a folder")
+        .map(|entry| entry.expect("an entry").file_name().display().to_string())
+        .collect();
+    assert_eq!(names, ["small.toml"], "nothing is saved");
+    refused(
+        folder.path(),
+        &["effects", "nowhere.toml"],
+        &["nowhere.toml"],
+    );
 }

@@ -6,7 +6,7 @@ use super::run::some_step;
 use crate::record::{load_scene, step_count};
 use crate::scene::{self, Mesh, Scene, Warning};
 use crate::simulation;
-use crate::study::{Price, price};
+use crate::study::{RunPrice, run_price};
 use std::ffi::{OsStr, OsString};
 
 /// The initial state, which tells most, is computed on meshes of up to so many nodes: within about
@@ -42,7 +42,7 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
                 }
                 if !arguments.quick && nodes(&scene) <= MOST_NODES {
                     // Its first steps may fail where a run divides them: then there is no price.
-                    if let Ok(price) = price(&scene) {
+                    if let Ok(price) = run_price(&scene) {
                         output::line(format_args!("{name}: {}", expected(&price)))?;
                     }
                 }
@@ -70,6 +70,7 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
 fn examine(source: &OsStr, overrides: &[String]) -> Result<(Scene, Vec<Warning>), CliError> {
     let scene = load_scene(source, overrides)?.scene;
     some_step(&scene.time)?;
+    simulation::check_memory(&scene).map_err(CliError::SetUp)?;
     let warnings = if nodes(&scene) <= MOST_NODES {
         simulation::examine(&scene).map_err(CliError::SetUp)?
     } else {
@@ -79,7 +80,7 @@ fn examine(source: &OsStr, overrides: &[String]) -> Result<(Scene, Vec<Warning>)
 }
 
 /// The time and the memory that a run would take, in words.
-fn expected(price: &Price) -> String {
+fn expected(price: &RunPrice) -> String {
     let seconds = price.seconds;
     let time = match seconds {
         s if s < 1.0 => "less than a second".to_owned(),

@@ -2,7 +2,7 @@
 
 use super::output;
 use crate::figure::FigureError;
-use crate::record::{LoadError, ReadError, RecordError};
+use crate::record::{CheckpointError, LoadError, ReadError, RecordError};
 use crate::scene::UnknownPreset;
 use crate::simulation::SimulationError;
 use crate::study::StudyError;
@@ -48,12 +48,9 @@ pub(super) enum CliError {
     /// The folder for the run could not be had.
     #[error(transparent)]
     Folder(RecordError),
-    /// Checkpoints do not exist yet.
-    #[error(
-        "--resume is not possible yet: this version of vesica keeps no checkpoints. Run the scene \
-         anew, into another folder or with --force"
-    )]
-    Resume,
+    /// A run cannot be taken up again.
+    #[error(transparent)]
+    Resume(#[from] CheckpointError),
     /// The app has nowhere to be.
     #[error(
         "the standard {stream} is not a terminal, and the app needs one; without one simulate the \
@@ -96,15 +93,27 @@ pub(super) enum CliError {
         /// The run's folder.
         folder: PathBuf,
     },
-    /// The run could not be recorded.
-    #[error("the run ended because it could not be recorded: {0}")]
+    /// A run cannot be recorded, from the start.
+    #[error("the run cannot be recorded: {0}")]
     Record(#[from] RecordError),
-    /// There is no study.
+    /// There is no study of accuracy.
     #[error(transparent)]
-    Study(#[from] StudyError),
+    Accuracy(#[from] StudyError),
+    /// A run was made but not all of it could be recorded.
+    #[error(
+        "not all of the run could be recorded: {error}\nwhat there is stands in {}",
+        folder.display()
+    )]
+    Unrecorded {
+        /// Why.
+        #[source]
+        error: RecordError,
+        /// The run's folder.
+        folder: PathBuf,
+    },
     /// A signal ended the run.
     #[error(
-        "ended by {signal} after step {step}{of}; saved in {}",
+        "ended by {signal} after step {step}{of}; saved in {0}. Go on with: vesica run {0} --resume",
         folder.display()
     )]
     Interrupted {
@@ -118,6 +127,17 @@ pub(super) enum CliError {
         of: String,
         /// The run's folder.
         folder: PathBuf,
+    },
+    /// A scene could not be measured.
+    #[error("the effects cannot be measured: {0}")]
+    Study(#[source] SimulationError),
+    /// A signal ended the measuring.
+    #[error("ended by {signal}; nothing was measured to the end")]
+    StudyEnded {
+        /// The signal's name.
+        signal: &'static str,
+        /// The signal's number.
+        number: i32,
     },
     /// A signal ended the runs of a set of figures.
     #[error(
@@ -178,7 +198,7 @@ impl CliError {
             | CliError::NoStep { .. }
             | CliError::StepsOfChosen
             | CliError::Folder(_)
-            | CliError::Resume
+            | CliError::Resume(CheckpointError::None { .. } | CheckpointError::Foreign { .. })
             | CliError::NoTerminal { .. }
             | CliError::Check { .. }
             | CliError::Read(_)
@@ -189,11 +209,17 @@ impl CliError {
                 | FigureError::Occupied { .. }
                 | FigureError::Nothing,
             )
-            | CliError::SetUp(SimulationError::Mesh(_)) => CliError::USAGE,
+            | CliError::Study(SimulationError::Mesh(_) | SimulationError::Memory { .. })
+            | CliError::SetUp(SimulationError::Mesh(_) | SimulationError::Memory { .. }) => {
+                CliError::USAGE
+            }
             CliError::SetUp(_)
-            | CliError::Run { .. }
-            | CliError::Record(_)
             | CliError::Study(_)
+            | CliError::Run { .. }
+            | CliError::Resume(_)
+            | CliError::Record(_)
+            | CliError::Accuracy(_)
+            | CliError::Unrecorded { .. }
             | CliError::App(_)
             | CliError::Figure(_)
             | CliError::RunsFailed { .. }
@@ -202,6 +228,7 @@ impl CliError {
             // A signal's number is below 65.
             CliError::Interrupted { number, .. }
             | CliError::FiguresInterrupted { number, .. }
+            | CliError::StudyEnded { number, .. }
             | CliError::AppEnded { number } => 128_u8.saturating_add(*number as u8),
         }
     }
@@ -209,9 +236,9 @@ impl CliError {
     /// Tells it on the standard error.
     pub fn tell(&self) {
         match self {
-            CliError::Interrupted { .. } | CliError::FiguresInterrupted { .. } => {
-                output::note(self)
-            }
+            CliError::Interrupted { .. }
+            | CliError::FiguresInterrupted { .. }
+            | CliError::StudyEnded { .. } => output::note(self),
             // It has left a line that says how far it came.
             CliError::AppEnded { .. } => {}
             _ => output::error(self),

@@ -334,7 +334,6 @@ fn compute_one(
     let stop = simulate(&mut simulation, &mut recorder, signal, progress, true);
     let finished = recorder.finish(&mut simulation, stop.ending());
     match stop {
-        Stop::Unrecorded(error) => Err(error),
         Stop::Failed(error) => Ok(Outcome::Failed(error.to_string())),
         Stop::Signal(signal) => finished.map(|_| Outcome::Stopped(signal)),
         Stop::Done => finished.map(|_| Outcome::Done),
@@ -355,6 +354,7 @@ fn data((name, run): (String, RecordedRun), command: &str) -> Option<RunData> {
         history: run.history,
         snapshots: snapshots.collect(),
         command: command.to_owned(),
+        switches: Vec::new(),
     })
 }
 

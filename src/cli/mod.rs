@@ -6,6 +6,7 @@
 mod accuracy;
 mod app;
 mod check;
+mod effects;
 mod error;
 mod figures;
 mod numbers;
@@ -47,6 +48,8 @@ enum Command {
     Run(run::Arguments),
     /// Draw the figures of a report
     Figures(figures::Arguments),
+    /// Tell what each effect of a scene costs
+    Effects(effects::Arguments),
     /// List the built-in scenes
     Presets,
     /// Print a built-in scene as TOML
@@ -67,6 +70,7 @@ pub fn main() -> ExitCode {
         Some(Command::Run(arguments)) => run::run(&arguments),
         Some(Command::Figures(arguments)) => figures::figures(&arguments),
         Some(Command::Accuracy(arguments)) => accuracy::accuracy(&arguments),
+        Some(Command::Effects(arguments)) => effects::effects(&arguments),
         Some(Command::Presets) => presets::list(),
         Some(Command::Preset(arguments)) => presets::print(&arguments),
         Some(Command::Check(arguments)) => check::check(&arguments),

@@ -1,6 +1,7 @@
 //! Numbers among the arguments, with errors that say what is allowed.
 
 use crate::tui::state::App;
+use std::time::Duration;
 
 /// A whole number, such as how many snapshots.
 pub(super) fn count(text: &str) -> Result<u64, String> {
@@ -14,6 +15,14 @@ pub(super) fn count_from_one(text: &str) -> Result<u64, String> {
         .ok()
         .filter(|number| *number > 0)
         .ok_or_else(|| "it must be a whole number from 1".to_owned())
+}
+
+/// A time on the clock.
+pub(super) fn seconds(text: &str) -> Result<Duration, String> {
+    text.parse()
+        .ok()
+        .and_then(|seconds: f64| Duration::try_from_secs_f64(seconds).ok())
+        .ok_or_else(|| "it must be a number of seconds from 0, such as 30".to_owned())
 }
 
 /// Frames a second.
@@ -52,6 +61,9 @@ mod tests {
         assert!(frames("0").is_err() && frames("31").is_err());
         for text in ["", "0", "-1e-3", "nan", "inf", "1e999", "soon"] {
             assert!(time(text).is_err(), "{text}");
+            assert!(text == "0" || seconds(text).is_err(), "{text}");
         }
+        assert_eq!(seconds("0"), Ok(Duration::ZERO));
+        assert_eq!(seconds("0.05"), Ok(Duration::from_millis(50)));
     }
 }

@@ -6,11 +6,11 @@ use super::output;
 use super::progress::Progress;
 use super::signals::{EndSignal, Signal};
 use crate::record::{
-    Brief, Ending, EventRecord, IfOccupied, Preparation, RecordError, Recorder, RunFolder,
-    RunSummary, Settings, load_scene, step_count,
+    Brief, Ending, EventRecord, Found, IfOccupied, Preparation, RecordError, Recorder, Resumption,
+    RunFolder, RunSummary, Schedule, Settings, load_scene, step_count,
 };
-use crate::scene::{Scene, Time};
-use crate::simulation::{Simulation, SimulationError};
+use crate::scene::{Scene, Time, preset};
+use crate::simulation::{Simulation, SimulationError, check_memory};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -24,7 +24,7 @@ const RUNS: &str = "runs";
 Exit status: 0 done; 1 the run failed; 2 the arguments or the scene are wrong; 130 ended by Ctrl-C \
 (in general 128 + the signal's number), with everything written up to the last step.")]
 pub(super) struct Arguments {
-    /// A preset's name (see `vesica presets`) or a TOML file
+    /// A preset's name (see `vesica presets`) or a TOML file; with --resume also a run's folder
     scene: OsString,
 
     /// The run's folder [default: runs/NAME, then runs/NAME-2, …]
@@ -45,21 +45,26 @@ pub(super) struct Arguments {
           allow_negative_numbers = true)]
     steps: Option<u64>,
 
-    /// Record a row every N steps, and at the end
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = numbers::count_from_one,
+    /// Record a row every N steps, and at the end [default: 1]
+    #[arg(long, value_name = "N", value_parser = numbers::count_from_one,
           allow_negative_numbers = true)]
-    every: u64,
+    every: Option<u64>,
 
-    /// Save the fields at N times, evenly from 0 to the end
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = numbers::count,
+    /// Save the fields at N times, evenly from 0 to the end [default: 5]
+    #[arg(long, value_name = "N", value_parser = numbers::count, allow_negative_numbers = true)]
+    snapshots: Option<u64>,
+
+    /// Save the state every so many seconds, to go on from; 0: after every step [default: 30]
+    #[arg(long, value_name = "SECONDS", value_parser = numbers::seconds,
           allow_negative_numbers = true)]
-    snapshots: u64,
+    checkpoint: Option<Duration>,
 
     /// Replace the run that the folder holds
     #[arg(long, conflicts_with = "resume")]
     force: bool,
 
-    /// Take up the run that the folder holds (not possible yet)
+    /// Go on with a run that was ended, in DIR or else the latest of this scene; where there is none,
+    /// begin it
     #[arg(long)]
     resume: bool,
 
@@ -68,23 +73,39 @@ pub(super) struct Arguments {
     quiet: bool,
 }
 
+impl Arguments {
+    /// What is recorded; where nothing is said, what `default` has.
+    fn settings(&self, default: Settings) -> Settings {
+        Settings {
+            every: self.every.unwrap_or(default.every),
+            snapshots: self.snapshots.unwrap_or(default.snapshots),
+            checkpoint: self.checkpoint.unwrap_or(default.checkpoint),
+        }
+    }
+}
+
 /// Simulates the scene and records it.
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
-    if arguments.resume {
-        return Err(CliError::Resume);
-    }
     let (scene, name) = scene(arguments)?;
+    check_memory(&scene).map_err(CliError::SetUp)?;
     let signal = EndSignal::listen()?;
-    let folder = folder(arguments, &name).map_err(CliError::Folder)?;
-    let path = folder.path().to_owned();
-
-    let settings = Settings {
-        every: arguments.every,
-        snapshots: arguments.snapshots,
+    let found = if arguments.resume {
+        find(arguments, &scene, &name)?
+    } else {
+        Found::Nothing
     };
+    let folder = match (found, taken_folder(arguments)) {
+        (Found::Run(resumption), _) => {
+            return take_up(arguments, &scene, *resumption, &signal);
+        }
+        (Found::Abandoned, Some(path)) => RunFolder::at(&path, IfOccupied::Replace),
+        _ => folder(arguments, &name),
+    };
+    let folder = folder.map_err(CliError::Folder)?;
+    let settings = arguments.settings(Settings::default());
     let preparation = Preparation::begin(folder, &scene, settings)?;
     let begun = Instant::now();
-    let mut simulation = match Simulation::new(&scene) {
+    let simulation = match Simulation::new(&scene) {
         Ok(simulation) => simulation,
         Err(error) => {
             // The error of the set-up is the one to tell.
@@ -92,28 +113,73 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
             return Err(CliError::SetUp(error));
         }
     };
-    simulation.follow(preparation.schedule());
-    let mut recorder = preparation.start(&simulation, begun.elapsed())?;
+    let recorder = preparation.start(&simulation, begun.elapsed())?;
     if !arguments.quiet {
         simulation.warnings().iter().for_each(output::warning);
     }
+    record(simulation, recorder, &signal, arguments.quiet)
+}
 
-    let progress = Progress::new(recorder.schedule(), arguments.quiet);
-    let stop = simulate(
-        &mut simulation,
-        &mut recorder,
-        &signal,
-        progress,
-        arguments.quiet,
-    );
+/// Takes a run up again.
+fn take_up(
+    arguments: &Arguments,
+    scene: &Scene,
+    resumption: Resumption,
+    signal: &EndSignal,
+) -> Result<(), CliError> {
+    let settings = arguments.settings(resumption.settings());
+    let schedule = Schedule::new(&scene.time, settings.every, settings.snapshots);
+    let (step, t) = (resumption.step(), resumption.t());
+    let end = match schedule.steps {
+        Some(steps) => format!("step {steps}"),
+        None => format!("t = {}", Brief(schedule.end)),
+    };
+    let folder = resumption.folder().display().to_string();
+    if schedule.is_over(step, t) {
+        if !arguments.quiet {
+            output::note(format_args!(
+                "the run in {folder} is at step {step}, t = {}, already, and the end is {end}: nothing to \
+                 do (a later end: --until T or --steps N)",
+                Brief(t)
+            ));
+        }
+        return Ok(());
+    }
+    let mut simulation = Simulation::new(scene).map_err(CliError::SetUp)?;
+    let (recorder, problems) = resumption.start(scene, settings, &mut simulation)?;
+    problems.iter().for_each(output::warning);
+    if !arguments.quiet {
+        let report = simulation.report();
+        output::note(format_args!(
+            "the run in {folder} goes on from step {}, t = {}, to {end}",
+            report.step,
+            Brief(report.t)
+        ));
+    }
+    record(simulation, recorder, signal, arguments.quiet)
+}
 
+/// Simulates what is left to do, and ends the record.
+fn record(
+    mut simulation: Simulation,
+    mut recorder: Recorder,
+    signal: &EndSignal,
+    quiet: bool,
+) -> Result<(), CliError> {
+    let path = recorder.folder().to_owned();
+    simulation.follow(recorder.schedule());
     let steps = recorder.schedule().steps;
+    let progress = Progress::new(recorder.schedule(), quiet);
+    let stop = simulate(&mut simulation, &mut recorder, signal, progress, quiet);
     let finished = recorder.finish(&mut simulation, stop.ending());
+    let unrecorded = |error| CliError::Unrecorded {
+        error,
+        folder: path.clone(),
+    };
     match stop {
-        Stop::Unrecorded(error) => Err(error.into()),
         Stop::Failed(error) => {
-            if let Err(unrecorded) = finished {
-                output::error(unrecorded);
+            if let Err(error) = finished {
+                output::error(unrecorded(error));
             }
             Err(CliError::Run {
                 error,
@@ -121,7 +187,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
             })
         }
         Stop::Signal(Signal { name, number }) => {
-            let step = finished?.steps;
+            let step = finished.map_err(unrecorded)?.steps;
             Err(CliError::Interrupted {
                 signal: name,
                 number,
@@ -131,8 +197,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
             })
         }
         Stop::Done => {
-            let summary = finished?;
-            if arguments.quiet {
+            let summary = finished.map_err(unrecorded)?;
+            if quiet {
                 return Ok(());
             }
             output::line(result_line(&summary, &path))
@@ -145,7 +211,6 @@ pub(super) enum Stop {
     Done,
     Signal(Signal),
     Failed(SimulationError),
-    Unrecorded(RecordError),
 }
 
 impl Stop {
@@ -155,12 +220,12 @@ impl Stop {
             Stop::Done => Ending::Done,
             Stop::Signal(_) => Ending::Interrupted,
             Stop::Failed(error) => Ending::Failed(error.to_string()),
-            Stop::Unrecorded(error) => Ending::Failed(error.to_string()),
         }
     }
 }
 
-/// Makes the steps, recording each, until one of them is the last.
+/// Makes the steps that are left, recording each, until one of them is the last. That something
+/// cannot be written is told once; it is written later, if it can be.
 pub(super) fn simulate(
     simulation: &mut Simulation,
     recorder: &mut Recorder,
@@ -168,8 +233,9 @@ pub(super) fn simulate(
     mut progress: Progress,
     quiet: bool,
 ) -> Stop {
-    let mut computing = Duration::ZERO;
-    let mut told = 0;
+    let mut computing = recorder.computed();
+    let mut told = recorder.events().len();
+    let mut is_behind = false;
     loop {
         let report = simulation.report();
         if recorder.schedule().is_over(report.step, report.t) {
@@ -184,9 +250,16 @@ pub(super) fn simulate(
         if let Err(error) = advanced {
             return Stop::Failed(error);
         }
-        if let Err(error) = recorder.step(simulation, computing) {
-            return Stop::Unrecorded(error);
+        let recorded = recorder.step(simulation, computing);
+        if let Err(error) = recorded
+            && !is_behind
+        {
+            progress.above(|| output::warning(format_args!("{error}; {GOES_ON}")));
         }
+        if is_behind && !recorder.is_behind() {
+            progress.above(|| output::note("the run is recorded again"));
+        }
+        is_behind = recorder.is_behind();
         let events = &recorder.events()[told..];
         if !events.is_empty() && !quiet {
             progress.above(|| events.iter().for_each(tell));
@@ -196,6 +269,9 @@ pub(super) fn simulate(
     }
 }
 
+/// What a run does that cannot be recorded.
+const GOES_ON: &str = "the run goes on in memory, and tries again every second";
+
 /// Tells of something that happened in a run.
 fn tell(event: &EventRecord) {
     let EventRecord { step, t, text, .. } = event;
@@ -204,7 +280,11 @@ fn tell(event: &EventRecord) {
 
 /// The scene with all overrides, and what to call its runs.
 fn scene(arguments: &Arguments) -> Result<(Scene, OsString), CliError> {
-    let mut loaded = load_scene(&arguments.scene, &arguments.set)?;
+    let source = match run_folder(arguments) {
+        Some(folder) => folder.join("scene.toml").into_os_string(),
+        None => arguments.scene.clone(),
+    };
+    let mut loaded = load_scene(&source, &arguments.set)?;
     let time = &mut loaded.scene.time;
     match (arguments.until, arguments.steps) {
         (Some(end), _) => time.end = end,
@@ -225,6 +305,31 @@ pub(super) fn some_step(time: &Time) -> Result<(), CliError> {
         }),
         _ => Ok(()),
     }
+}
+
+/// The folder of a run that is named in place of a scene, to be taken up again.
+fn run_folder(arguments: &Arguments) -> Option<&Path> {
+    let path = Path::new(&arguments.scene);
+    let is_preset = arguments.scene.to_str().and_then(preset).is_some();
+    (arguments.resume && !is_preset && path.join("scene.toml").is_file()).then_some(path)
+}
+
+/// The folder that the arguments name.
+fn taken_folder(arguments: &Arguments) -> Option<PathBuf> {
+    let named = arguments.out.as_deref();
+    named.or(run_folder(arguments)).map(Path::to_owned)
+}
+
+/// The run to take up again: in the folder that is named, or else the latest of the scene.
+fn find(arguments: &Arguments, scene: &Scene, name: &OsStr) -> Result<Found, CliError> {
+    let found = match taken_folder(arguments) {
+        Some(path) => Resumption::find(&path, scene),
+        None => Resumption::find_latest(Path::new(RUNS), name, scene),
+    }?;
+    if !arguments.quiet && !matches!(found, Found::Run(_)) {
+        output::note("there is no run to go on with: it begins at t = 0");
+    }
+    Ok(found)
 }
 
 /// The run's folder: the given one, or a new one; with `--force` and no name, the first.

@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use super::space::{GROUP, LANES, Lane};
 use super::{MassForm, Rule, Space, SymmetricTensor};
-use crate::linalg::vector;
+use crate::linalg::{count, vector};
 
 /// The six different entries aa, ab, ac, bb, bc, cc of the element matrices of a group of triangles.
 type Entries = [Lane; 6];
@@ -57,6 +57,15 @@ impl<'a> Patch<'a> {
         self.points[1] - self.points[0]
     }
 
+    /// The number of each of its points in the whole space, of which this space may be a part.
+    pub fn point_numbers(&self, numbers: &mut Vec<u32>) {
+        numbers.clear();
+        match &self.space.numbers {
+            Some(of_part) => numbers.extend_from_slice(&of_part[self.point_range()]),
+            None => numbers.extend(self.point_range().map(|point| point as u32)),
+        }
+    }
+
     /// Whether it is the first one of its space.
     pub fn is_first(&self) -> bool {
         self.elements[0] == 0
@@ -70,7 +79,8 @@ impl<'a> Patch<'a> {
         &self.space.mesh().areas()[self.element_range()]
     }
 
-    fn weights(&self) -> &'a [f64] {
+    /// The weights of its quadrature points.
+    pub fn weights(&self) -> &'a [f64] {
         &self.space.weights[self.point_range()]
     }
 
@@ -181,6 +191,7 @@ impl<'a> Patch<'a> {
     /// matrix ← matrix + ∫ c ψ_j ψ_i for a coefficient at the points; `values` are stored in the
     /// pattern of the mesh.
     pub fn add_mass(&self, coefficient: &[f64], values: &mut [f64]) {
+        count::assembly();
         match self.space.rule() {
             Rule::Lumped => self.add_diagonal(coefficient, values),
             Rule::Consistent => self.add_elements(coefficient, |_, _| [[0.0; LANES]; 6], values),
@@ -195,6 +206,7 @@ impl<'a> Patch<'a> {
         tensors: &[SymmetricTensor],
         values: &mut [f64],
     ) {
+        count::assembly();
         if self.space.rule() == Rule::Lumped {
             self.add_diagonal(coefficient, values);
         }
@@ -284,6 +296,7 @@ impl<'a> Patch<'a> {
         [x_block, y_block]: [&mut [f64]; 2],
         coupling: &mut MassForm,
     ) {
+        count::assembly();
         let assembly = self.space.assembly();
         let lumped = self.space.rule() == Rule::Lumped;
         if lumped {

@@ -13,7 +13,7 @@
 use std::sync::Arc;
 
 use super::rule::{POINTS, seven_points};
-use super::{Assembly, MassForm, Mesh, Patch, Rule};
+use super::{Assembly, FemError, MassForm, Mesh, Patch, Rule};
 use crate::linalg::SparseMatrix;
 use crate::linalg::vector;
 
@@ -49,6 +49,8 @@ pub struct Space {
     mass: MassForm,
     /// ∫ ψ_i: the diagonal of the lumped mass matrix.
     nodal_weights: Vec<f64>,
+    /// Of a part: the number of each point in the whole.
+    pub(super) numbers: Option<Vec<u32>>,
 }
 
 impl Space {
@@ -103,6 +105,7 @@ impl Space {
             stiffness,
             mass,
             nodal_weights,
+            numbers: None,
         };
         let (points, elements) = (space.points(), space.elements());
         let mut stiffness = space.stiffness.clone();
@@ -117,6 +120,30 @@ impl Space {
             space.mass = MassForm::Sparse(mass);
         }
         space
+    }
+
+    /// The space on a part of the mesh, the given triangles in the order of their numbers; with the
+    /// number of each of its nodes in the whole.
+    ///
+    /// # Errors
+    /// None where the mesh itself could be made.
+    pub fn part(&self, triangles: &[u32]) -> Result<(Self, Vec<u32>), FemError> {
+        let (mesh, nodes) = self.mesh.part(triangles)?;
+        let mut part = Self::new(Arc::new(mesh), self.rule);
+        part.numbers = Some(match self.rule {
+            Rule::Lumped => nodes.clone(),
+            Rule::Consistent => {
+                let mut numbers = vec![0; part.points()];
+                for (local, &triangle) in triangles.iter().enumerate() {
+                    for point in 0..POINTS {
+                        let number = Self::index(triangle as usize, point);
+                        numbers[Self::index(local, point)] = number as u32;
+                    }
+                }
+                numbers
+            }
+        });
+        Ok((part, nodes))
     }
 
     /// The mesh.

@@ -28,8 +28,10 @@ pub struct Snapshot {
 pub struct RunData {
     /// What its files are called by, such as `case3`.
     pub name: String,
-    /// What was simulated.
+    /// What was simulated, as it was at the start.
     pub scene: Arc<Scene>,
+    /// After which steps the anchoring was switched by hand, and to what.
+    pub switches: Vec<(u64, AnchoringKind)>,
     /// Its mesh.
     pub mesh: Arc<Mesh>,
     /// The scalars over t.
@@ -60,7 +62,7 @@ pub struct View<'a> {
 }
 
 /// A field that can be shown in colour. The contour is that of φ in any case.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Field {
     /// φ.
     #[default]
@@ -71,6 +73,11 @@ pub enum Field {
     Bending,
     /// μ.
     Potential,
+    /// ε/2 ω², the density of the bending energy, at the nodes and linear between them.
+    BendingDensity {
+        /// ε.
+        interface_width: f64,
+    },
 }
 
 /// What a run is called on pictures and in the names of files.
@@ -84,33 +91,37 @@ pub(super) struct RunLabel {
 
 impl RunLabel {
     /// That of one run.
-    pub fn new(name: &str, scene: &Scene) -> RunLabel {
+    pub fn new(name: &str, scene: &Scene, switches: &[(u64, AnchoringKind)]) -> RunLabel {
         let mut file = file_name(name);
         let mut title = scene.name.clone();
         if let Some(anchoring) = &scene.anchoring {
-            let kind = match anchoring.kind {
-                AnchoringKind::None => "no anchoring",
-                AnchoringKind::Parallel => "parallel",
-                AnchoringKind::Homeotropic => "homeotropic",
-            };
-            let in_file = match anchoring.kind {
-                AnchoringKind::None => "none",
-                _ => kind,
-            };
+            let in_file = in_file(anchoring.kind);
             if !file.contains(in_file) {
                 file = format!("{file}-{in_file}");
             }
-            title = format!("{title}, {kind}");
+            title = format!("{title}, {}", in_words(anchoring.kind));
+        }
+        for (number, (step, kind)) in switches.iter().enumerate() {
+            if number == SWITCHES {
+                let more = switches.len() - SWITCHES;
+                file += "-and-so-on";
+                title = format!("{title}, and {more} more");
+                break;
+            }
+            file = format!("{file}-{}", in_file(*kind));
+            title = format!("{title}, from step {step} {}", in_words(*kind));
         }
         RunLabel { file, title }
     }
 
     /// Those of several runs, no two with the same file.
-    pub fn of_all<'a>(runs: impl Iterator<Item = (&'a str, &'a Scene)>) -> Vec<RunLabel> {
+    pub fn of_all<'a>(
+        runs: impl Iterator<Item = (&'a str, &'a Scene, &'a [(u64, AnchoringKind)])>,
+    ) -> Vec<RunLabel> {
         let mut times_seen: HashMap<String, u32> = HashMap::new();
         let mut labels: Vec<RunLabel> = Vec::new();
-        for (name, scene) in runs {
-            let mut label = RunLabel::new(name, scene);
+        for (name, scene, switches) in runs {
+            let mut label = RunLabel::new(name, scene, switches);
             let plain = label.file.clone();
             let seen = times_seen.entry(plain.clone()).or_insert(0);
             loop {
@@ -125,6 +136,24 @@ impl RunLabel {
             labels.push(label);
         }
         labels
+    }
+}
+
+/// So many switches of the anchoring are told one by one.
+const SWITCHES: usize = 3;
+
+fn in_file(kind: AnchoringKind) -> &'static str {
+    match kind {
+        AnchoringKind::None => "none",
+        AnchoringKind::Parallel => "parallel",
+        AnchoringKind::Homeotropic => "homeotropic",
+    }
+}
+
+fn in_words(kind: AnchoringKind) -> &'static str {
+    match kind {
+        AnchoringKind::None => "no anchoring",
+        _ => in_file(kind),
     }
 }
 

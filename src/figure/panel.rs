@@ -9,6 +9,7 @@ use super::outline::chain;
 use super::sampling::sample;
 use super::text::{Across, Along, Label};
 use crate::fem::{Contour, Mesh};
+use crate::physics::bending_energy_density;
 use crate::scheme::State;
 use std::borrow::Cow;
 
@@ -53,6 +54,9 @@ pub(super) fn values(state: &State, field: Field) -> Cow<'_, [f64]> {
         (Field::Phase | Field::DirectorLength, _) => Cow::Borrowed(&state.phi),
         (Field::Bending, _) => Cow::Borrowed(&state.omega),
         (Field::Potential, _) => Cow::Borrowed(&state.mu),
+        (Field::BendingDensity { interface_width }, _) => (state.omega.iter())
+            .map(|omega| bending_energy_density(interface_width, *omega))
+            .collect(),
     }
 }
 
@@ -63,6 +67,9 @@ pub(super) fn symbol(state: &State, field: Field) -> Label {
         (Field::Phase | Field::DirectorLength, _) => Label::symbol("φ"),
         (Field::Bending, _) => Label::symbol("ω"),
         (Field::Potential, _) => Label::symbol("μ"),
+        (Field::BendingDensity { .. }, _) => {
+            Label::symbol("ε").and("/2 ").and_symbol("ω").above("2")
+        }
     }
 }
 
@@ -336,10 +343,10 @@ pub(super) fn scale<'a>(
     map: super::ColourMap,
 ) -> Scale {
     let mut bound = 0.0_f64;
-    let mut is_signed = field != Field::DirectorLength;
+    let mut is_signed = !matches!(field, Field::DirectorLength | Field::BendingDensity { .. });
     for state in states {
         // Without a director |d| is not there, and φ is shown.
-        is_signed |= state.director.is_none();
+        is_signed |= field == Field::DirectorLength && state.director.is_none();
         for value in values(state, field)
             .iter()
             .filter(|value| value.is_finite())

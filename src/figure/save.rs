@@ -1,6 +1,6 @@
 //! Figures as files.
 
-use super::data::{RunData, RunLabel, Snapshot, View, check_fields, five};
+use super::data::{Field, RunData, RunLabel, Snapshot, View, check_fields, five};
 use super::drawing::Drawing;
 use super::provenance::{Provenance, Shown};
 use super::scalars::{self, ScalarFigure};
@@ -12,7 +12,7 @@ use crate::record::{make_folder, write_fields, write_new, write_series, write_wh
 use crate::scene::Scene;
 use std::path::{Path, PathBuf};
 
-/// Saves a view in a folder: `<name>-step-<step>` as PNG, SVG, CSV (the values at the nodes) and
+/// Saves a view in a folder: `<name>-step-<step>`, with the field if it is not φ, as PNG, SVG, CSV (the values at the nodes) and
 /// VTU. Gives the files. The folder is made if it is not there.
 ///
 /// # Errors
@@ -24,16 +24,16 @@ pub fn save_view(
 ) -> Result<Vec<PathBuf>, FigureError> {
     options.check()?;
     check_fields(view.name, view.mesh, view.state, view.report.t)?;
-    let label = RunLabel::new(view.name, view.scene);
+    let label = RunLabel::new(view.name, view.scene, &[]);
     let (step, t) = (view.report.step, view.report.t);
-    let stem = format!("{}-step-{step:07}", label.file);
+    let stem = format!("{}-step-{step:07}{}", label.file, suffix(view.field));
     let mut files = Files::claim(folder, vec![stem], &["png", "svg", "csv", "vtu"], options)?;
     let shown = Shown {
         label: &label,
         scene: view.scene,
         times: vec![(step, t)],
     };
-    let provenance = Provenance::new("View", view.command, &[shown]);
+    let provenance = Provenance::new(what(view.field), view.command, &[shown]);
     let stem = files.stem(0);
     files.picture(
         &stem,
@@ -47,6 +47,28 @@ pub fn save_view(
     write_fields(&path, view.mesh, view.state, t)?;
     files.written.push(path);
     Ok(files.written)
+}
+
+/// What a view shows.
+fn what(field: Field) -> &'static str {
+    match field {
+        Field::Phase => "View of φ",
+        Field::DirectorLength => "View of |d|",
+        Field::Bending => "View of ω",
+        Field::Potential => "View of μ",
+        Field::BendingDensity { .. } => "View of ε/2 ω²",
+    }
+}
+
+/// The field in the name of a file; φ is not named.
+fn suffix(field: Field) -> &'static str {
+    match field {
+        Field::Phase => "",
+        Field::DirectorLength => "-director",
+        Field::Bending => "-omega",
+        Field::Potential => "-mu",
+        Field::BendingDensity { .. } => "-bending-density",
+    }
 }
 
 /// Saves all figures of some runs in a folder, and gives the files. For each run:
@@ -75,7 +97,8 @@ pub fn save_set(
             check_fields(&run.name, &run.mesh, &snapshot.state, snapshot.t)?;
         }
     }
-    let labels = RunLabel::of_all(runs.iter().map(|run| (&*run.name, &*run.scene)));
+    let labels =
+        RunLabel::of_all((runs.iter()).map(|run| (&*run.name, &*run.scene, &*run.switches)));
     let mut groups: Vec<(String, std::ops::Range<usize>)> = Vec::new();
     for (number, label) in labels.iter().enumerate() {
         groups.push((label.file.clone(), number..number + 1));
@@ -118,7 +141,7 @@ pub fn save_set(
 /// # Errors
 /// [`FigureError::Occupied`] with the first file that is in the way.
 pub fn check_free(runs: &[(&str, &Scene)], folder: &Path) -> Result<(), FigureError> {
-    let labels = RunLabel::of_all(runs.iter().copied());
+    let labels = RunLabel::of_all(runs.iter().map(|(name, scene)| (*name, *scene, &[][..])));
     let names = labels.iter().map(|label| label.file.as_str());
     for name in names.chain((runs.len() > 1).then_some(ALL)) {
         let figures = scalars::FILES.into_iter().chain([SNAPSHOTS]);

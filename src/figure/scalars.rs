@@ -180,6 +180,7 @@ fn plot(scalar: Scalar, runs: &[RunData]) -> Plot {
                 colour,
                 is_dashed: false,
             });
+            curves.extend(marks(run, times, values, colour));
         }
     }
     Plot {
@@ -187,6 +188,27 @@ fn plot(scalar: Scalar, runs: &[RunData]) -> Plot {
         note: scalar.note,
         curves,
     }
+}
+
+/// An upright dashed line wherever the anchoring of a run was switched, as high as the run's curve.
+fn marks(run: &RunData, times: &[f64], values: &[f64], colour: Colour) -> Vec<Curve> {
+    let finite = || values.iter().copied().filter(|value| value.is_finite());
+    let (low, high) = (
+        finite().fold(f64::INFINITY, f64::min),
+        finite().fold(f64::NEG_INFINITY, f64::max),
+    );
+    let steps = run.history.column("step").unwrap_or_default();
+    let switched = run.switches.iter().filter_map(|(step, _)| {
+        let row = steps.iter().position(|other| *other == *step as f64)?;
+        times.get(row)
+    });
+    switched
+        .map(|t| Curve {
+            points: vec![[*t, low], [*t, high]],
+            colour,
+            is_dashed: true,
+        })
+        .collect()
 }
 
 fn table(scalars: &[Scalar], runs: &[RunData], labels: &[RunLabel]) -> Table {

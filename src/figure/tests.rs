@@ -89,6 +89,7 @@ fn run(name: &str, title: &str, snapshots: u64) -> RunData {
         snapshots: (0..snapshots).map(snapshot).collect(),
         mesh: mesh.clone(),
         history,
+        switches: Vec::new(),
         command: format!("vesica figures {name}"),
     }
 }
@@ -103,7 +104,8 @@ fn options(width: u32) -> FigureOptions {
 /// Every drawing of these runs at this width.
 fn drawings(runs: &[RunData], width: u32) -> Vec<(&'static str, Drawing)> {
     let options = options(width);
-    let labels = RunLabel::of_all(runs.iter().map(|run| (&*run.name, &*run.scene)));
+    let labels =
+        RunLabel::of_all((runs.iter()).map(|run| (&*run.name, &*run.scene, &*run.switches)));
     let mut strips = Vec::new();
     for (run, label) in runs.iter().zip(&labels) {
         strips.push(Strip {
@@ -127,12 +129,15 @@ fn drawings(runs: &[RunData], width: u32) -> Vec<(&'static str, Drawing)> {
 /// The views of a run at this width, one for each field.
 fn views(run: &RunData, width: u32) -> Vec<(&'static str, Drawing)> {
     let mut drawings = Vec::new();
-    let label = RunLabel::new(&run.name, &run.scene);
+    let label = RunLabel::new(&run.name, &run.scene, &run.switches);
+    let interface_width = run.scene.membrane.interface_width;
+    let density = Field::BendingDensity { interface_width };
     for (field, name) in [
         (Field::Phase, "view of φ"),
         (Field::DirectorLength, "view of |d|"),
         (Field::Bending, "view of ω"),
         (Field::Potential, "view of μ"),
+        (density, "view of ε/2 ω²"),
     ] {
         let report = report(run.snapshots[0].step);
         let view = View {
@@ -258,7 +263,7 @@ fn a_scene_has_only_the_energies_of_its_effects() {
         }],
         ..Report::default()
     });
-    let labels = [RunLabel::new("a", &bare.scene)];
+    let labels = [RunLabel::new("a", &bare.scene, &[])];
     let figures = scalars::figures(std::slice::from_ref(&bare), &labels);
     let names: Vec<String> = figures[0]
         .plots
@@ -273,7 +278,7 @@ fn a_scene_has_only_the_energies_of_its_effects() {
 #[test]
 fn beta_is_the_target_times_the_first_area() {
     let runs = [run("a", "Case 3", 1)];
-    let labels = [RunLabel::new("a", &runs[0].scene)];
+    let labels = [RunLabel::new("a", &runs[0].scene, &[])];
     let figure = &scalars::figures(&runs, &labels)[1];
     let plot = &figure.plots[1];
     let dashed = plot.curves.iter().find(|curve| curve.is_dashed).expect("β");
@@ -298,7 +303,7 @@ fn decoded(file: &[u8]) -> (Vec<u8>, usize, ::png::Info<'static>) {
 }
 
 fn provenance(run: &RunData) -> Provenance {
-    let label = RunLabel::new(&run.name, &run.scene);
+    let label = RunLabel::new(&run.name, &run.scene, &run.switches);
     let shown = Shown {
         label: &label,
         scene: &run.scene,
@@ -331,7 +336,7 @@ fn a_pixel_has_the_colour_of_the_value_at_its_centre() {
         command: "",
     };
     let options = options(600);
-    let drawing = view::draw(&view, &RunLabel::new("ramp", &scene), &options);
+    let drawing = view::draw(&view, &RunLabel::new("ramp", &scene, &[]), &options);
     let pixels = pixels::pixels(&drawing).expect("it is drawn");
     let file = png::encode(
         &pixels,
@@ -460,7 +465,11 @@ fn golden_drawing() -> Drawing {
         field: Field::Phase,
         command: "",
     };
-    view::draw(&view, &RunLabel::new("golden", &run.scene), &options(400))
+    view::draw(
+        &view,
+        &RunLabel::new("golden", &run.scene, &[]),
+        &options(400),
+    )
 }
 
 fn golden_path() -> PathBuf {
@@ -652,4 +661,36 @@ fn what_is_no_number_does_no_harm() {
         ..Report::default()
     });
     save_set(&[run], &options(400), folder.path()).expect("it is saved");
+}
+
+#[test]
+fn a_switched_anchoring_is_named_and_marked() {
+    let mut switched = run("a", "A", 3);
+    let scene = Arc::make_mut(&mut switched.scene);
+    scene.anchoring.get_or_insert_default().kind = AnchoringKind::Homeotropic;
+    let step = switched.history.column("step").unwrap()[1];
+    switched.switches = vec![(step as u64, AnchoringKind::Parallel)];
+    let label = RunLabel::new(&switched.name, &switched.scene, &switched.switches);
+    assert_eq!(label.file, "a-homeotropic-parallel");
+    assert_eq!(
+        label.title,
+        format!("A, homeotropic, from step {step} parallel")
+    );
+
+    let t = switched.history.column("t").unwrap()[1];
+    let runs = [switched];
+    let figures = scalars::figures(&runs, &[label]);
+    let upright = |plot: &curves::Plot| {
+        (plot.curves.iter()).any(|curve| curve.is_dashed && curve.points.iter().all(|p| p[0] == t))
+    };
+    assert!(
+        figures
+            .iter()
+            .all(|figure| figure.plots.iter().all(upright))
+    );
+
+    let often = [AnchoringKind::None; 9].map(|kind| (1, kind));
+    let label = RunLabel::new("a", &runs[0].scene, &often);
+    assert_eq!(label.file, "a-homeotropic-none-none-none-and-so-on");
+    assert!(label.title.ends_with(", and 6 more"), "{}", label.title);
 }

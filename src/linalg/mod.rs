@@ -3,6 +3,7 @@
 
 mod conjugate_gradients;
 mod cosine;
+pub(crate) mod count;
 mod error;
 mod factor;
 mod gmres;

@@ -1,7 +1,9 @@
 //! The anchoring energy λ_anch E_anch = λ_anch/2 ∫ (δ1 |d|²|∇φ|² + δ2 (d·∇φ)²): with (δ1, δ2) =
 //! (0, 1) the director prefers to lie along the membrane, with (1, −1) across it.
 
-use super::{DirectorForm, Effect, MembraneForce, MembraneLinearisation, Sample, Terms};
+use super::{
+    DirectorForm, DirectorReach, Effect, MembraneForce, MembraneLinearisation, Sample, Terms,
+};
 use crate::fem::{Patch, Space, SymmetricTensor};
 use crate::scene::{self, AnchoringKind, Iteration};
 
@@ -78,6 +80,15 @@ impl Effect for Anchoring {
             Some(director) => self.energy_of(patch, &director.nodal, &at.phi_gradient),
             None => 0.0,
         }
+    }
+
+    /// λ_anch |∇φ|²: both kinds have the eigenvalues 0 and |∇φ|².
+    fn director_reach(&self) -> Option<DirectorReach> {
+        let at_membrane = self.weight;
+        Some(DirectorReach {
+            at_membrane,
+            ..DirectorReach::NOWHERE
+        })
     }
 
     /// λ_anch (δ1 |∇φⁿ|² d + δ2 (d·∇φⁿ) ∇φⁿ, e), linear in d.

@@ -4,7 +4,7 @@
 use super::potentials::{
     double_well, double_well_secant, double_well_secant_slope, double_well_slope,
 };
-use super::{Effect, MembraneForce, MembraneLinearisation, RankOne, Sample};
+use super::{DirectorReach, Effect, MembraneForce, MembraneLinearisation, RankOne, Sample};
 use crate::fem::{Patch, Space};
 use crate::scene::{self, Iteration};
 
@@ -35,6 +35,10 @@ pub struct Area {
     target: f64,
     /// (1/η)((B(φ) + B(φⁿ))/2 − β): the tension that the penalty puts on the membrane.
     tension: f64,
+    /// The tension as an unknown of its own, for the derivative: that to which Newton's corrections
+    /// have led, and that to which the last one leads if it is taken whole.
+    followed: Option<f64>,
+    corrected: f64,
     scratch: Vec<f64>,
     flux: Vec<[f64; 2]>,
     rank_one: RankOne,
@@ -50,6 +54,8 @@ impl Area {
             penalty: area.penalty,
             target: area.target * initial_area,
             tension: 0.0,
+            followed: None,
+            corrected: 0.0,
             scratch: Vec::new(),
             flux: Vec::new(),
             rank_one: RankOne {
@@ -77,12 +83,28 @@ impl Effect for Area {
         excess * excess / (2.0 * self.penalty)
     }
 
+    fn director_reach(&self) -> Option<DirectorReach> {
+        Some(DirectorReach::NOWHERE)
+    }
+
     fn needs_integrals(&self) -> bool {
         true
     }
 
     fn set_integrals(&mut self, old: f64, new: f64) {
         self.tension = (0.5 * (old + new) - self.target) / self.penalty;
+    }
+
+    fn set_correction(&mut self, along: f64) {
+        self.corrected = self.tension + self.rank_one.scale * along;
+        self.followed.get_or_insert(self.tension);
+    }
+
+    fn follow_correction(&mut self, part: f64) {
+        self.followed = match self.followed {
+            Some(followed) if part > 0.0 => Some(followed + part * (self.corrected - followed)),
+            _ => None,
+        };
     }
 
     /// tension · [ε/2 (∇(φ + φⁿ), ∇ψ) + (1/ε)(F_sec, ψ)]: the bracket is an exact secant of B, so
@@ -119,7 +141,10 @@ impl Effect for Area {
         linearisation: &mut MembraneLinearisation,
     ) {
         let width = self.interface_width;
-        let tension = self.tension;
+        let tension = match iteration {
+            Iteration::Newton => self.followed.unwrap_or(self.tension),
+            Iteration::Lagged => self.tension,
+        };
         let (along, across) = (0.5 * width * tension, tension / width);
         for tensor in &mut linearisation.tensor {
             tensor[0] += along;

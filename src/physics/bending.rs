@@ -8,7 +8,8 @@
 //!   E_ben(ω) − E_ben(ωⁿ) = ε(∇(φ − φⁿ), ∇ω) + (1/ε)(G_sec (φ − φⁿ), ω) − ε/2 ‖ω − ωⁿ‖².
 
 use super::potentials::{bending_secant, bending_secant_slope, bending_slope, bending_tangent};
-use super::{Effect, MembraneForce, MembraneLinearisation, Sample, Terms};
+use super::sample::at_points;
+use super::{DirectorReach, Effect, MembraneForce, MembraneLinearisation, Sample, Terms};
 use crate::fem::{Patch, Space};
 use crate::scene::{Iteration, Membrane, ScalarField};
 
@@ -34,19 +35,15 @@ impl Bending {
     /// interpolated there.
     pub fn new(membrane: &Membrane, space: &Space) -> Self {
         let width = membrane.interface_width;
-        let mut curved = match &membrane.spontaneous_curvature {
-            ScalarField::Constant(k) => vec![*k; space.points()],
-            ScalarField::Expression(formula) => space.sample(|[x, y]| formula.evaluate(x, y)),
-            ScalarField::File(file) => {
-                let mut curved = vec![0.0; space.points()];
-                space.whole().interpolate(&file.values, &mut curved);
-                curved
-            }
-        };
-        curved.iter_mut().for_each(|k| *k *= width);
+        let curvature = &membrane.spontaneous_curvature;
+        let curved = (*curvature != ScalarField::Constant(0.0)).then(|| {
+            let mut curved = at_points(curvature, space);
+            curved.iter_mut().for_each(|k| *k *= width);
+            curved
+        });
         Self {
             interface_width: width,
-            curved: curved.iter().any(|k| *k != 0.0).then_some(curved),
+            curved: curved.filter(|curved| curved.iter().any(|k| *k != 0.0)),
             #[cfg(test)]
             wrong_secant: None,
             scratch: Vec::new(),
@@ -137,6 +134,10 @@ impl Effect for Bending {
 
     fn integral(&mut self, patch: &Patch<'_>, at: &Sample) -> f64 {
         0.5 * self.interface_width * patch.integrate_of(&at.omega, |omega| omega * omega)
+    }
+
+    fn director_reach(&self) -> Option<DirectorReach> {
+        Some(DirectorReach::NOWHERE)
     }
 
     fn add_membrane_force(

@@ -19,6 +19,7 @@
 use super::Sample;
 use crate::fem::{Patch, SymmetricTensor};
 use crate::scene::Iteration;
+use serde::{Deserialize, Serialize};
 
 /// A value with a name: an energy, or a term of the ledger.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,6 +54,54 @@ impl Terms {
     }
 }
 
+/// The time that a step covers.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Interval {
+    /// When it begins, on the clock of the scheme, which starts at 0.
+    pub begin: f64,
+    /// Δt.
+    pub length: f64,
+}
+
+/// How strongly an effect acts on the director, place by place. Where |d| ≤ D (D ≥ 1) and the
+/// discrete Laplacian of d is at most κ D, the director force per area is at most
+///   (I(φ) (κ stiffness + inside) + |∇φ|² at_membrane) D.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DirectorReach {
+    /// Of ∇d, inside.
+    pub stiffness: f64,
+    /// Of d, inside.
+    pub inside: f64,
+    /// Of d, at the membrane.
+    pub at_membrane: f64,
+}
+
+impl DirectorReach {
+    /// Of an effect that does not act on the director.
+    pub const NOWHERE: Self = Self {
+        stiffness: 0.0,
+        inside: 0.0,
+        at_membrane: 0.0,
+    };
+
+    /// Whether it is of an effect that does not act on the director.
+    pub fn is_nowhere(&self) -> bool {
+        *self == Self::NOWHERE
+    }
+}
+
+impl std::ops::Add for DirectorReach {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            stiffness: self.stiffness + other.stiffness,
+            inside: self.inside + other.inside,
+            at_membrane: self.at_membrane + other.at_membrane,
+        }
+    }
+}
+
 /// One energy and how the scheme treats it.
 ///
 /// Everything is worked out one [`Patch`] of the space at a time: slices belong to the patch. What an
@@ -78,6 +127,23 @@ pub trait Effect: Send + std::fmt::Debug {
     /// The energy, weighted as in E_tot, from the integral over the whole domain.
     fn energy(&self, integral: f64) -> f64 {
         integral
+    }
+
+    /// Whether there is an energy at all; without one there is no column of it.
+    fn has_energy(&self) -> bool {
+        true
+    }
+
+    /// Told the time of a step before it begins. Whether the energy of a state is another one than in
+    /// the step before; the scheme then measures the energies anew.
+    fn set_interval(&mut self, _interval: Interval) -> bool {
+        false
+    }
+
+    /// Where it acts on the director; `None`: nobody knows, so everywhere. Substep 1 solves for the
+    /// director only where the effects together say that it matters.
+    fn director_reach(&self) -> Option<DirectorReach> {
+        None
     }
 
     /// Whether the membrane force depends on the integral over the whole, as that of a penalty does;
@@ -124,8 +190,20 @@ pub trait Effect: Send + std::fmt::Debug {
         None
     }
 
+    /// Told what the correction of Newton's method that was just solved for makes of the rank-one term:
+    /// rowᵀδφ.
+    ///
+    /// An effect whose force has a stiff factor p(φ) = B(φ)/η may treat p as an unknown of its own, as the
+    /// mixed form of a penalty method does: the residual stays what it is, but the derivative of the rest
+    /// of the force is taken with the p that the correction leads to, not with p(φ), which is off by
+    /// δφ²/η after it.
+    fn set_correction(&mut self, _along: f64) {}
+
+    /// Told that an iterate lies by this part of the correction further; 0: an iteration begins.
+    fn follow_correction(&mut self, _part: f64) {}
+
     /// Adds the terms of the numerical dissipation, each Δt·ND ≥ 0 (times Δt, so that nothing is
-    /// divided by a small number).
+    /// divided by a small number); and minus the work that comes from outside, of either sign.
     fn add_dissipation(
         &mut self,
         _patch: &Patch<'_>,

@@ -4,8 +4,11 @@ mod anchoring;
 mod area;
 mod bending;
 mod effect;
+mod field;
 mod nematic;
+mod noise;
 pub mod potentials;
+mod pull;
 mod sample;
 #[cfg(test)]
 mod tests;
@@ -19,9 +22,13 @@ pub use anchoring::Anchoring;
 pub use area::{Area, area_integral, surface_area};
 pub use bending::{Bending, bending_energy_density};
 pub use effect::{
-    DirectorForm, Effect, MembraneForce, MembraneLinearisation, NamedValue, RankOne, Terms,
+    DirectorForm, DirectorReach, Effect, Interval, MembraneForce, MembraneLinearisation,
+    NamedValue, RankOne, Terms,
 };
+pub use field::Field;
 pub use nematic::Nematic;
+pub use noise::Noise;
+pub use pull::Pull;
 pub use sample::{DirectorSample, Sample};
 
 /// The effects of a scene: bending, which every membrane has and whose ω is an unknown of the
@@ -56,6 +63,15 @@ impl Effects {
         }
         if let Some(nematic) = &scene.nematic {
             effects.add(Nematic::new(nematic, space));
+            if let Some(noise) = &scene.noise {
+                effects.add(Noise::new(noise, nematic.mobility));
+            }
+        }
+        if let Some(field) = &scene.field {
+            effects.add(Field::new(field, space));
+        }
+        if let Some(pull) = &scene.pull {
+            effects.add(Pull::new(pull, space));
         }
         effects.set_anchoring(scene.anchoring.as_ref(), space);
         effects
@@ -86,6 +102,23 @@ impl Effects {
     pub fn iter(&self) -> impl Iterator<Item = &(dyn Effect + 'static)> {
         let bending: &dyn Effect = &self.bending;
         std::iter::once(bending).chain(self.others.iter().map(|effect| &**effect))
+    }
+
+    /// Tells all effects the time of the step that comes. Whether the energy of a state is another one
+    /// now, as that of a field that was switched on.
+    pub fn set_interval(&mut self, interval: Interval) -> bool {
+        let mut changed = false;
+        for effect in self.iter_mut() {
+            changed |= effect.set_interval(interval);
+        }
+        changed
+    }
+
+    /// How strongly all effects together act on the director; `None`: nobody knows.
+    pub fn director_reach(&self) -> Option<DirectorReach> {
+        self.iter().try_fold(DirectorReach::NOWHERE, |sum, effect| {
+            effect.director_reach().map(|reach| sum + reach)
+        })
     }
 
     /// sums ← sums + the patch's shares of the integrals that forces need, effect by effect.

@@ -5,7 +5,8 @@ use super::potentials::{
     INSIDE_CONVEXITY, inside, inside_majorant, unit_length_penalty, unit_length_penalty_slope,
 };
 use super::{
-    DirectorForm, DirectorSample, Effect, MembraneForce, MembraneLinearisation, Sample, Terms,
+    DirectorForm, DirectorReach, DirectorSample, Effect, MembraneForce, MembraneLinearisation,
+    Sample, Terms,
 };
 use crate::fem::{Patch, Space};
 use crate::scene::{self, Iteration};
@@ -74,6 +75,15 @@ impl Effect for Nematic {
         let energy = patch.integrate(&density);
         self.points = density;
         energy
+    }
+
+    /// λ_nem I(φ) with ∇d, and since |p̃(d)| ≤ 2 max(1, |d|)/η_d², 2 λ_nem I(φ)/η_d² with d.
+    fn director_reach(&self) -> Option<DirectorReach> {
+        Some(DirectorReach {
+            stiffness: self.weight,
+            inside: 2.0 * self.weight * self.stiffness,
+            at_membrane: 0.0,
+        })
     }
 
     /// λ_nem [(I(φⁿ) ∇d, ∇e) + (I(φⁿ) p_Δt, e)] with p_Δt = p̃(dⁿ) + (1/η_d²)(d − dⁿ) (3.33).

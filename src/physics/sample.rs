@@ -1,7 +1,8 @@
 //! A state of the fields as the effects see it: on one patch, at the quadrature points and on the
 //! triangles.
 
-use crate::fem::Patch;
+use crate::fem::{Patch, Space};
+use crate::scene::ScalarField;
 
 /// φ, ω and d on a patch. Refilled in place: once it has seen the largest patch, nothing is allocated.
 #[derive(Debug, Clone, Default)]
@@ -75,6 +76,19 @@ impl Sample {
                 let (values, gradients) = (&mut sample.values[axis], &mut sample.gradients[axis]);
                 fill(patch, component, values, gradients);
             }
+        }
+    }
+}
+
+/// A given function at the points: a formula is taken there, nodal values are interpolated.
+pub(super) fn at_points(field: &ScalarField, space: &Space) -> Vec<f64> {
+    match field {
+        ScalarField::Constant(value) => vec![*value; space.points()],
+        ScalarField::Expression(formula) => space.sample(|[x, y]| formula.evaluate(x, y)),
+        ScalarField::File(file) => {
+            let mut values = vec![0.0; space.points()];
+            space.whole().interpolate(&file.values, &mut values);
+            values
         }
     }
 }

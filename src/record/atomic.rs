@@ -5,6 +5,10 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 use tempfile::NamedTempFile;
 
+/// How the name of a file begins and ends that is not whole yet.
+const PREFIX: &str = ".vesica-";
+const SUFFIX: &str = ".part";
+
 /// Writes a file whole: beside its place, to the disk, and only then under its name.
 ///
 /// A file that had the name is replaced. If anything fails, or the process is killed, what stood
@@ -20,6 +24,49 @@ pub(crate) fn write_whole(
         .and_then(|file| file.persist(path).map_err(|error| error.error))
         .map(|_| ())
         .map_err(RecordError::write(path))
+}
+
+/// As [`write_whole`], but what stood under the name is kept as `before`: at the last moment, when the new
+/// file is on the disk.
+///
+/// # Errors
+/// [`RecordError::Write`] with the path and the system's reason.
+pub(super) fn write_keeping(
+    path: &Path,
+    before: &Path,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), RecordError> {
+    write_beside(path, content)
+        .and_then(|file| {
+            keep(path, before)?;
+            file.persist(path).map_err(|error| error.error)
+        })
+        .map(|_| ())
+        .map_err(RecordError::write(path))
+}
+
+/// Gives what stands under a name, if anything does, a second one in place of what stood there. There is
+/// no moment at which the first name is free, unless the disk knows no second names.
+fn keep(path: &Path, before: &Path) -> io::Result<()> {
+    if !path.exists() {
+        return Ok(());
+    }
+    match std::fs::remove_file(before) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+        _ => {}
+    }
+    std::fs::hard_link(path, before).or_else(|_| std::fs::rename(path, before))
+}
+
+/// Removes what killed processes have left behind in a folder; what cannot be removed stays.
+pub(super) fn clean(folder: &Path) {
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        if name.starts_with(PREFIX) && name.ends_with(SUFFIX) {
+            let _ = std::fs::remove_file(entry.path());
+        }
+    }
 }
 
 /// As [`write_whole`], but never replaces a file: not even one that another program made a moment
@@ -48,7 +95,7 @@ fn write_beside(
         _ => Path::new("."),
     };
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".vesica-").suffix(".part");
+    builder.prefix(PREFIX).suffix(SUFFIX);
     #[cfg(unix)]
     {
         // As any other new file: what the user's umask allows. A temporary file is private.
@@ -101,6 +148,21 @@ mod tests {
         assert!(error.to_string().contains("no storage space"), "{error}");
         assert_eq!(fs::read_to_string(&path).unwrap(), "whole");
         assert_eq!(names(folder.path()), ["a.txt"]);
+    }
+
+    #[test]
+    fn what_was_there_is_kept_only_when_the_new_one_is_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let (path, before) = (folder.path().join("a"), folder.path().join("b"));
+        for text in ["1", "2", "3"] {
+            write_keeping(&path, &before, |file| file.write_all(text.as_bytes())).unwrap();
+        }
+        write_keeping(&path, &before, |_| Err(io::ErrorKind::StorageFull.into())).unwrap_err();
+        assert_eq!(fs::read_to_string(&path).unwrap(), "3");
+        assert_eq!(fs::read_to_string(&before).unwrap(), "2");
+        fs::write(folder.path().join(".vesica-x.part"), "").unwrap();
+        clean(folder.path());
+        assert_eq!(names(folder.path()), ["a", "b"]);
     }
 
     #[test]

@@ -73,6 +73,31 @@ pub enum RecordError {
         /// The first file in it that a run would overwrite.
         found: &'static str,
     },
+    /// A table is not what a checkpoint says.
+    #[error("{} has {rows} whole rows, and not the {wanted} that it had", path.display())]
+    Short {
+        /// The file.
+        path: PathBuf,
+        /// Rows that there are, before the first that is damaged.
+        rows: u64,
+        /// Rows that there were.
+        wanted: u64,
+    },
+    /// Another process writes to the folder.
+    #[error(
+        "another process is recording a run in {}: wait for it, or give another folder with --out",
+        folder.display()
+    )]
+    InUse {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A part of the record is lost.
+    #[error("a part of the record is lost: {what}")]
+    Lost {
+        /// Where, and why.
+        what: String,
+    },
     /// A table was removed, or its folder, while the run went on.
     #[error("{} has vanished while the run was writing to it", path.display())]
     Vanished {

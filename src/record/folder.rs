@@ -3,26 +3,36 @@
 use super::RecordError;
 use super::scene_file::{INPUT_NAMES, INPUTS};
 use std::ffi::OsStr;
-use std::fs;
+use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// The folder, within a run's, of snapshots.
 pub(super) const FIELDS: &str = "fields";
 /// The list of snapshots, within that folder.
 pub(super) const SERIES: &str = "fields.pvd";
 
+/// The fields at the end.
+pub(super) const FINAL: &str = "final.vtu";
+
+/// The newest checkpoint, and the one before.
+pub(super) const NEWEST: &str = "checkpoint.bin";
+pub(super) const OLDER: &str = "checkpoint-older.bin";
+
 /// The file that tells a run's folder from one with files of the same names.
 pub(super) const SUMMARY: &str = "run.json";
 
 /// The files of a run beside those in folders; where one of them stands, no run is put.
-const FILES: [&str; 6] = [
+const FILES: [&str; 8] = [
     SUMMARY,
     "scene.toml",
     "history.csv",
     "ledger.csv",
     "shape.csv",
-    "final.vtu",
+    FINAL,
+    NEWEST,
+    OLDER,
 ];
 
 /// What to do with a folder that holds a run.
@@ -34,10 +44,12 @@ pub enum IfOccupied {
     Replace,
 }
 
-/// A folder that a run may write to.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// A folder that a run may write to, and no other process as long as this one holds it.
+#[derive(Debug, Clone)]
 pub struct RunFolder {
     path: PathBuf,
+    /// Locked until the last copy is dropped.
+    _lock: Option<Arc<File>>,
 }
 
 impl RunFolder {
@@ -49,7 +61,8 @@ impl RunFolder {
     /// as a scene with comments; otherwise what could not be made or removed.
     pub fn at(path: &Path, if_occupied: IfOccupied) -> Result<RunFolder, RecordError> {
         make(path)?;
-        let found = FILES.into_iter().find(|file| path.join(file).exists());
+        let lock = lock(path)?;
+        let found = a_file_of(path);
         match (found, if_occupied) {
             (None, _) => {}
             (Some(found), IfOccupied::Refuse) => {
@@ -68,6 +81,18 @@ impl RunFolder {
         }
         Ok(RunFolder {
             path: path.to_owned(),
+            _lock: lock,
+        })
+    }
+
+    /// The folder of a run that is there.
+    ///
+    /// # Errors
+    /// [`RecordError::InUse`].
+    pub(super) fn of_run(path: &Path) -> Result<RunFolder, RecordError> {
+        Ok(RunFolder {
+            path: path.to_owned(),
+            _lock: lock(path)?,
         })
     }
 
@@ -83,7 +108,7 @@ impl RunFolder {
         let mut number = 1_u64;
         loop {
             match fs::create_dir(&path) {
-                Ok(()) => return Ok(RunFolder { path }),
+                Ok(()) => return RunFolder::of_run(&path),
                 Err(reason) if reason.kind() == io::ErrorKind::AlreadyExists => {
                     number += 1;
                     let mut numbered = name.to_owned();
@@ -102,9 +127,31 @@ impl RunFolder {
 
     /// Makes the folder of snapshots.
     pub(super) fn make_fields(&self) -> Result<PathBuf, RecordError> {
-        let fields = self.path.join(FIELDS);
-        make(&fields)?;
-        Ok(fields)
+        let path = self.path.join(FIELDS);
+        // Not the folder that it is in: if that has been removed, someone did not want it.
+        match fs::create_dir(&path) {
+            Err(reason) if !path.is_dir() => Err(RecordError::MakeFolder { path, reason }),
+            _ => Ok(path),
+        }
+    }
+}
+
+/// A file of a run in this folder, if there is one.
+pub(super) fn a_file_of(folder: &Path) -> Option<&'static str> {
+    FILES.into_iter().find(|file| folder.join(file).exists())
+}
+
+/// Locks a folder, where the system can: two processes must not record into it.
+fn lock(folder: &Path) -> Result<Option<Arc<File>>, RecordError> {
+    let Ok(file) = File::open(folder) else {
+        return Ok(None);
+    };
+    match file.try_lock() {
+        Ok(()) => Ok(Some(Arc::new(file))),
+        Err(TryLockError::WouldBlock) => Err(RecordError::InUse {
+            folder: folder.to_owned(),
+        }),
+        Err(TryLockError::Error(_)) => Ok(None),
     }
 }
 
@@ -130,20 +177,34 @@ fn clear(folder: &Path) -> Result<(), RecordError> {
     }
     let fields = folder.join(FIELDS);
     remove(&fields.join(SERIES))?;
-    for entry in fs::read_dir(&fields).into_iter().flatten().flatten() {
-        let name = entry.file_name();
-        let name = name.to_string_lossy();
-        if name.starts_with("step-") && name.ends_with(".vtu") {
-            remove(&entry.path())?;
-        }
-    }
+    remove_snapshots(folder, |_| true)?;
     // They stay if they hold anything else.
     let _ = fs::remove_dir(inputs);
     let _ = fs::remove_dir(fields);
     Ok(())
 }
 
-fn remove(path: &Path) -> Result<(), RecordError> {
+/// Removes the snapshots of the steps that `which` names, and those whose name has no step.
+pub(super) fn remove_snapshots(
+    folder: &Path,
+    which: impl Fn(u64) -> bool,
+) -> Result<(), RecordError> {
+    let entries = fs::read_dir(folder.join(FIELDS));
+    for entry in entries.into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        let step = name
+            .strip_prefix("step-")
+            .and_then(|name| name.strip_suffix(".vtu"));
+        if step.is_some_and(|step| step.parse().map_or(true, &which)) {
+            remove(&entry.path())?;
+        }
+    }
+    Ok(())
+}
+
+/// Removes a file, if it is there.
+pub(super) fn remove(path: &Path) -> Result<(), RecordError> {
     match fs::remove_file(path) {
         Err(reason) if reason.kind() != io::ErrorKind::NotFound => Err(RecordError::Remove {
             path: path.to_owned(),
@@ -207,6 +268,20 @@ mod tests {
         assert!(theirs.iter().all(|file| !path.join(file).exists()));
         assert!(mine.iter().all(|file| path.join(file).exists()));
         assert!(!path.join("inputs").exists());
+    }
+
+    #[test]
+    fn a_folder_has_one_run_at_a_time() {
+        let parent = tempfile::tempdir().unwrap();
+        let first = RunFolder::at(parent.path(), IfOccupied::Refuse).unwrap();
+        let copy = first.clone();
+        drop(first);
+        for choice in [IfOccupied::Refuse, IfOccupied::Replace] {
+            let error = RunFolder::at(parent.path(), choice).unwrap_err();
+            assert!(matches!(error, RecordError::InUse { .. }), "{error}");
+        }
+        drop(copy);
+        RunFolder::at(parent.path(), IfOccupied::Refuse).unwrap();
     }
 
     #[test]

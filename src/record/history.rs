@@ -1,8 +1,10 @@
 //! The tables of a run: what stands in their columns.
 
 use super::RecordError;
-use super::table::Table;
+use super::folder::remove;
+use super::table::{Extent, Found, Table};
 use crate::simulation::{NamedValue, Report};
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 /// The columns of `history.csv` that every run has. Effects beyond these append theirs,
@@ -24,6 +26,10 @@ pub const HISTORY_COLUMNS: [&str; 14] = [
     "wall",
 ];
 
+const HISTORY: &str = "history.csv";
+const LEDGER: &str = "ledger.csv";
+const SHAPE: &str = "shape.csv";
+
 const LEDGER_COLUMNS: [&str; 2] = ["step", "t"];
 const SHAPE_COLUMNS: [&str; 5] = ["step", "t", "length", "waist", "width"];
 
@@ -42,7 +48,78 @@ pub(super) struct Tables {
     law_residual: f64,
 }
 
+/// How far the tables have come, and what the next row is made from.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub(super) struct TablesMemory {
+    history: Extent,
+    shape: Extent,
+    ledger: Option<Extent>,
+    last_row: Option<u64>,
+    law_residual: f64,
+}
+
+/// Tables that were found to go as far as they must.
+#[derive(Debug)]
+pub(super) struct FoundTables {
+    history: Found,
+    shape: Found,
+    ledger: Option<Found>,
+    ledger_path: PathBuf,
+    last_row: Option<u64>,
+    law_residual: f64,
+}
+
+impl FoundTables {
+    /// Cuts the tables back to where they were.
+    ///
+    /// # Errors
+    /// [`RecordError`] where a file cannot be read or written.
+    pub fn take_up(self) -> Result<Tables, RecordError> {
+        if self.ledger.is_none() {
+            remove(&self.ledger_path)?;
+        }
+        Ok(Tables {
+            history: self.history.take_up()?,
+            shape: self.shape.take_up()?,
+            ledger: self.ledger.map(Found::take_up).transpose()?,
+            ledger_path: self.ledger_path,
+            last_row: self.last_row,
+            law_residual: self.law_residual,
+        })
+    }
+}
+
 impl Tables {
+    /// How far they have come. What was appended is to be flushed before.
+    pub fn remember(&self) -> TablesMemory {
+        TablesMemory {
+            history: self.history.extent(),
+            shape: self.shape.extent(),
+            ledger: self.ledger.as_ref().map(Table::extent),
+            last_row: self.last_row,
+            law_residual: self.law_residual,
+        }
+    }
+
+    /// Looks whether the tables in `folder` go as far as they did; changes nothing.
+    ///
+    /// # Errors
+    /// [`RecordError::Read`], [`RecordError::Short`].
+    pub fn find(folder: &Path, memory: &TablesMemory) -> Result<FoundTables, RecordError> {
+        let ledger_path = folder.join(LEDGER);
+        let ledger = memory.ledger.as_ref();
+        Ok(FoundTables {
+            history: Table::find(folder.join(HISTORY), &memory.history)?,
+            shape: Table::find(folder.join(SHAPE), &memory.shape)?,
+            ledger: ledger
+                .map(|extent| Table::find(ledger_path.clone(), extent))
+                .transpose()?,
+            ledger_path,
+            last_row: memory.last_row,
+            law_residual: memory.law_residual,
+        })
+    }
+
     /// The tables of a run in `folder`, still without rows.
     ///
     /// # Errors
@@ -50,14 +127,16 @@ impl Tables {
     pub fn create(folder: &Path, initial: &Report) -> Result<Tables, RecordError> {
         let mut columns = owned(&HISTORY_COLUMNS);
         columns.extend(missing(&columns, &initial.energies, energy_column));
-        Ok(Tables {
-            history: Table::create(folder.join("history.csv"), columns)?,
-            shape: Table::create(folder.join("shape.csv"), owned(&SHAPE_COLUMNS))?,
+        let mut tables = Tables {
+            history: Table::new(folder.join(HISTORY), columns),
+            shape: Table::new(folder.join(SHAPE), owned(&SHAPE_COLUMNS)),
             ledger: None,
-            ledger_path: folder.join("ledger.csv"),
+            ledger_path: folder.join(LEDGER),
             last_row: None,
             law_residual: 0.0,
-        })
+        };
+        tables.flush()?;
+        Ok(tables)
     }
 
     /// Takes note of a step, whether or not it gets a row.
@@ -69,19 +148,16 @@ impl Tables {
     }
 
     /// Appends the row of a step to each table, if it is not there yet. `wall` is the time of
-    /// computing since the run began, in seconds.
-    ///
-    /// # Errors
-    /// [`RecordError`] where a table must be made or made wider.
-    pub fn append(&mut self, report: &Report, wall: f64) -> Result<(), RecordError> {
+    /// computing since the run began, in seconds. Nothing is written yet.
+    pub fn append(&mut self, report: &Report, wall: f64) {
         if self.last_row == Some(report.step) {
-            return Ok(());
+            return;
         }
         self.last_row = Some(report.step);
 
         let law_residual = std::mem::take(&mut self.law_residual);
         let late = missing(self.history.columns(), &report.energies, energy_column);
-        self.history.add_columns(late)?;
+        self.history.add_columns(late);
         let cells = history_cells(self.history.columns(), report, law_residual, wall);
         self.history.append(cells);
 
@@ -94,27 +170,27 @@ impl Tables {
             outline.map(|outline| outline.width),
         ]);
 
-        self.append_ledger(report)
+        self.append_ledger(report);
     }
 
-    fn append_ledger(&mut self, report: &Report) -> Result<(), RecordError> {
-        let ledger = match &mut self.ledger {
-            Some(ledger) => ledger,
-            None if report.ledger.is_empty() => return Ok(()),
-            none => none.insert(Table::create(
-                self.ledger_path.clone(),
-                owned(&LEDGER_COLUMNS),
-            )?),
-        };
-        let late = missing(ledger.columns(), &report.ledger, str::to_owned);
-        ledger.add_columns(late)?;
+    fn append_ledger(&mut self, report: &Report) {
+        if self.ledger.is_none() && report.ledger.is_empty() {
+            return;
+        }
+        let ledger = self
+            .ledger
+            .get_or_insert_with(|| Table::new(self.ledger_path.clone(), owned(&LEDGER_COLUMNS)));
+        let ladder = report.ladder.columns();
+        let ladder = ladder.map(|(name, value)| NamedValue { name, value });
+        let all: Vec<NamedValue> = report.ledger.iter().chain(&ladder).copied().collect();
+        let late = missing(ledger.columns(), &all, str::to_owned);
+        ledger.add_columns(late);
         let terms = &ledger.columns()[LEDGER_COLUMNS.len()..];
         let cells: Vec<_> = [Some(report.step as f64), Some(report.t)]
             .into_iter()
-            .chain(terms.iter().map(|term| value(&report.ledger, term)))
+            .chain(terms.iter().map(|term| value(&all, term)))
             .collect();
         ledger.append(cells);
-        Ok(())
     }
 
     /// Brings every row to the files.
@@ -237,7 +313,7 @@ mod tests {
     fn the_columns_are_those_of_the_interface() {
         let folder = tempfile::tempdir().unwrap();
         let mut tables = Tables::create(folder.path(), &report(0)).unwrap();
-        tables.append(&report(0), 0.0).unwrap();
+        tables.append(&report(0), 0.0);
         tables.finish().unwrap();
         assert_eq!(
             read(folder.path(), "history.csv"),
@@ -263,7 +339,7 @@ mod tests {
             };
             tables.observe(&report);
             if [3, 5].contains(&step) {
-                tables.append(&report, 0.5).unwrap();
+                tables.append(&report, 0.5);
             }
         }
         tables.finish().unwrap();
@@ -280,7 +356,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let mut tables = Tables::create(folder.path(), &report(0)).unwrap();
         for step in [0, 0, 1, 1] {
-            tables.append(&report(step), 0.0).unwrap();
+            tables.append(&report(step), 0.0);
         }
         tables.finish().unwrap();
         assert_eq!(read(folder.path(), "history.csv").lines().count(), 3);
@@ -301,16 +377,17 @@ mod tests {
             });
             report
         };
-        tables.append(&report(0), 0.0).unwrap();
-        tables.append(&step(1, &["rate"]), 0.0).unwrap();
+        tables.append(&report(0), 0.0);
+        tables.append(&step(1, &["rate"]), 0.0);
         let mut late = step(2, &["rate", "anchoring"]);
         late.energies.push(named("pull", 7.0));
         late.energies.push(named("anchoring", 9.0));
-        tables.append(&late, 0.0).unwrap();
+        tables.append(&late, 0.0);
         tables.finish().unwrap();
         assert_eq!(
             read(folder.path(), "ledger.csv"),
-            "step,t,rate,anchoring\n1,1e-7,0.5,\n2,2e-7,0.5,0.5\n"
+            "step,t,rate,rung,damping,parts,refused,anchoring\n\
+             1,1e-7,0.5,0,1,0,0,\n2,2e-7,0.5,0,1,0,0,0.5\n"
         );
         let history = read(folder.path(), "history.csv");
         let lines: Vec<_> = history.lines().collect();

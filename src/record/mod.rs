@@ -11,6 +11,7 @@
 //! | `shape.csv` | length, waist and greatest width of the vesicle | grows by whole lines |
 //! | `fields/` | VTU files at evenly spaced times, and `fields.pvd`, their list | each whole |
 //! | `final.vtu` | the fields at the end | at the end, whole |
+//! | `checkpoint.bin` | the state, for the run to be taken up again; `checkpoint-older.bin` is the one before | every half minute and at the end, whole |
 //! | `run.json` | version, times, totals, warnings, events, status ([`RunSummary`]) | replaced whole |
 //!
 //! *Whole* means written beside its place and then renamed: a reader sees all of a file or none.
@@ -23,13 +24,16 @@
 //! in memory, read back or collected while it goes.
 
 mod atomic;
+mod checkpoint;
 mod columns;
 mod error;
 mod folder;
 mod history;
+mod kept;
 mod number;
 mod read;
 mod recorder;
+mod resume;
 mod scene_file;
 mod source;
 mod states;
@@ -38,16 +42,19 @@ mod table;
 mod vtu;
 
 pub(crate) use atomic::{write_new, write_whole};
+pub use checkpoint::{CheckpointError, Problem};
 pub use columns::Columns;
 pub use error::RecordError;
 pub(crate) use folder::make as make_folder;
 pub use folder::{IfOccupied, RunFolder};
 pub use history::HISTORY_COLUMNS;
+pub use kept::{KeptRun, RunKeeper};
 pub use number::{Brief, Number};
 pub use read::{
     ReadError, RecordedFields, RecordedRun, StoredFields, WrongArray, read_fields, read_run,
 };
 pub use recorder::{Preparation, Recorder, Settings};
+pub use resume::{Found, Resumption};
 
 pub use crate::simulation::{Schedule, step_count};
 pub use source::{LoadError, LoadedScene, load_scene};

@@ -1,12 +1,14 @@
 //! Recording a run while it goes.
 
-use super::folder::{SERIES, SUMMARY};
+use super::checkpoint::{Content, Keeper};
+use super::folder::{FINAL, SERIES, SUMMARY};
 use super::history::Tables;
-use super::scene_file::write_scene;
+use super::scene_file::{identity, write_scene};
 use super::summary::{EventRecord, seconds};
 use super::{Ending, RecordError, RunFolder, RunSummary, Schedule, vtu};
+use crate::fem::Mesh;
 use crate::scene::Scene;
-use crate::simulation::Simulation;
+use crate::simulation::{Simulation, State};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -16,6 +18,8 @@ const FLUSH_INTERVAL: Duration = Duration::from_secs(1);
 const SUMMARY_INTERVAL: Duration = Duration::from_secs(10);
 /// Digits of a step in a file name, at least: enough for names to sort and to look alike.
 const STEP_DIGITS: usize = 7;
+/// Snapshots that are kept in memory while they cannot be written, at most.
+const MOST_UNWRITTEN: usize = 16;
 
 /// What of a run is recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,6 +28,17 @@ pub struct Settings {
     pub every: u64,
     /// Snapshots of the fields, evenly from t = 0 to T.
     pub snapshots: u64,
+    /// A checkpoint after so much time; after every step, if zero.
+    pub checkpoint: Duration,
+}
+
+impl Settings {
+    /// How often there is a checkpoint if nobody says otherwise.
+    pub const CHECKPOINT: Duration = Duration::from_secs(30);
+
+    pub(super) fn schedule(&self, scene: &Scene) -> Schedule {
+        Schedule::new(&scene.time, self.every, self.snapshots)
+    }
 }
 
 impl Default for Settings {
@@ -31,6 +46,7 @@ impl Default for Settings {
         Settings {
             every: 1,
             snapshots: 5,
+            checkpoint: Settings::CHECKPOINT,
         }
     }
 }
@@ -39,8 +55,10 @@ impl Default for Settings {
 #[derive(Debug)]
 pub struct Preparation {
     folder: RunFolder,
+    settings: Settings,
     schedule: Schedule,
     summary: RunSummary,
+    scene: String,
 }
 
 impl Preparation {
@@ -53,14 +71,17 @@ impl Preparation {
         scene: &Scene,
         settings: Settings,
     ) -> Result<Preparation, RecordError> {
-        let schedule = Schedule::new(&scene.time, settings.every, settings.snapshots);
-        write_scene(folder.path(), scene)?;
+        let schedule = settings.schedule(scene);
         let preparation = Preparation {
             summary: RunSummary::new(scene, schedule.steps),
             folder,
+            settings,
             schedule,
+            scene: identity(scene),
         };
+        // First what tells that the folder is a run's, however early the process is killed.
         preparation.summary.write(&preparation.summary_path())?;
+        write_scene(preparation.folder.path(), scene)?;
         Ok(preparation)
     }
 
@@ -79,23 +100,28 @@ impl Preparation {
         setup: Duration,
     ) -> Result<Recorder, RecordError> {
         self.summary.set_up(simulation, setup);
-        let now = Instant::now();
-        let mut recorder = Recorder {
-            tables: Tables::create(self.folder.path(), simulation.report())?,
-            summary_path: self.summary_path(),
-            folder: self.folder,
-            schedule: self.schedule,
-            summary: self.summary,
-            snapshots: Vec::new(),
-            flushed: now,
-            summarised: now,
+        let mut tables = Tables::create(self.folder.path(), simulation.report())?;
+        tables.append(simulation.report(), 0.0);
+        tables.flush()?;
+        let content = Content {
+            scene: self.scene,
+            every: self.settings.every,
+            snapshots: self.settings.snapshots,
+            ..Content::default()
         };
-        recorder.tables.append(simulation.report(), 0.0)?;
-        recorder.tables.flush()?;
+        let keeper = Keeper::of_run(self.folder.path(), true);
+        let mut recorder = Recorder::new(
+            self.folder,
+            (self.settings, self.schedule),
+            tables,
+            self.summary,
+            (keeper, content),
+        );
         if recorder.schedule.snapshot_due(0, 0.0) {
             recorder.snapshot(simulation)?;
         }
         recorder.summarise()?;
+        recorder.checkpoint(simulation)?;
         Ok(recorder)
     }
 
@@ -117,6 +143,9 @@ impl Preparation {
 ///
 /// Call [`Recorder::step`] after every time step and [`Recorder::finish`] at the end, also of a
 /// run that failed: what was not written by then is lost otherwise.
+///
+/// What cannot be written does not stop a run: it is kept in memory and tried again, every second,
+/// and at the end. Only what was written and has vanished since is lost.
 #[derive(Debug)]
 pub struct Recorder {
     folder: RunFolder,
@@ -126,11 +155,48 @@ pub struct Recorder {
     summary_path: PathBuf,
     /// The time and the name of each snapshot so far.
     snapshots: Vec<(f64, String)>,
+    /// Snapshots that could not be written.
+    unwritten: Vec<(f64, String, State)>,
+    keeper: Keeper,
+    content: Content,
+    checkpoint_interval: Duration,
     flushed: Instant,
     summarised: Instant,
+    saved: Instant,
+    /// What was written and is lost, for good.
+    lost: Option<String>,
+    is_behind: bool,
 }
 
 impl Recorder {
+    /// The record in `folder`, of which nothing waits to be written.
+    pub(super) fn new(
+        folder: RunFolder,
+        (settings, schedule): (Settings, Schedule),
+        tables: Tables,
+        summary: RunSummary,
+        (keeper, content): (Keeper, Content),
+    ) -> Recorder {
+        let now = Instant::now();
+        Recorder {
+            summary_path: folder.path().join(SUMMARY),
+            folder,
+            schedule,
+            tables,
+            summary,
+            snapshots: content.written.clone(),
+            unwritten: Vec::new(),
+            keeper,
+            content,
+            checkpoint_interval: settings.checkpoint,
+            flushed: now,
+            summarised: now,
+            saved: now,
+            lost: None,
+            is_behind: false,
+        }
+    }
+
     /// The run's folder.
     pub fn folder(&self) -> &Path {
         self.folder.path()
@@ -146,11 +212,17 @@ impl Recorder {
         &self.summary.events
     }
 
+    /// The time of computing up to the state at which the record began or was taken up again.
+    pub fn computed(&self) -> Duration {
+        Duration::try_from_secs_f64(self.summary.seconds).unwrap_or_default()
+    }
+
     /// Records the step that the simulation has just made. `computing` is the time of computing
     /// since the run began: of steps, not of set-up, files or pauses.
     ///
     /// # Errors
-    /// [`RecordError`] with the file that could not be written. The simulation is not harmed.
+    /// [`RecordError`] with the file that could not be written. Neither the simulation nor the record
+    /// is harmed: go on, and it will be tried again.
     pub fn step(
         &mut self,
         simulation: &mut Simulation,
@@ -164,28 +236,50 @@ impl Recorder {
         let report = simulation.report();
         self.summary.step(report);
         self.tables.observe(report);
-        if self.schedule.row_due(report.step, report.t) {
-            self.tables.append(report, self.summary.seconds)?;
+        // The last row, where it is out of turn, is for the end: a run that is taken up again may have a
+        // later one.
+        if self.schedule.row_in_turn(report.step) {
+            self.tables.append(report, self.summary.seconds);
         }
+        let mut outcome = Ok(());
+        let mut tried = false;
         if self.schedule.snapshot_due(report.step, report.t) {
-            self.snapshot(simulation)?;
+            tried = true;
+            outcome = self.snapshot(simulation);
         }
         let now = Instant::now();
         if now.duration_since(self.flushed) >= FLUSH_INTERVAL {
             self.flushed = now;
-            self.tables.flush()?;
+            tried = true;
+            let written = self.flush().and(self.write_unwritten(simulation.mesh()));
+            outcome = outcome.and(written);
         }
         if now.duration_since(self.summarised) >= SUMMARY_INTERVAL {
-            self.summarise()?;
+            let written = self.summarise();
+            outcome = outcome.and(written);
         }
-        Ok(())
+        if now.duration_since(self.saved) >= self.checkpoint_interval {
+            tried = true;
+            let written = self.checkpoint(simulation);
+            outcome = outcome.and(written);
+        }
+        if tried || outcome.is_err() {
+            self.is_behind = outcome.is_err();
+        }
+        outcome
     }
 
-    /// Ends the record: the last row, `final.vtu`, and the ending in `run.json`. Each is tried
-    /// even if another fails.
+    /// Whether something could not be written when it was tried last.
+    pub fn is_behind(&self) -> bool {
+        self.is_behind
+    }
+
+    /// Ends the record: a checkpoint, the last row, `final.vtu`, and the ending in `run.json`. Each is
+    /// tried even if another fails.
     ///
     /// # Errors
     /// The first [`RecordError`]; `run.json` then tells of it, where it can be written.
+    /// [`RecordError::Lost`] where rows were written and have vanished since.
     pub fn finish(
         mut self,
         simulation: &mut Simulation,
@@ -193,18 +287,23 @@ impl Recorder {
     ) -> Result<RunSummary, RecordError> {
         let events = simulation.drain_events();
         self.summary.events.extend(events.iter().map(Into::into));
+        let snapshots = self.write_unwritten(simulation.mesh());
+        let saved = self.checkpoint(simulation);
         let report = simulation.report();
-        let tables = self
-            .tables
-            .append(report, self.summary.seconds)
-            .and(self.tables.finish());
+        self.tables.append(report, self.summary.seconds);
+        let flushed = self.flush();
+        let tables = flushed.and(self.tables.finish());
         let fields = vtu::write_fields(
-            &self.folder().join("final.vtu"),
+            &self.folder().join(FINAL),
             simulation.mesh(),
             simulation.state(),
             report.t,
         );
-        let written = tables.and(fields);
+        let lost = match self.lost.take() {
+            Some(what) => Err(RecordError::Lost { what }),
+            None => Ok(()),
+        };
+        let written = tables.and(fields).and(snapshots).and(saved).and(lost);
         self.summary.end(match (ending, &written) {
             (Ending::Done | Ending::Interrupted, Err(error)) => Ending::Failed(error.to_string()),
             (ending, _) => ending,
@@ -214,23 +313,71 @@ impl Recorder {
         Ok(self.summary)
     }
 
+    /// Saves the state, from which the run can be taken up again.
+    fn checkpoint(&mut self, simulation: &Simulation) -> Result<(), RecordError> {
+        self.saved = Instant::now();
+        // What it says of the files must be there.
+        self.flush()?;
+        simulation.remember(&mut self.content.simulation);
+        self.content.tables = self.tables.remember();
+        self.content.totals = self.summary.totals();
+        self.content.written.clone_from(&self.snapshots);
+        self.keeper.write(&self.content)
+    }
+
+    fn flush(&mut self) -> Result<(), RecordError> {
+        let outcome = self.tables.flush();
+        if let Err(error @ RecordError::Vanished { .. }) = &outcome {
+            self.lost.get_or_insert_with(|| error.to_string());
+        }
+        outcome
+    }
+
     /// Writes the fields as they are, and the list of all snapshots anew.
     fn snapshot(&mut self, simulation: &Simulation) -> Result<(), RecordError> {
-        let fields = self.folder.make_fields()?;
-        let report = simulation.report();
+        let (mesh, state, t) = (simulation.mesh(), simulation.state(), simulation.report().t);
         let digits = STEP_DIGITS.max(self.schedule.steps.unwrap_or(0).to_string().len());
-        let name = format!("step-{:0digits$}.vtu", report.step);
-        vtu::write_fields(
-            &fields.join(&name),
-            simulation.mesh(),
-            simulation.state(),
-            report.t,
-        )?;
-        self.snapshots.push((report.t, name));
+        let name = format!("step-{:0digits$}.vtu", simulation.report().step);
+        let outcome = self.write_snapshot(mesh, state, t, &name);
+        if let Err(error) = &outcome {
+            if self.unwritten.len() < MOST_UNWRITTEN {
+                self.unwritten.push((t, name, state.clone()));
+            } else {
+                self.lost.get_or_insert_with(|| error.to_string());
+            }
+        }
+        outcome
+    }
+
+    fn write_snapshot(
+        &mut self,
+        mesh: &Mesh,
+        state: &State,
+        t: f64,
+        name: &str,
+    ) -> Result<(), RecordError> {
+        let fields = self.folder.make_fields()?;
+        vtu::write_fields(&fields.join(name), mesh, state, t)?;
+        if !self.snapshots.iter().any(|(_, known)| known == name) {
+            let place = self.snapshots.partition_point(|(earlier, _)| *earlier < t);
+            self.snapshots.insert(place, (t, name.to_owned()));
+        }
         vtu::write_series(&fields.join(SERIES), &self.snapshots)
     }
 
-    fn summarise(&mut self) -> Result<(), RecordError> {
+    /// Writes the snapshots that could not be written before.
+    fn write_unwritten(&mut self, mesh: &Mesh) -> Result<(), RecordError> {
+        while let Some((t, name, state)) = self.unwritten.pop() {
+            let outcome = self.write_snapshot(mesh, &state, t, &name);
+            if outcome.is_err() {
+                self.unwritten.push((t, name, state));
+                return outcome;
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn summarise(&mut self) -> Result<(), RecordError> {
         self.summarised = Instant::now();
         self.summary.write(&self.summary_path)
     }
@@ -281,6 +428,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let run = record(folder.path(), Settings::default(), 3, Ending::Done);
         let files = [
+            "checkpoint-older.bin",
+            "checkpoint.bin",
             FIELDS,
             "final.vtu",
             "history.csv",
@@ -322,6 +471,7 @@ mod tests {
         let settings = Settings {
             every: 10,
             snapshots: 0,
+            ..Settings::default()
         };
         let run = record(folder.path(), settings, 2, Ending::Interrupted);
         assert_eq!(steps(folder.path(), "history.csv"), ["0", "2"]);
@@ -344,23 +494,37 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_that_vanishes_is_an_error_and_no_panic() {
+    fn a_folder_that_vanishes_is_an_error_and_the_run_goes_on() {
         let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().to_owned();
         let scene = scene("");
-        let claimed = RunFolder::at(folder.path(), IfOccupied::Refuse).unwrap();
-        let preparation = Preparation::begin(claimed, &scene, Settings::default()).unwrap();
+        let claimed = RunFolder::at(&path, IfOccupied::Refuse).unwrap();
+        let settings = Settings {
+            checkpoint: Duration::ZERO,
+            ..Settings::default()
+        };
+        let preparation = Preparation::begin(claimed, &scene, settings).unwrap();
         let mut simulation = Simulation::new(&scene).unwrap();
         let mut recorder = preparation.start(&simulation, Duration::ZERO).unwrap();
         drop(folder);
+        for _ in 0..2 {
+            simulation.advance().unwrap();
+            let error = recorder
+                .step(&mut simulation, Duration::ZERO)
+                .unwrap_err()
+                .to_string();
+            assert!(error.contains(path.to_str().unwrap()), "{error}");
+        }
+        // Someone makes the folder again: what was in memory is written, and what is lost is told.
+        fs::create_dir(&path).unwrap();
         simulation.advance().unwrap();
-        let step = recorder.step(&mut simulation, Duration::ZERO);
-        let error = recorder
-            .finish(&mut simulation, Ending::Failed("vanished".into()))
-            .unwrap_err();
-        assert!(
-            step.is_err() || matches!(error, RecordError::Vanished { .. }),
-            "{error}"
-        );
-        assert!(error.to_string().contains(".csv"), "{error}");
+        recorder.step(&mut simulation, Duration::ZERO).unwrap();
+        let error = recorder.finish(&mut simulation, Ending::Done).unwrap_err();
+        assert!(matches!(error, RecordError::Lost { .. }), "{error}");
+        assert_eq!(steps(&path, "history.csv"), ["1", "2", "3"]);
+        assert!(path.join(FINAL).is_file() && path.join("fields/step-0000001.vtu").is_file());
+        let run = fs::read_to_string(path.join("run.json")).unwrap();
+        assert!(run.contains(r#""status": "failed""#), "{run}");
+        fs::remove_dir_all(path).unwrap();
     }
 }

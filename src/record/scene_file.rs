@@ -3,6 +3,7 @@
 use super::atomic::write_whole;
 use super::{Number, RecordError};
 use crate::scene::{InitialDirector, NodalValues, ScalarField, Scene, Shape};
+use std::fmt::Write as _;
 use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
@@ -11,8 +12,12 @@ use std::path::Path;
 pub(super) const INPUTS: &str = "inputs";
 
 /// The names that nodal values have there.
-pub(super) const INPUT_NAMES: [&str; 3] =
-    ["vesicle.txt", "spontaneous_curvature.txt", "director.txt"];
+pub(super) const INPUT_NAMES: [&str; 4] = [
+    "vesicle.txt",
+    "spontaneous_curvature.txt",
+    "director.txt",
+    "pull.txt",
+];
 
 /// Writes the scene into a run's folder, with its nodal values beside it, so that the run can be
 /// made again from the folder alone.
@@ -40,21 +45,52 @@ pub(super) fn write_scene(folder: &Path, scene: &Scene) -> Result<(), RecordErro
     })
 }
 
+/// A text by which the scene of a run is known again: complete but for its end, which may be moved, with
+/// a checksum for the nodal values that are files.
+pub(super) fn identity(scene: &Scene) -> String {
+    let mut scene = scene.clone();
+    scene.time.end = 1.0;
+    let mut checksums = String::new();
+    for (name, nodal) in INPUT_NAMES.iter().zip(nodal_values(&mut scene)) {
+        let Some(nodal) = nodal else { continue };
+        nodal.path = format!("{INPUTS}/{name}");
+        let mut checksum = crc32fast::Hasher::new();
+        for value in nodal.values.iter() {
+            checksum.update(&value.to_le_bytes());
+        }
+        let count = nodal.values.len();
+        // Writing to a String cannot fail.
+        let _ = writeln!(
+            checksums,
+            "# {}: {count} values, checksum {:08x}",
+            nodal.path,
+            checksum.finalize()
+        );
+    }
+    scene.to_toml() + &checksums
+}
+
 /// The nodal values of a scene, in the order of [`INPUT_NAMES`].
-fn nodal_values(scene: &mut Scene) -> [Option<&mut NodalValues>; 3] {
+fn nodal_values(scene: &mut Scene) -> [Option<&mut NodalValues>; 4] {
     let vesicle = match &mut scene.vesicle.shape {
         Shape::File(nodal) => Some(nodal),
         Shape::Outlines(_) | Shape::Random { .. } => None,
     };
-    let curvature = match &mut scene.membrane.spontaneous_curvature {
-        ScalarField::File(nodal) => Some(nodal),
-        ScalarField::Constant(_) | ScalarField::Expression(_) => None,
-    };
+    let curvature = of_field(&mut scene.membrane.spontaneous_curvature);
+    let pull = scene.pull.as_mut();
+    let pull = pull.and_then(|pull| of_field(&mut pull.potential));
     let director = match scene.nematic.as_mut().map(|nematic| &mut nematic.initial) {
         Some(InitialDirector::File(nodal)) => Some(nodal),
         _ => None,
     };
-    [vesicle, curvature, director]
+    [vesicle, curvature, director, pull]
+}
+
+fn of_field(field: &mut ScalarField) -> Option<&mut NodalValues> {
+    match field {
+        ScalarField::File(nodal) => Some(nodal),
+        ScalarField::Constant(_) | ScalarField::Expression(_) => None,
+    }
 }
 
 /// One node a line, its values separated by a space.
@@ -117,7 +153,7 @@ pub(super) mod tests {
             fs::read_to_string(folder.path().join(path))
         })
         .unwrap();
-        let [Some(nodal), None, None] = nodal_values(&mut scene) else {
+        let [Some(nodal), None, None, None] = nodal_values(&mut scene) else {
             panic!("one file");
         };
         nodal.path = "inputs/vesicle.txt".into();

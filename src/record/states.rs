@@ -3,7 +3,7 @@
 use super::folder::SERIES;
 use super::history::Tables;
 use super::scene_file::write_scene;
-use super::{RecordError, RunFolder, vtu};
+use super::{Columns, RecordError, RunFolder, vtu, write_whole};
 use crate::fem::Mesh;
 use crate::scene::Scene;
 use crate::simulation::{Report, State};
@@ -11,9 +11,10 @@ use crate::simulation::{Report, State};
 /// Digits of a step in a file name, at least.
 const STEP_DIGITS: usize = 7;
 
-/// Writes states of a run into a folder: `scene.toml`, the tables with a row a state (`wall` is
-/// not a number: only the run itself knows it), and the fields; of one state as `state.vtu`, of
-/// several in `fields/`, as a run's snapshots.
+/// Writes states of a run into a folder: `scene.toml`, the tables, and the fields; of one state as
+/// `state.vtu`, of several in `fields/`, as a run's snapshots. The tables have a row a state, but for
+/// `history.csv` and `shape.csv` where the whole `history` is given: then they have all its rows.
+/// `wall` is not a number: only the run itself knows it.
 ///
 /// # Errors
 /// [`RecordError`] with the file that could not be written. What was written before stays.
@@ -22,6 +23,7 @@ pub fn write_states(
     scene: &Scene,
     mesh: &Mesh,
     states: &[(&Report, &State)],
+    history: Option<&Columns>,
 ) -> Result<(), RecordError> {
     write_scene(folder.path(), scene)?;
     let Some((first, _)) = states.first() else {
@@ -30,9 +32,19 @@ pub fn write_states(
     let mut tables = Tables::create(folder.path(), first)?;
     for (report, _) in states {
         tables.observe(report);
-        tables.append(report, f64::NAN)?;
+        tables.append(report, f64::NAN);
     }
     tables.finish()?;
+    if let Some(history) = history {
+        for (file, text) in [
+            ("history.csv", history.to_history()),
+            ("shape.csv", history.to_shape()),
+        ] {
+            write_whole(&folder.path().join(file), |out| {
+                out.write_all(text.as_bytes())
+            })?;
+        }
+    }
     if let [(report, state)] = states {
         let path = folder.path().join("state.vtu");
         return vtu::write_fields(&path, mesh, state, report.t);
@@ -66,7 +78,7 @@ mod tests {
         let states = [(&initial.0, &initial.1), (&stepped.0, &stepped.1)];
 
         let one = RunFolder::numbered(parent.path(), OsStr::new("one")).unwrap();
-        write_states(&one, &scene, simulation.mesh(), &states[1..]).unwrap();
+        write_states(&one, &scene, simulation.mesh(), &states[1..], None).unwrap();
         let history = fs::read_to_string(one.path().join("history.csv")).unwrap();
         assert_eq!(history.lines().count(), 2);
         assert!(history.lines().nth(1).unwrap().starts_with("1,1e-7,1e-7,"));
@@ -75,13 +87,29 @@ mod tests {
         assert!(!one.path().join("fields").exists());
 
         let both = RunFolder::numbered(parent.path(), OsStr::new("both")).unwrap();
-        write_states(&both, &scene, simulation.mesh(), &states).unwrap();
+        let mut rows = Columns::default();
+        for report in [&initial.0, &stepped.0, &stepped.0] {
+            rows.push(report);
+        }
+        write_states(&both, &scene, simulation.mesh(), &states, Some(&rows)).unwrap();
         let fields = both.path().join("fields");
         assert!(fields.join("step-0000000.vtu").is_file());
         assert_eq!(
             fs::read(fields.join("step-0000001.vtu")).unwrap(),
             fs::read(one.path().join("state.vtu")).unwrap()
         );
+        // All rows, in the columns that a run's own table has.
+        let read = |folder: &RunFolder| fs::read_to_string(folder.path().join("history.csv"));
+        let (whole, single) = (read(&both).unwrap(), read(&one).unwrap());
+        assert_eq!(whole.lines().count(), 4);
+        assert_eq!(whole.lines().next(), single.lines().next());
+        // But for `wall`, the last one.
+        let row = |table: &str, row: usize| {
+            let line = table.lines().nth(row).unwrap();
+            line.rsplit_once(',').unwrap().0.to_owned()
+        };
+        assert_eq!(row(&whole, 2), row(&single, 1));
+        assert_eq!(row(&whole, 3), row(&single, 1));
         let series = fs::read_to_string(fields.join(SERIES)).unwrap();
         assert_eq!(series.matches("<DataSet ").count(), 2);
     }

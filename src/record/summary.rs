@@ -6,7 +6,8 @@ use crate::scene::Scene;
 use crate::simulation::{
     Costs, ErrorBudget, ErrorPart, Event, OutlineMeasure, Phase, Report, Simulation,
 };
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
@@ -140,7 +141,7 @@ pub struct OutlineChange {
 }
 
 /// Lengths of the vesicle's outline, φ = 0.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct OutlineRecord {
     /// Along its long axis.
     pub length: f64,
@@ -161,10 +162,10 @@ impl From<OutlineMeasure> for OutlineRecord {
 }
 
 /// Something that happened in a run.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EventRecord {
     /// For programs.
-    pub kind: &'static str,
+    pub kind: Cow<'static, str>,
     /// In this step.
     pub step: u64,
     /// At this time.
@@ -176,7 +177,7 @@ pub struct EventRecord {
 impl From<&Event> for EventRecord {
     fn from(event: &Event) -> Self {
         EventRecord {
-            kind: event.kind.name(),
+            kind: event.kind.name().into(),
             step: event.step,
             t: event.t,
             text: event.kind.to_string(),
@@ -184,7 +185,76 @@ impl From<&Event> for EventRecord {
     }
 }
 
+/// What of a summary cannot be had from the state of the run.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub(super) struct Totals {
+    started: String,
+    seconds: f64,
+    setup_seconds: f64,
+    newton: u64,
+    krylov: u64,
+    refused: u64,
+    costs: Costs,
+    largest: [f64; 3],
+    initial_phase_integral: f64,
+    initial_outline: Option<OutlineRecord>,
+    events: Vec<EventRecord>,
+}
+
 impl RunSummary {
+    /// What is to be kept for the run to go on with.
+    pub(super) fn totals(&self) -> Totals {
+        Totals {
+            started: self.started.clone(),
+            seconds: self.seconds,
+            setup_seconds: self.setup_seconds,
+            newton: self.newton,
+            krylov: self.krylov,
+            refused: self.refused,
+            costs: self.costs,
+            largest: [
+                self.largest_law_residual,
+                self.largest_energy_rise,
+                self.largest_phase_drift,
+            ],
+            initial_phase_integral: self.initial_phase_integral,
+            initial_outline: self.outline.start,
+            events: self.events.clone(),
+        }
+    }
+
+    /// Of a run that is taken up again, at the state that the simulation has recalled.
+    pub(super) fn resumed(
+        scene: &Scene,
+        planned_steps: Option<u64>,
+        totals: Totals,
+        simulation: &Simulation,
+    ) -> RunSummary {
+        let mut summary = RunSummary::new(scene, planned_steps);
+        summary.set_up(simulation, Duration::ZERO);
+        let [law_residual, energy_rise, phase_drift] = totals.largest;
+        RunSummary {
+            started: totals.started,
+            seconds: totals.seconds,
+            setup_seconds: totals.setup_seconds,
+            newton: totals.newton,
+            krylov: totals.krylov,
+            refused: totals.refused,
+            milliseconds: PhaseCosts::of(&totals.costs, summary.steps),
+            costs: totals.costs,
+            largest_law_residual: law_residual,
+            largest_energy_rise: energy_rise,
+            largest_phase_drift: phase_drift,
+            outline: OutlineChange {
+                start: totals.initial_outline,
+                end: summary.outline.end,
+            },
+            initial_phase_integral: totals.initial_phase_integral,
+            events: totals.events,
+            ..summary
+        }
+    }
+
     /// Of a run that is about to be set up.
     pub(super) fn new(scene: &Scene, planned_steps: Option<u64>) -> RunSummary {
         RunSummary {

@@ -2,41 +2,110 @@
 
 use super::atomic::write_whole;
 use super::{Number, RecordError};
+use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 use std::fs::{self, File, OpenOptions};
-use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::io::{BufRead, BufReader, Write as _};
+use std::path::PathBuf;
 
 /// A growing table of numbers.
 ///
-/// The file appears whole with its header. Lines are collected in memory until [`Table::flush`]
-/// appends them; if an append fails half-way, the file is cut back to its last whole line.
+/// The file appears whole with its header, and what rows there are then. Lines are collected in memory
+/// until [`Table::flush`] appends them; if an append fails half-way, the file is cut back to its last
+/// whole line.
 #[derive(Debug)]
 pub(super) struct Table {
     path: PathBuf,
     columns: Vec<String>,
-    file: File,
+    /// None before the first flush.
+    file: Option<File>,
     /// Bytes of the file that are known to be whole lines.
     length: u64,
+    /// Of the columns, how many the file does not have yet.
+    late: usize,
     /// Whole lines that are not in the file yet.
     pending: String,
+    /// Of the file and pending.
+    rows: u64,
+}
+
+/// How far a table has come.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub(super) struct Extent {
+    pub columns: Vec<String>,
+    pub rows: u64,
+}
+
+/// A table that was found to go as far as it must, and may go further.
+#[derive(Debug)]
+pub(super) struct Found {
+    path: PathBuf,
+    extent: Extent,
+    /// Bytes of the rows that are to stay, where the columns are the same ones.
+    length: Option<u64>,
 }
 
 impl Table {
-    /// A new table with a header and no rows; a file of that name is replaced.
-    ///
-    /// # Errors
-    /// [`RecordError::Write`].
-    pub fn create(path: PathBuf, columns: Vec<String>) -> Result<Table, RecordError> {
-        let header = columns.join(",") + "\n";
-        let (file, length) = replace(&path, &header)?;
-        Ok(Table {
+    /// A new table with a header and no rows. A file of that name is replaced with the first flush.
+    pub fn new(path: PathBuf, columns: Vec<String>) -> Table {
+        Table {
             path,
             columns,
-            file,
-            length,
+            file: None,
+            length: 0,
+            late: 0,
             pending: String::new(),
+            rows: 0,
+        }
+    }
+
+    /// Looks whether a table goes as far as `extent`; changes nothing.
+    ///
+    /// # Errors
+    /// [`RecordError::Read`], [`RecordError::Short`].
+    pub fn find(path: PathBuf, extent: &Extent) -> Result<Found, RecordError> {
+        let read = |reason| RecordError::Read {
+            path: path.clone(),
+            reason,
+        };
+        let mut file = BufReader::new(File::open(&path).map_err(read)?);
+        let mut line = Vec::new();
+        let (mut length, mut lines, mut same) = (0, 0, false);
+        while lines <= extent.rows {
+            line.clear();
+            length += file.read_until(b'\n', &mut line).map_err(read)? as u64;
+            let whole = line.strip_suffix(b"\n");
+            let header = extent.columns.join(",");
+            let right = match whole {
+                Some(text) if lines == 0 => {
+                    same = text == header.as_bytes();
+                    same || text.starts_with((header + ",").as_bytes())
+                }
+                Some(_) => true,
+                None => false,
+            };
+            if !right {
+                return Err(RecordError::Short {
+                    path,
+                    rows: lines.saturating_sub(1),
+                    wanted: extent.rows,
+                });
+            }
+            lines += 1;
+        }
+        Ok(Found {
+            path,
+            extent: extent.clone(),
+            length: same.then_some(length),
         })
+    }
+
+    /// How far it has come.
+    pub fn extent(&self) -> Extent {
+        Extent {
+            columns: self.columns.clone(),
+            rows: self.rows,
+        }
     }
 
     /// The header.
@@ -44,29 +113,16 @@ impl Table {
         &self.columns
     }
 
-    /// Adds columns at the right; they are empty in the rows so far.
-    ///
-    /// # Errors
-    /// [`RecordError`] where the file cannot be read back or replaced.
-    pub fn add_columns(&mut self, names: Vec<String>) -> Result<(), RecordError> {
+    /// Adds columns at the right; they are empty in the rows so far. Nothing is written yet.
+    pub fn add_columns(&mut self, names: Vec<String>) {
         if names.is_empty() {
-            return Ok(());
+            return;
         }
-        self.flush()?;
-        let text = fs::read_to_string(&self.path).map_err(|reason| RecordError::Read {
-            path: self.path.clone(),
-            reason,
-        })?;
-        let empty = ",".repeat(names.len());
+        if self.file.is_some() {
+            self.late += names.len();
+        }
+        self.pending = widened(self.pending.lines(), names.len());
         self.columns.extend(names);
-        let mut wider = self.columns.join(",") + "\n";
-        for line in text.lines().skip(1) {
-            wider.push_str(line);
-            wider.push_str(&empty);
-            wider.push('\n');
-        }
-        (self.file, self.length) = replace(&self.path, &wider)?;
-        Ok(())
     }
 
     /// Appends a row, one cell a column; `None` is an empty cell. Nothing is written yet.
@@ -84,26 +140,47 @@ impl Table {
         }
         debug_assert_eq!(count, self.columns.len(), "one cell a column");
         self.pending.push('\n');
+        self.rows += 1;
     }
 
     /// Writes the rows that were appended since the last flush.
     ///
     /// # Errors
     /// [`RecordError::Vanished`] where the file is no longer under its name (a write would succeed
-    /// and be lost), [`RecordError::Write`] otherwise. The rows are kept for another try.
+    /// and be lost): the next flush begins it anew. [`RecordError::Write`] otherwise. The rows that are
+    /// not written yet are kept for another try.
     pub fn flush(&mut self) -> Result<(), RecordError> {
-        if self.pending.is_empty() {
+        if self.file.is_none() {
+            let text = self.columns.join(",") + "\n" + &self.pending;
+            self.replace(&text)?;
+            self.pending.clear();
+            return Ok(());
+        }
+        if self.pending.is_empty() && self.late == 0 {
             return Ok(());
         }
         if !self.path.exists() {
+            self.file = None;
+            self.rows = self.pending.lines().count() as u64;
             return Err(RecordError::Vanished {
                 path: self.path.clone(),
             });
         }
-        if let Err(reason) = self.file.write_all(self.pending.as_bytes()) {
+        if self.late > 0 {
+            let text = fs::read_to_string(&self.path).map_err(|reason| RecordError::Read {
+                path: self.path.clone(),
+                reason,
+            })?;
+            let rows = widened(text.lines().skip(1), self.late);
+            self.replace(&(self.columns.join(",") + "\n" + &rows))?;
+        }
+        let Some(file) = &mut self.file else {
+            return Ok(());
+        };
+        if let Err(reason) = file.write_all(self.pending.as_bytes()) {
             // As much of the last line as did get written goes; if even that fails, the error
             // below still tells.
-            let _ = self.file.set_len(self.length);
+            let _ = file.set_len(self.length);
             return Err(RecordError::write(&self.path)(reason));
         }
         self.length += self.pending.len() as u64;
@@ -117,27 +194,80 @@ impl Table {
     /// Those of [`Table::flush`].
     pub fn finish(&mut self) -> Result<(), RecordError> {
         self.flush()?;
-        self.file.sync_all().map_err(RecordError::write(&self.path))
+        match &self.file {
+            Some(file) => file.sync_all().map_err(RecordError::write(&self.path)),
+            None => Ok(()),
+        }
+    }
+
+    /// Replaces the file by a text and opens it for appending.
+    fn replace(&mut self, text: &str) -> Result<(), RecordError> {
+        write_whole(&self.path, |file| file.write_all(text.as_bytes()))?;
+        self.open(text.len() as u64)
+    }
+
+    /// Opens the file, which has so many bytes, for appending.
+    fn open(&mut self, length: u64) -> Result<(), RecordError> {
+        let file = OpenOptions::new()
+            .append(true)
+            .open(&self.path)
+            .map_err(RecordError::write(&self.path))?;
+        self.file = Some(file);
+        (self.length, self.late) = (length, 0);
+        Ok(())
     }
 }
 
-/// Replaces the file at `path` and opens it for appending.
-fn replace(path: &Path, text: &str) -> Result<(File, u64), RecordError> {
-    write_whole(path, |file| file.write_all(text.as_bytes()))?;
-    let file = OpenOptions::new()
-        .append(true)
-        .open(path)
-        .map_err(RecordError::write(path))?;
-    Ok((file, text.len() as u64))
+impl Found {
+    /// Cuts the table back to what is to stay, and goes on with it.
+    ///
+    /// # Errors
+    /// [`RecordError`] where the file cannot be read or written.
+    pub fn take_up(self) -> Result<Table, RecordError> {
+        let Extent { columns, rows } = self.extent;
+        let width = columns.len();
+        let mut table = Table::new(self.path, columns);
+        table.rows = rows;
+        if let Some(length) = self.length {
+            table.open(length)?;
+            if let Some(file) = &table.file {
+                file.set_len(length)
+                    .map_err(RecordError::write(&table.path))?;
+            }
+            return Ok(table);
+        }
+        // Columns that came later go, with the rows that have them.
+        let text = fs::read_to_string(&table.path).map_err(|reason| RecordError::Read {
+            path: table.path.clone(),
+            reason,
+        })?;
+        let mut narrow = String::new();
+        for line in text.lines().take(rows as usize + 1) {
+            let cells: Vec<&str> = line.split(',').take(width).collect();
+            narrow.push_str(&cells.join(","));
+            narrow.push('\n');
+        }
+        table.replace(&narrow)?;
+        Ok(table)
+    }
+}
+
+/// Lines with so many empty cells more.
+fn widened<'a>(lines: impl Iterator<Item = &'a str>, cells: usize) -> String {
+    let empty = ",".repeat(cells);
+    lines.map(|line| format!("{line}{empty}\n")).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::path::Path;
 
     fn table(folder: &Path) -> Table {
         let columns = ["step", "t"].map(str::to_owned).to_vec();
-        Table::create(folder.join("table.csv"), columns).unwrap()
+        let mut table = Table::new(folder.join("table.csv"), columns);
+        table.flush().unwrap();
+        table
     }
 
     #[test]
@@ -161,14 +291,14 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let mut table = table(folder.path());
         table.append([Some(0.0), Some(0.0)]);
-        table
-            .add_columns(vec!["E_field".into(), "E_pull".into()])
-            .unwrap();
+        table.flush().unwrap();
+        table.append([Some(0.5), Some(0.25)]);
+        table.add_columns(vec!["E_field".into(), "E_pull".into()]);
         table.append([Some(1.0), Some(0.5), Some(3.0), None]);
         table.flush().unwrap();
         assert_eq!(
             fs::read_to_string(&table.path).unwrap(),
-            "step,t,E_field,E_pull\n0,0,,\n1,0.5,3,\n"
+            "step,t,E_field,E_pull\n0,0,,\n0.5,0.25,,\n1,0.5,3,\n"
         );
     }
 
@@ -180,6 +310,63 @@ mod tests {
         drop(folder);
         let error = table.flush().unwrap_err();
         assert!(matches!(&error, RecordError::Vanished { path } if *path == table.path));
+        let error = table.flush().unwrap_err();
+        assert!(matches!(&error, RecordError::Write { path, .. } if *path == table.path));
+        // Whoever makes the folder again gets the rows that were not lost.
+        fs::create_dir(table.path.parent().unwrap()).unwrap();
+        table.append([Some(1.0), Some(0.5)]);
+        table.flush().unwrap();
+        let text = fs::read_to_string(&table.path).unwrap();
+        assert_eq!(text, "step,t\n0,0\n1,0.5\n");
+        fs::remove_dir_all(table.path.parent().unwrap()).unwrap();
+    }
+
+    #[test]
+    fn a_table_is_taken_up_where_it_was() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut first = table(folder.path());
+        first.append([Some(0.0), Some(0.0)]);
+        first.append([Some(1.0), Some(0.5)]);
+        let extent = first.extent();
+        first.append([Some(2.0), Some(1.0)]);
+        first.flush().unwrap();
+        let path = first.path.clone();
+        for late in [false, true] {
+            if late {
+                first.add_columns(vec!["late".into()]);
+                first.append([Some(3.0), Some(1.5), Some(7.0)]);
+                first.flush().unwrap();
+            }
+            let whole = fs::read_to_string(&path).unwrap();
+            let found = Table::find(path.clone(), &extent).unwrap();
+            assert_eq!(fs::read_to_string(&path).unwrap(), whole);
+            let mut again = found.take_up().unwrap();
+            assert_eq!(fs::read_to_string(&path).unwrap(), "step,t\n0,0\n1,0.5\n");
+            again.append([Some(2.0), Some(1.0)]);
+            again.flush().unwrap();
+            let text = fs::read_to_string(&path).unwrap();
+            assert_eq!(text, "step,t\n0,0\n1,0.5\n2,1\n");
+            assert_eq!(again.extent().rows, 3);
+            first = again;
+        }
+        let more = Extent { rows: 4, ..extent };
+        let error = Table::find(path.clone(), &more).unwrap_err();
+        assert!(matches!(
+            error,
+            RecordError::Short {
+                rows: 3,
+                wanted: 4,
+                ..
+            }
+        ));
+        fs::write(&path, "step,t\n0,0\n1,0.").unwrap();
+        let two = Extent { rows: 2, ..more };
+        assert!(Table::find(path.clone(), &two).is_err());
+        let other = Extent {
+            columns: vec!["step".into(), "x".into()],
+            rows: 1,
+        };
+        assert!(Table::find(path, &other).is_err());
     }
 
     #[cfg(target_os = "linux")]
@@ -187,10 +374,8 @@ mod tests {
     fn a_full_disk_is_an_error_and_the_rows_are_kept() {
         let folder = tempfile::tempdir().unwrap();
         let mut table = table(folder.path());
-        let good = std::mem::replace(
-            &mut table.file,
-            OpenOptions::new().append(true).open("/dev/full").unwrap(),
-        );
+        let full = OpenOptions::new().append(true).open("/dev/full").unwrap();
+        let good = table.file.replace(full);
         table.append([Some(0.0), Some(0.0)]);
         let error = table.flush().unwrap_err().to_string();
         assert!(error.contains("table.csv: No space left"), "{error}");

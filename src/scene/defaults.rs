@@ -1,12 +1,13 @@
 //! What a scene is where it says nothing: Table 1 of the paper, case 3, homeotropic.
 //!
-//! The tables area, nematic and anchoring are effects: without its table, an effect is absent. A
+//! The tables area, nematic, anchoring, field, pull and noise are effects: without its table, an
+//! effect is absent. A
 //! key that is left out of a table that is there has the value given here.
 
 use super::model::{
-    Anchoring, AnchoringKind, Area, Boundary, Curve, InitialDirector, Iteration, LinearMethod,
-    Membrane, Mesh, Nematic, Order, Outline, Projection, Quadrature, ScalarField, Scene, Shape,
-    Solver, Time, Vesicle,
+    Anchoring, AnchoringKind, Area, Boundary, Curve, Field, InitialDirector, Iteration,
+    LinearMethod, Membrane, Mesh, Nematic, Noise, Order, Outline, Projection, Quadrature,
+    ScalarField, Scene, Shape, Solver, Time, Vesicle,
 };
 
 /// The centre of the domain.
@@ -35,6 +36,9 @@ impl Default for Scene {
             area: None,
             nematic: None,
             anchoring: None,
+            field: None,
+            pull: None,
+            noise: None,
             solver: Solver::default(),
         }
     }
@@ -120,6 +124,28 @@ impl Default for Anchoring {
         Self {
             kind: AnchoringKind::Homeotropic,
             weight: 10.1,
+        }
+    }
+}
+
+/// The paper has no field: this one is as strong as the elastic forces of a vesicle of Table 1.
+impl Default for Field {
+    fn default() -> Self {
+        Self {
+            weight: 1000.0,
+            strength: 1.0,
+            angle: 0.0,
+            from: 0.0,
+            until: None,
+        }
+    }
+}
+
+impl Default for Noise {
+    fn default() -> Self {
+        Self {
+            strength: 1e-3,
+            seed: SEED,
         }
     }
 }

@@ -155,6 +155,15 @@ pub enum Problem {
         /// The anchoring that the scene asks for.
         kind: &'static str,
     },
+    /// There is nothing for an effect on the director to act on.
+    #[error(
+        "[{table}] acts on the director, and the scene has no [nematic]; add that table, or take \
+         [{table}] away (--set {table}=false)"
+    )]
+    DirectorWithoutNematic {
+        /// The effect's table.
+        table: &'static str,
+    },
     /// A formula that cannot be understood or is not finite.
     #[error("{key}: {error}")]
     Expression {

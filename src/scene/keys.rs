@@ -13,6 +13,9 @@ pub(super) const TOP: &Keys = &[
     "area",
     "nematic",
     "anchoring",
+    "field",
+    "pull",
+    "noise",
     "solver",
 ];
 pub(super) const DOMAIN: &Keys = &["boundary"];
@@ -22,6 +25,9 @@ pub(super) const MEMBRANE: &Keys = &["interface_width", "mobility", "spontaneous
 pub(super) const AREA: &Keys = &["target", "penalty"];
 pub(super) const NEMATIC: &Keys = &["weight", "mobility", "penalty", "initial"];
 pub(super) const ANCHORING: &Keys = &["kind", "weight"];
+pub(super) const FIELD: &Keys = &["weight", "strength", "angle", "from", "until"];
+pub(super) const PULL: &Keys = &["potential"];
+pub(super) const NOISE: &Keys = &["strength", "seed"];
 pub(super) const SOLVER: &Keys = &[
     "quadrature",
     "iteration",
@@ -68,6 +74,9 @@ pub(super) fn table_with(key: &str) -> Option<&'static str> {
         ("area", AREA),
         ("nematic", NEMATIC),
         ("anchoring", ANCHORING),
+        ("field", FIELD),
+        ("pull", PULL),
+        ("noise", NOISE),
         ("solver", SOLVER),
     ];
     tables

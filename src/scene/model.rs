@@ -5,6 +5,9 @@
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
+use super::angle::direction;
 use super::expression::Expression;
 
 /// One simulation, complete.
@@ -28,6 +31,12 @@ pub struct Scene {
     pub nematic: Option<Nematic>,
     /// The anchoring of the director at the membrane; `None` where the scene has no such table.
     pub anchoring: Option<Anchoring>,
+    /// An external field on the director; `None`: there is none.
+    pub field: Option<Field>,
+    /// A given potential that moves the membrane; `None`: there is none.
+    pub pull: Option<Pull>,
+    /// Thermal noise on the director; `None`: none.
+    pub noise: Option<Noise>,
     /// How the equations are solved.
     pub solver: Solver,
 }
@@ -277,7 +286,7 @@ pub struct Defect {
 }
 
 /// The anchoring of the director at the membrane.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Anchoring {
     /// Which direction it prefers.
     pub kind: AnchoringKind,
@@ -286,7 +295,7 @@ pub struct Anchoring {
 }
 
 /// The direction that the membrane prefers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum AnchoringKind {
     /// (δ1, δ2) = (0, 0).
     None,
@@ -294,6 +303,44 @@ pub enum AnchoringKind {
     Parallel,
     /// Across the membrane: (δ1, δ2) = (1, −1).
     Homeotropic,
+}
+
+/// A magnetic or electric field, E = −½ χ ∫ I(φ)(d·H)².
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Field {
+    /// χ: the director turns along the field where it is positive, across it where it is negative.
+    pub weight: f64,
+    /// |H|.
+    pub strength: f64,
+    /// Of H to the x axis, in degrees.
+    pub angle: f64,
+    /// When it is switched on.
+    pub from: f64,
+    /// When it is switched off; `None`: never.
+    pub until: Option<f64>,
+}
+
+impl Field {
+    /// H.
+    pub fn vector(&self) -> [f64; 2] {
+        direction(self.angle).map(|entry| self.strength * entry)
+    }
+}
+
+/// A pull on the membrane, E = −∫ φ U: the vesicle is drawn to where U is large.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pull {
+    /// U(x).
+    pub potential: ScalarField,
+}
+
+/// Thermal noise on the director inside the vesicle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Noise {
+    /// The temperature k_B T, in units of the energy.
+    pub strength: f64,
+    /// Of the random numbers.
+    pub seed: u64,
 }
 
 /// How the equations are solved.

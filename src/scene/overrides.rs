@@ -3,7 +3,7 @@
 //! KEY is dotted (`time.step`), VALUE is TOML; a bare word that is not TOML is a string
 //! (`anchoring.kind=parallel`). The value takes the place of the one in the scene: a table that is
 //! not there is made, a whole table can be given (`vesicle={shape="circle",radius=0.25}`), and
-//! `area=false`, `nematic=false`, `anchoring=false` take the table of that effect away.
+//! `area=false`, `field=false` and the like take the table of that effect away.
 
 use super::document::{Entry, Location, Node, Sources, Table, Value, read_value};
 use super::error::{Problem, SceneError};
@@ -11,7 +11,7 @@ use super::error::{Problem, SceneError};
 /// Deeper than any key of a scene.
 const DEEPEST_KEY: usize = 8;
 /// The tables whose absence means something.
-const EFFECTS: [&str; 3] = ["area", "nematic", "anchoring"];
+const EFFECTS: [&str; 6] = ["area", "nematic", "anchoring", "field", "pull", "noise"];
 
 /// Applies the override `text`, which stands at `location`.
 pub(super) fn apply(

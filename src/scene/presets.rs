@@ -28,6 +28,10 @@ const PRESETS: [(&str, &str); 10] = [
     ),
     ("bending", include_str!("../../presets/bending.toml")),
     ("circle", include_str!("../../presets/circle.toml")),
+    ("curvature", include_str!("../../presets/curvature.toml")),
+    ("field", include_str!("../../presets/field.toml")),
+    ("pull", include_str!("../../presets/pull.toml")),
+    ("noise", include_str!("../../presets/noise.toml")),
 ];
 
 /// There is no such preset.

@@ -4,9 +4,10 @@ use super::document;
 use super::error::{Problem, SceneError};
 use super::expression::Expression;
 use super::keys;
+use super::model as scene;
 use super::model::{
     Anchoring, AnchoringKind, Area, Boundary, Defect, InitialDirector, LinearMethod, Membrane,
-    Mesh, Nematic, NodalValues, Order, ScalarField, Scene, Solver, Time,
+    Mesh, Nematic, NodalValues, Noise, Order, Pull, ScalarField, Scene, Solver, Time,
 };
 use super::names::{ANCHORINGS, BOUNDARIES, ITERATIONS, LINEAR_METHODS, QUADRATURES, name_of};
 use super::nodal_file;
@@ -39,8 +40,8 @@ impl Scene {
     ///   file's name, or `preset case3`.
     /// - `overrides` are arguments `KEY=VALUE`, applied in their order before anything is checked.
     ///   KEY is dotted, VALUE is TOML or a bare word. A key of a table that is not there makes the
-    ///   table; `area=false`, `nematic=false`, `anchoring=false` remove one; a `vesicle.shape` or
-    ///   `vesicle.parts` takes the place of the whole shape in `text`.
+    ///   table; `area=false`, `nematic=false` and so on remove that of an effect; a `vesicle.shape`
+    ///   or `vesicle.parts` takes the place of the whole shape in `text`.
     /// - `read` gives the contents of a file of nodal values, by its path as the scene gives it.
     ///
     /// # Errors
@@ -54,9 +55,6 @@ impl Scene {
     ) -> Result<Self, SceneError> {
         let (sources, node) = document::read(text, origin, overrides)?;
         let top = Reader::top(&sources, &node);
-        for key in ["field", "pull", "noise"] {
-            top.not_yet(key, "remove the table")?;
-        }
         top.allow(keys::TOP)?;
 
         let mesh = read_mesh(&top.table("mesh")?)?;
@@ -81,9 +79,16 @@ impl Scene {
                 .as_ref()
                 .map(read_anchoring)
                 .transpose()?,
+            field: top.present("field")?.as_ref().map(read_field).transpose()?,
+            pull: top
+                .present("pull")?
+                .map(|table| read_pull(&table, &mut context))
+                .transpose()?,
+            noise: top.present("noise")?.as_ref().map(read_noise).transpose()?,
             solver: read_solver(&top.table("solver")?)?,
         };
         check_anchoring(&scene, &top)?;
+        check_director(&scene, &top)?;
         check_transform(&scene, &top)?;
         Ok(scene)
     }
@@ -334,6 +339,56 @@ fn read_anchoring(table: &Reader<'_>) -> Result<Anchoring, SceneError> {
         kind: table.choice("kind", default.kind, ANCHORINGS)?,
         weight: table.number("weight", default.weight, NOT_NEGATIVE)?,
     })
+}
+
+fn read_field(table: &Reader<'_>) -> Result<scene::Field, SceneError> {
+    table.allow(keys::FIELD)?;
+    let default = scene::Field::default();
+    let from = table.number("from", default.from, NOT_NEGATIVE)?;
+    let until = match table.get("until") {
+        None => default.until,
+        Some(field) => match field.number(FINITE)? {
+            until if until > from => Some(until),
+            _ => return Err(field.out_of_range(format!("a number > field.from = {from}"))),
+        },
+    };
+    Ok(scene::Field {
+        weight: table.number("weight", default.weight, FINITE)?,
+        strength: table.number("strength", default.strength, NOT_NEGATIVE)?,
+        angle: table.number("angle", default.angle, FINITE)?,
+        from,
+        until,
+    })
+}
+
+fn read_pull(table: &Reader<'_>, context: &mut Context<'_>) -> Result<Pull, SceneError> {
+    table.allow(keys::PULL)?;
+    let potential = table.require("potential", "[pull]")?;
+    Ok(Pull {
+        potential: read_scalar_field(&potential, context)?,
+    })
+}
+
+fn read_noise(table: &Reader<'_>) -> Result<Noise, SceneError> {
+    table.allow(keys::NOISE)?;
+    let default = Noise::default();
+    Ok(Noise {
+        strength: table.number("strength", default.strength, NOT_NEGATIVE)?,
+        seed: table.seed(default.seed)?,
+    })
+}
+
+/// There must be a director for the effects that act on it alone.
+fn check_director(scene: &Scene, top: &Reader<'_>) -> Result<(), SceneError> {
+    if scene.nematic.is_some() {
+        return Ok(());
+    }
+    for table in ["field", "noise"] {
+        if let Some(field) = top.get(table) {
+            return Err(field.key_error(Problem::DirectorWithoutNematic { table }));
+        }
+    }
+    Ok(())
 }
 
 /// There must be a director to anchor.

@@ -33,6 +33,14 @@ pub enum Warning {
         /// 4π·area/length² of the initial shape.
         bound: f64,
     },
+    /// A field that the length of the director cannot withstand: −½ χ |H|² |d|² falls faster than
+    /// λ_nem P(d) grows.
+    FieldTooStrong {
+        /// χ |H|².
+        pull: f64,
+        /// 2 λ_nem/η_d².
+        bound: f64,
+    },
 }
 
 impl fmt::Display for Warning {
@@ -73,6 +81,12 @@ impl fmt::Display for Warning {
                     4.0 * interface_width,
                 )
             }
+            Self::FieldTooStrong { pull, bound } => write!(
+                f,
+                "the field draws the director out without end: field.weight · field.strength² = \
+                 {pull} must be below 2 · nematic.weight/nematic.penalty² = {bound:.6}, or nothing \
+                 keeps |d| near 1",
+            ),
             Self::TargetOutOfReach {
                 target_squared,
                 bound,
@@ -95,14 +109,21 @@ pub fn warnings(scene: &Scene) -> Vec<Warning> {
     let interface_width = scene.membrane.interface_width;
     // Rounding must not warn of 0.03 · 100 cells.
     let spanned = interface_width * cells as f64 * (1.0 + f64::EPSILON);
+    let mut warnings = Vec::new();
     if spanned < CELLS_PER_INTERFACE {
-        vec![Warning::ThinInterface {
+        warnings.push(Warning::ThinInterface {
             interface_width,
             cells,
-        }]
-    } else {
-        Vec::new()
+        });
     }
+    if let (Some(field), Some(nematic)) = (scene.field, &scene.nematic) {
+        let pull = field.weight * field.strength * field.strength;
+        let bound = 2.0 * nematic.weight / (nematic.penalty * nematic.penalty);
+        if pull >= bound {
+            warnings.push(Warning::FieldTooStrong { pull, bound });
+        }
+    }
+    warnings
 }
 
 #[cfg(test)]
@@ -134,6 +155,31 @@ mod tests {
             text.contains("1.20 cells") && text.contains("mesh.cells = 300"),
             "{text}"
         );
+    }
+
+    #[test]
+    fn a_field_that_nothing_withstands_is_told() {
+        let mut scene = scene(0.03, 100);
+        scene.nematic = Some(crate::scene::Nematic {
+            weight: 2.0,
+            penalty: 0.1,
+            ..Default::default()
+        });
+        let field = |weight| crate::scene::Field {
+            weight,
+            strength: 2.0,
+            ..Default::default()
+        };
+        scene.field = Some(field(99.0));
+        assert_eq!(warnings(&scene), []);
+        scene.field = Some(field(100.0));
+        let text = warnings(&scene)[0].to_string();
+        assert!(
+            text.contains("= 400 must be below") && text.contains("400.0"),
+            "{text}"
+        );
+        scene.field = Some(field(-1e9));
+        assert_eq!(warnings(&scene), []);
     }
 
     #[test]

@@ -44,11 +44,7 @@ impl Scene {
         out.key("mobility", number(self.membrane.mobility));
         out.key(
             "spontaneous_curvature",
-            match &self.membrane.spontaneous_curvature {
-                ScalarField::Constant(value) => number(*value),
-                ScalarField::Expression(expression) => quoted(expression.text()),
-                ScalarField::File(nodal) => format!("{{ file = {} }}", path(nodal)),
-            },
+            scalar_field(&self.membrane.spontaneous_curvature),
         );
 
         if let Some(area) = &self.area {
@@ -68,6 +64,25 @@ impl Scene {
             out.key("kind", quoted(name_of(ANCHORINGS, anchoring.kind)));
             out.key("weight", number(anchoring.weight));
         }
+        if let Some(field) = &self.field {
+            out.table("field");
+            out.key("weight", number(field.weight));
+            out.key("strength", number(field.strength));
+            out.key("angle", number(field.angle));
+            out.key("from", number(field.from));
+            if let Some(until) = field.until {
+                out.key("until", number(until));
+            }
+        }
+        if let Some(pull) = &self.pull {
+            out.table("pull");
+            out.key("potential", scalar_field(&pull.potential));
+        }
+        if let Some(noise) = &self.noise {
+            out.table("noise");
+            out.key("strength", number(noise.strength));
+            out.key("seed", noise.seed);
+        }
 
         out.table("solver");
         out.key(
@@ -85,6 +100,15 @@ impl Scene {
         out.key("tolerance", number(self.solver.tolerance));
         out.key("law_tolerance", number(self.solver.law_tolerance));
         out.0
+    }
+}
+
+/// A number, a formula or a file, as [`ScalarField`] is read.
+fn scalar_field(field: &ScalarField) -> String {
+    match field {
+        ScalarField::Constant(value) => number(*value),
+        ScalarField::Expression(expression) => quoted(expression.text()),
+        ScalarField::File(nodal) => format!("{{ file = {} }}", path(nodal)),
     }
 }
 

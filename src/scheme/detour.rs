@@ -1,5 +1,7 @@
 //! When the fast path is left, and when it is tried again: small state machines without numerics.
 
+use serde::{Deserialize, Serialize};
+
 /// Steps with the factor before the fast path is tried again; doubled each time it fails once more.
 const PATIENCE: u32 = 16;
 
@@ -13,7 +15,7 @@ const LEAST_BREAK_EVEN: f64 = 100.0;
 /// Whether the fast path is worth its time. It takes more iterations the longer the step is, the
 /// sparse factor about the same time at any Δt: at 120 cells as much as some 130 iterations. That number grows as
 /// the factor does against a product, as the square root of the number of nodes.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Slowness {
     /// Iterations of a solve at which both take the same time.
     break_even: u32,
@@ -46,7 +48,7 @@ impl Slowness {
 }
 
 /// A detour over the sparse factor.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct Detour {
     /// The Δt at which the fast path failed, or was slow.
     failed_at: f64,
@@ -69,7 +71,7 @@ impl Detour {
 
     /// A step was solved with the factor.
     pub(super) fn advance(&mut self) {
-        self.solved += 1;
+        self.solved = self.solved.saturating_add(1);
     }
 
     /// Whether the fast path is worth another try: at half the Δt that was too much for it, or when

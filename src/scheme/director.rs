@@ -1,8 +1,13 @@
 //! Substep 1: the linear, symmetric positive definite system for dⁿ⁺¹,
 //!   (δ, e)/(γ_nem Δt) + Σ_effects ⟨f_d(dⁿ + δ), e⟩ = 0,   δ = dⁿ⁺¹ − dⁿ
 //! (z = −δ_t d/γ_nem eliminated), by conjugate gradients: at the paper's Δt it is nearly a mass matrix.
+//! It is solved where anything acts on the director ([`Region`]); elsewhere δ = 0.
+
+use serde::{Deserialize, Serialize};
 
 use super::StepError;
+use super::faults::{self, Place};
+use super::region::{Criterion, Region};
 use crate::fem::{MassForm, Space};
 use crate::linalg::{ConjugateGradients, LinearOperator, SparseMatrix, vector};
 use crate::physics::{DirectorForm, Effects, Sample};
@@ -16,17 +21,87 @@ pub(super) struct DirectorStep {
     /// γ_nem.
     mobility: f64,
     form: DirectorForm,
+    /// A bound of the eigenvalues of M_L⁻¹ K.
+    largest_eigenvalue: f64,
+    region: Region,
+    /// On the region; made when it is.
+    work: Option<Work>,
+    /// δ of this step, on the whole mesh.
+    increment: Vec<f64>,
+    past: Increments,
+    /// Whether the next guess is what stands in the place of the new director.
+    given: bool,
+    #[cfg(test)]
+    everywhere: bool,
+}
+
+/// The increments of the last steps, to extrapolate the guess from; newest first.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(super) struct Increments {
+    last: [Vec<f64>; 3],
+    known: usize,
+}
+
+impl Increments {
+    fn new(size: usize) -> Self {
+        Self {
+            last: [vec![0.0; size], vec![0.0; size], vec![0.0; size]],
+            known: 0,
+        }
+    }
+
+    /// Takes over others. Allocates only where there is no room yet.
+    fn copy(&mut self, other: &Self) {
+        self.known = other.known;
+        for (target, source) in self.last.iter_mut().zip(&other.last) {
+            target.clone_from(source);
+        }
+    }
+
+    #[cfg(test)]
+    pub(super) fn forget(&mut self) {
+        self.known = 0;
+    }
+
+    /// Whether they are of a director with so many components in all.
+    pub(super) fn fits(&self, size: usize) -> bool {
+        self.known <= self.last.len() && self.last.iter().all(|last| last.len() == size)
+    }
+}
+
+/// The matrix and the vectors of substep 1 on its region.
+#[derive(Debug)]
+struct Work {
     system: System,
     load: Vec<f64>,
     inverse_diagonal: Vec<f64>,
-    /// δ of this step.
-    increment: Vec<f64>,
-    /// Of the last steps, to extrapolate the guess from.
-    last_increments: [Vec<f64>; 3],
-    steps_known: usize,
-    /// Whether the next guess is what stands in the place of the new director.
-    given: bool,
+    solution: Vec<f64>,
+    /// φⁿ and dⁿ.
+    phi: Vec<f64>,
+    director: [Vec<f64>; 2],
     method: ConjugateGradients,
+}
+
+impl Work {
+    fn new(space: &Space, kept: &[u32]) -> Self {
+        let matrix = || SparseMatrix::zeros(space.assembly().pattern.clone());
+        let vector = || vec![0.0; space.nodes()];
+        let both = || vec![0.0; 2 * space.nodes()];
+        Self {
+            system: System {
+                blocks: [matrix(), matrix()],
+                coupling: space.new_form(),
+                coupled: false,
+                kept: kept.to_vec(),
+            },
+            load: both(),
+            inverse_diagonal: both(),
+            solution: both(),
+            phi: vector(),
+            director: [vector(), vector()],
+            method: ConjugateGradients::new(2 * space.nodes()),
+        }
+    }
 }
 
 /// The matrix: two diagonal blocks and what couples the components.
@@ -35,6 +110,19 @@ struct System {
     blocks: [SparseMatrix; 2],
     coupling: MassForm,
     coupled: bool,
+    /// Nodes where δ = 0.
+    kept: Vec<u32>,
+}
+
+impl System {
+    /// Makes a vector zero where δ is.
+    fn keep(&self, vector: &mut [f64]) {
+        let (x, y) = vector.split_at_mut(vector.len() / 2);
+        for &node in &self.kept {
+            x[node as usize] = 0.0;
+            y[node as usize] = 0.0;
+        }
+    }
 }
 
 impl LinearOperator for System {
@@ -47,34 +135,43 @@ impl LinearOperator for System {
             self.coupling.multiply_add(1.0, x1, y0);
             self.coupling.multiply_add(1.0, x0, y1);
         }
+        self.keep(y);
+        faults::tap(Place::DirectorProduct, y);
     }
 }
 
 impl DirectorStep {
     pub(super) fn new(space: &Space, mobility: f64) -> Self {
-        let matrix = || SparseMatrix::zeros(space.assembly().pattern.clone());
         let size = 2 * space.nodes();
         Self {
             mobility,
             form: DirectorForm::default(),
-            system: System {
-                blocks: [matrix(), matrix()],
-                coupling: space.new_form(),
-                coupled: false,
-            },
-            load: vec![0.0; size],
-            inverse_diagonal: vec![0.0; size],
+            largest_eigenvalue: space.stiffness().eigenvalue_bound(space.nodal_weights()),
+            region: Region::default(),
+            work: None,
             increment: vec![0.0; size],
-            last_increments: [vec![0.0; size], vec![0.0; size], vec![0.0; size]],
-            steps_known: 0,
+            past: Increments::new(size),
             given: false,
-            method: ConjugateGradients::new(size),
+            #[cfg(test)]
+            everywhere: false,
         }
     }
 
     /// Forgets the increments of the last steps, from which the guess for the next one is made.
     pub(super) fn forget(&mut self) {
-        self.steps_known = 0;
+        self.past.known = 0;
+    }
+
+    /// Has the next steps be solved on the whole mesh: for tests of the region.
+    #[cfg(test)]
+    pub(super) fn solve_everywhere(&mut self) {
+        self.everywhere = true;
+    }
+
+    /// Where the last step was solved.
+    #[cfg(test)]
+    pub(super) fn region(&self) -> &Region {
+        &self.region
     }
 
     /// Whether the next solve starts from what stands in the place of the new director, not from the
@@ -85,22 +182,33 @@ impl DirectorStep {
 
     /// Takes the increment of an accepted step.
     pub(super) fn accept(&mut self) {
-        self.last_increments.rotate_right(1);
-        self.last_increments[0].copy_from_slice(&self.increment);
-        self.steps_known = (self.steps_known + 1).min(self.last_increments.len());
+        let Increments { last, known } = &mut self.past;
+        last.rotate_right(1);
+        last[0].copy_from_slice(&self.increment);
+        *known = (*known + 1).min(last.len());
+    }
+
+    /// What the guess for the next step is made from.
+    pub(super) fn remember(&self, past: &mut Increments) {
+        past.copy(&self.past);
+    }
+
+    /// Puts that back.
+    pub(super) fn recall(&mut self, past: &Increments) {
+        self.past.copy(past);
     }
 
     /// The increment that the last ones lead to expect, by a polynomial through them.
     fn guess(&mut self) {
         // Of degree 0, 1 and 2; steps of unequal length make it a worse guess, no more.
-        let weights: &[f64] = match self.steps_known {
+        let weights: &[f64] = match self.past.known {
             0 => &[],
             1 => &[1.0],
             2 => &[2.0, -1.0],
             _ => &[3.0, -3.0, 1.0],
         };
         self.increment.fill(0.0);
-        for (weight, last) in weights.iter().zip(&self.last_increments) {
+        for (weight, last) in weights.iter().zip(&self.past.last) {
             vector::add_scaled(&mut self.increment, *weight, last);
         }
     }
@@ -111,11 +219,10 @@ impl DirectorStep {
         space: &Space,
         effects: &mut Effects,
         old: &mut Sample,
-        (dt, tolerance): (f64, f64),
+        demand: Demand,
         (phi, from): (&[f64], &[Vec<f64>; 2]),
         to: &mut [Vec<f64>; 2],
     ) -> Result<u32, StepError> {
-        self.assemble(space, effects, old, dt, (phi, from));
         if std::mem::take(&mut self.given) {
             let (x, y) = self.increment.split_at_mut(space.nodes());
             for ((increment, to), from) in [x, y].into_iter().zip(&*to).zip(from) {
@@ -126,38 +233,123 @@ impl DirectorStep {
         } else {
             self.guess();
         }
-        let solution = self
+        let criterion = self.criterion(effects, demand, from);
+        let moved = self
+            .region
+            .follow(space, phi, &criterion)
+            .map_err(StepError::Region)?;
+        let region = &self.region;
+        for (to, from) in to.iter_mut().zip(from) {
+            to.copy_from_slice(from);
+        }
+        if region.is_empty() {
+            self.work = None;
+            self.increment.fill(0.0);
+            return Ok(0);
+        }
+        let part = region.space(space);
+        let work = match &mut self.work {
+            Some(work) if !moved => work,
+            work => work.insert(Work::new(part, &region.kept)),
+        };
+        gather(&region.nodes, phi, &mut work.phi);
+        for (part, whole) in work.director.iter_mut().zip(from) {
+            gather(&region.nodes, whole, part);
+        }
+        let inertia = (self.mobility * demand.dt).recip();
+        work.assemble(part, effects, old, inertia, &mut self.form);
+        faults::tap(Place::DirectorLoad, &mut work.load);
+
+        let nodes = region.nodes.len();
+        for axis in 0..2 {
+            let whole = &self.increment[axis * space.nodes()..][..space.nodes()];
+            gather(
+                &region.nodes,
+                whole,
+                &mut work.solution[axis * nodes..][..nodes],
+            );
+        }
+        work.system.keep(&mut work.solution);
+        let solution = work
             .method
             .solve(
-                &mut self.system,
-                &self.inverse_diagonal,
-                &self.load,
-                &mut self.increment,
-                tolerance,
+                &mut work.system,
+                &work.inverse_diagonal,
+                &work.load,
+                &mut work.solution,
+                demand.tolerance,
                 LIMIT,
             )
             .map_err(StepError::Director)?;
-        let nodes = space.nodes();
+        self.increment.fill(0.0);
         for axis in 0..2 {
-            let increment = &self.increment[axis * nodes..][..nodes];
-            for ((to, from), step) in to[axis].iter_mut().zip(&from[axis]).zip(increment) {
-                *to = from + step;
+            let steps = &work.solution[axis * nodes..][..nodes];
+            let increment = &mut self.increment[axis * space.nodes()..][..space.nodes()];
+            for (&node, step) in region.nodes.iter().zip(steps) {
+                increment[node as usize] = *step;
+                to[axis][node as usize] = from[axis][node as usize] + step;
             }
+            faults::tap(Place::Director(axis), &mut to[axis]);
         }
         Ok(solution.iterations as u32)
     }
 
+    /// Where substep 1 is to be solved.
+    fn criterion(&self, effects: &Effects, demand: Demand, from: &[Vec<f64>; 2]) -> Criterion {
+        let [x, y] = from;
+        let squares = x.iter().zip(y).map(|(x, y)| x * x + y * y);
+        let reach = effects.director_reach();
+        #[cfg(test)]
+        let reach = reach.filter(|_| !self.everywhere);
+        Criterion {
+            reach,
+            largest_eigenvalue: self.largest_eigenvalue,
+            length: squares.fold(0.0, f64::max).sqrt(),
+            energy_scale: demand.energy_scale,
+            inertia: self.mobility * demand.length,
+        }
+    }
+
+    /// Δt γ_nem ‖z‖² = ‖dⁿ⁺¹ − dⁿ‖²/(γ_nem Δt).
+    pub(super) fn dissipation(&self, space: &Space, dt: f64) -> f64 {
+        let (x, y) = self.increment.split_at(space.nodes());
+        let squares = space.mass().quadratic_form(x) + space.mass().quadratic_form(y);
+        squares / (self.mobility * dt)
+    }
+}
+
+/// What a step asks of substep 1.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Demand {
+    /// Δt.
+    pub(super) dt: f64,
+    /// The Δt of the whole step where this is a part of it: the region is that of the whole step, or it
+    /// would be made anew with every part.
+    pub(super) length: f64,
+    /// Relative residual of the solution.
+    pub(super) tolerance: f64,
+    /// S.
+    pub(super) energy_scale: f64,
+}
+
+/// The values of some nodes.
+fn gather(nodes: &[u32], whole: &[f64], part: &mut [f64]) {
+    for (value, &node) in part.iter_mut().zip(nodes) {
+        *value = whole[node as usize];
+    }
+}
+
+impl Work {
     /// The matrix, and minus the force at dⁿ.
     fn assemble(
         &mut self,
         space: &Space,
         effects: &mut Effects,
         old: &mut Sample,
-        dt: f64,
-        (phi, director): (&[f64], &[Vec<f64>; 2]),
+        inertia: f64,
+        form: &mut DirectorForm,
     ) {
         let nodes = space.nodes();
-        let inertia = (self.mobility * dt).recip();
         let [x_block, y_block] = &mut self.system.blocks;
         let blocks = [&mut x_block.values[..], &mut y_block.values[..]];
         let coupling = &mut self.system.coupling;
@@ -171,11 +363,10 @@ impl DirectorStep {
         self.system.coupled = false;
         self.load.fill(0.0);
         let (load_x, load_y) = self.load.split_at_mut(nodes);
-        let form = &mut self.form;
         for patch in space.patches() {
             old.begin();
-            old.set_phi(&patch, phi);
-            old.set_director(&patch, director);
+            old.set_phi(&patch, &self.phi);
+            old.set_director(&patch, &self.director);
             form.clear(&patch);
             for effect in effects.iter_mut() {
                 effect.add_director_force(&patch, old, form);
@@ -186,7 +377,7 @@ impl DirectorStep {
             for (axis, load) in [&mut *load_x, &mut *load_y].into_iter().enumerate() {
                 patch.add_load(&form.load[axis], &form.flux[axis], load);
                 if let Some(tensor) = tensor {
-                    for (other, component) in director.iter().enumerate() {
+                    for (other, component) in self.director.iter().enumerate() {
                         patch.add_element_product(tensor[axis + other], component, load);
                     }
                 }
@@ -200,18 +391,12 @@ impl DirectorStep {
             self.system.coupled |= form.has_tensor;
         }
         self.load.iter_mut().for_each(|entry| *entry = -*entry);
+        self.system.keep(&mut self.load);
         for (axis, block) in self.system.blocks.iter().enumerate() {
             let inverse = &mut self.inverse_diagonal[axis * nodes..][..nodes];
             for (inverse, &position) in inverse.iter_mut().zip(&space.assembly().diagonal) {
                 *inverse = block.values[position as usize].recip();
             }
         }
-    }
-
-    /// Δt γ_nem ‖z‖² = ‖dⁿ⁺¹ − dⁿ‖²/(γ_nem Δt).
-    pub(super) fn dissipation(&self, space: &Space, dt: f64) -> f64 {
-        let (x, y) = self.increment.split_at(space.nodes());
-        let squares = space.mass().quadratic_form(x) + space.mass().quadratic_form(y);
-        squares / (self.mobility * dt)
     }
 }

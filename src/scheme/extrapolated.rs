@@ -34,6 +34,7 @@
 use super::{Phase, Scheme, State, StepError, StepReport, energy_scale, sweep};
 use crate::linalg::vector;
 use crate::physics::{NamedValue, potentials};
+use serde::{Deserialize, Serialize};
 
 /// A step that was taken in several ways and waits to be accepted, and what the guesses of the
 /// next one are made from.
@@ -61,8 +62,8 @@ struct Waiting {
 }
 
 /// What a step teaches for the guesses of the next.
-#[derive(Debug)]
-struct Learnt {
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(super) struct Learnt {
     /// The length of the step; `None`: nothing is known.
     dt: Option<f64>,
     /// Σ w_j T_j − T_i, of φ: the errors of the results, nearly.
@@ -80,7 +81,34 @@ impl Learnt {
             turn: state.director.is_some().then(|| [zeros(), zeros()]),
         }
     }
+
+    /// Takes over another. Allocates only where there is no room yet.
+    fn copy(&mut self, other: &Self) {
+        self.dt = other.dt;
+        self.errors.clone_from(&other.errors);
+        match &other.turn {
+            Some(source) => {
+                let target = self.turn.get_or_insert_default();
+                for (target, source) in target.iter_mut().zip(source) {
+                    target.clone_from(source);
+                }
+            }
+            None => self.turn = None,
+        }
+    }
+
+    /// Whether it can be of a scheme whose state is this.
+    pub(super) fn fits(&self, state: &State) -> bool {
+        let nodes = state.phi.len();
+        let turn = self.turn.iter().flatten();
+        (2..=MOST_CHAINS).contains(&self.errors.len())
+            && self.turn.is_some() == state.director.is_some()
+            && self.errors.iter().chain(turn).all(|it| it.len() == nodes)
+    }
 }
+
+/// Results that are combined at most.
+const MOST_CHAINS: usize = 3;
 
 impl Trial {
     fn new(state: &State, chains: usize) -> Self {
@@ -139,6 +167,8 @@ impl Scheme {
         combine: bool,
         watch: &mut dyn FnMut(Phase),
     ) -> Result<Difference, StepError> {
+        // For the whole step: a field that is switched on its way would not be the same for all parts.
+        self.set_interval(dt);
         let mut trial = match self.trial.take() {
             Some(trial) if trial.results.len() == chains => trial,
             _ => Box::new(Trial::new(&self.state, chains)),
@@ -168,6 +198,7 @@ impl Scheme {
                 std::mem::swap(&mut self.state, state);
                 std::mem::swap(&mut self.report, report);
                 std::mem::swap(&mut trial.last, &mut trial.now);
+                self.report.switched = self.switched.take();
                 self.t += dt;
                 self.history.push(self.t, &self.state);
             }
@@ -183,6 +214,31 @@ impl Scheme {
             .map_or([0; 3], |trial| Work::of(&trial.finest).0)
     }
 
+    /// Copies out what the guesses of the next step are made from.
+    pub(super) fn remember_trial(&self, memory: &mut Option<Learnt>) {
+        let known = self.trial.as_ref().filter(|it| it.last.dt.is_some());
+        match known {
+            Some(trial) => memory.get_or_insert_default().copy(&trial.last),
+            None => *memory = None,
+        }
+    }
+
+    /// Puts it back.
+    pub(super) fn recall_trial(&mut self, memory: Option<&Learnt>) {
+        let Some(learnt) = memory else {
+            self.trial = None;
+            return;
+        };
+        let chains = learnt.errors.len();
+        let mut trial = match self.trial.take() {
+            Some(trial) if trial.results.len() == chains => trial,
+            _ => Box::new(Trial::new(&self.state, chains)),
+        };
+        trial.waiting = None;
+        trial.last.copy(learnt);
+        self.trial = Some(trial);
+    }
+
     fn all_chains(
         &mut self,
         dt: f64,
@@ -194,14 +250,17 @@ impl Scheme {
         copy(&mut trial.start, &self.state);
         trial.start_report.clone_from(&self.report);
         let mut work = Work([0; 3]);
-        let (mut law_residual, mut fallback) = (0.0, None);
+        let mut law_residual = 0.0;
+        let (mut fallback, mut newton_took_over) = (None, None);
+        let (mut refused_ways, mut damping) = (0, 1.0_f64);
         for parts in 1..=trial.results.len() {
             let outcome = self.chain(dt, parts, trial, watch, &mut |report| {
                 work = work.plus(Work::of(report));
                 larger(&mut law_residual, report.law_residual);
-                if fallback.is_none() {
-                    fallback = report.fallback.take();
-                }
+                fallback = fallback.take().or(report.fallback.take());
+                newton_took_over = newton_took_over.take().or(report.newton_took_over.take());
+                refused_ways += report.refused_ways;
+                damping = damping.min(report.damping);
             });
             // The state of the last part is the result; the scheme goes back to the start.
             copy(&mut trial.results[parts - 1], &self.state);
@@ -213,13 +272,19 @@ impl Scheme {
         let report = &mut trial.finest;
         report.law_residual = law_residual;
         report.fallback = fallback;
+        report.newton_took_over = newton_took_over;
+        (report.refused_ways, report.damping) = (refused_ways, damping);
         work.write_to(report);
 
         self.combine(trial);
         let difference = self.difference(trial);
         trial.now.dt = Some(dt);
         watch(Phase::Ledger);
-        let falls = trial.combined_report.total_energy <= self.report.total_energy;
+        // But for the work that is done on it from outside.
+        let worked = |term: &&NamedValue| term.name.ends_with("_work");
+        let ledger = trial.combined_report.ledger.iter().filter(worked);
+        let done: f64 = ledger.map(|term| term.value).sum();
+        let falls = trial.combined_report.total_energy + done <= self.report.total_energy;
         trial.waiting = Some(Waiting {
             dt,
             combine: combine && falls,

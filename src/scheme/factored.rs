@@ -9,9 +9,12 @@
 //!
 //! The factor is kept until the iterations that it needs say that a new one would pay.
 
+use serde::{Deserialize, Serialize};
+
 use crate::fem::{MassForm, Space};
 use crate::linalg::{Ldlt, LinalgError, LinearOperator, Pattern, vector};
 
+use super::faults::{self, Place};
 use super::linearised::Linearised;
 
 /// Above this many GMRES iterations in one solve the factor is made anew: a factorisation costs
@@ -40,8 +43,31 @@ pub(super) struct FactoredPreconditioner {
     root_weights: Vec<f64>,
 }
 
+/// Which matrix was factored, and what decides whether the factor is used again. A factor lives on
+/// over many steps, so that the present state alone does not tell it; the matrix takes much less
+/// memory than the factor.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(super) struct FactorMemory {
+    age: Age,
+    /// Empty where there is no factor.
+    values: Vec<f64>,
+}
+
+impl FactorMemory {
+    /// There is no factor.
+    pub(super) fn clear(&mut self) {
+        self.age = Age::default();
+        self.values.clear();
+    }
+
+    /// Whether there is none.
+    pub(super) fn is_empty(&self) -> bool {
+        self.age.made_for.is_none()
+    }
+}
+
 /// Whether the factor can be used again: a small state machine of its own.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 struct Age {
     /// Δtγ_ben of the factored matrix; `None`: there is no factor.
     made_for: Option<f64>,
@@ -88,10 +114,7 @@ impl FactoredPreconditioner {
             values: vec![0.0; pattern.stored()],
             positions,
             fixed,
-            age: Age {
-                made_for: None,
-                last_iterations: 0,
-            },
+            age: Age::default(),
             interleaved: vec![0.0; 3 * nodes.size()],
             row_scales: [1.0; 3],
             root_weights: space
@@ -128,6 +151,45 @@ impl FactoredPreconditioner {
     /// Tells how many iterations a solve with this factor took.
     pub(super) fn used(&mut self, iterations: usize) {
         self.age.last_iterations = iterations;
+    }
+
+    /// Which matrix is factored.
+    pub(super) fn remember(&self, memory: &mut FactorMemory) {
+        memory.clear();
+        memory.age = self.age;
+        if !memory.is_empty() {
+            memory.values.extend_from_slice(&self.values);
+        }
+    }
+
+    /// Factors that matrix again, if it is another one.
+    ///
+    /// # Errors
+    /// `Factorisation` where the matrix cannot be factored or has another size; there is no factor
+    /// then.
+    pub(super) fn recall(&mut self, memory: &FactorMemory) -> Result<(), LinalgError> {
+        let have = self.age.made_for.is_some();
+        self.age.made_for = None;
+        if !memory.is_empty() {
+            if memory.values.len() != self.values.len() {
+                return Err(LinalgError::Factorisation {
+                    size: self.interleaved.len(),
+                    reason: format!(
+                        "{} entries are given of {}",
+                        memory.values.len(),
+                        self.values.len()
+                    ),
+                });
+            }
+            let mut pairs = self.values.iter().zip(&memory.values);
+            let same = pairs.all(|(have, wanted)| have.to_bits() == wanted.to_bits());
+            if !(have && same) {
+                self.values.copy_from_slice(&memory.values);
+                self.factor.refactor(&self.values)?;
+            }
+        }
+        self.age = memory.age;
+        Ok(())
     }
 
     /// Has the next solve make a new factor.
@@ -200,6 +262,7 @@ impl LinearOperator for FactoredPreconditioner {
                 y[field * size + node] = self.interleaved[3 * node + field];
             }
         }
+        faults::tap(Place::Preconditioner, y);
     }
 }
 
@@ -244,6 +307,7 @@ impl LinearOperator for ThreeFieldOperator<'_> {
                 .zip(self.root_weights)
                 .for_each(|(y, root)| *y *= scale / root);
         }
+        faults::tap(Place::Product, y);
     }
 }
 

@@ -2,17 +2,25 @@
 
 use std::collections::VecDeque;
 
+use serde::{Deserialize, Serialize};
+
 use super::State;
 
+/// The sum of the weights' magnitudes is 15 for equal steps and four states, 49 if the next step is twice
+/// as long as the last ones.
+const MOST_MAGNIFIED: f64 = 64.0;
+
 /// Accepted φ, ω, μ at the last times.
-#[derive(Debug)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct History {
-    /// Newest last; the times count from an arbitrary origin.
+    /// Newest last; the times count from an arbitrary origin. Those before the last `known` are only
+    /// room for the next ones.
     entries: VecDeque<Entry>,
+    known: usize,
     capacity: usize,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 struct Entry {
     t: f64,
     fields: [Vec<f64>; 3],
@@ -22,37 +30,61 @@ impl History {
     /// Extrapolation by polynomials of at most the degree `order`.
     pub(super) fn new(order: usize) -> Self {
         Self {
-            entries: VecDeque::with_capacity(order + 2),
+            entries: VecDeque::with_capacity(order + 1),
+            known: 0,
             capacity: order + 1,
         }
     }
 
     /// Forgets everything: the right-hand side has jumped.
     pub(super) fn forget(&mut self) {
-        self.entries.clear();
+        self.known = 0;
     }
 
-    /// Takes an accepted state. Allocates only until the history is full.
+    /// Takes an accepted state. Allocates only until the history has been full once.
     pub(super) fn push(&mut self, t: f64, state: &State) {
+        let room = if self.entries.len() < self.capacity {
+            None
+        } else {
+            self.entries.pop_front()
+        };
+        let mut entry = room.unwrap_or_default();
+        entry.t = t;
         let sources = [&state.phi, &state.omega, &state.mu];
-        if self.entries.len() < self.capacity {
-            self.entries.push_back(Entry {
-                t,
-                fields: sources.map(Vec::clone),
-            });
-            return;
+        for (target, source) in entry.fields.iter_mut().zip(sources) {
+            target.clone_from(source);
         }
-        if let Some(mut entry) = self.entries.pop_front() {
-            entry.t = t;
-            for (target, source) in entry.fields.iter_mut().zip(sources) {
-                target.copy_from_slice(source);
+        self.entries.push_back(entry);
+        self.known = (self.known + 1).min(self.capacity);
+    }
+
+    /// What is known, oldest first.
+    fn known(&self) -> impl Iterator<Item = &Entry> {
+        self.entries.range(self.entries.len() - self.known..)
+    }
+
+    /// Takes over what another history knows. Allocates only where there is no room yet.
+    pub(super) fn copy(&mut self, other: &Self) {
+        self.capacity = other.capacity;
+        self.known = other.known;
+        self.entries.truncate(self.capacity);
+        while self.entries.len() < other.known {
+            self.entries.push_back(Entry::default());
+        }
+        let unknown = self.entries.len() - self.known;
+        for (target, source) in self.entries.range_mut(unknown..).zip(other.known()) {
+            target.t = source.t;
+            for (target, source) in target.fields.iter_mut().zip(&source.fields) {
+                target.clone_from(source);
             }
-            self.entries.push_back(entry);
         }
     }
 
     /// ‖φ_tt‖/2 in L2 with these nodal weights: the divided difference of the last three states.
     pub(super) fn half_second_derivative(&self, weights: &[f64]) -> Option<f64> {
+        if self.known < 3 {
+            return None;
+        }
         let mut newest = self.entries.iter().rev();
         let (c, b, a) = (newest.next()?, newest.next()?, newest.next()?);
         let factors = [
@@ -71,12 +103,12 @@ impl History {
     /// Interpolation to the time t between the last states and the one that `state` holds, of the time
     /// `ahead`; the result takes its place.
     pub(super) fn interpolate(&self, t: f64, ahead: f64, state: &mut State) {
-        let times = || self.entries.iter().map(|entry| entry.t);
+        let times = || self.known().map(|entry| entry.t);
         let targets = [&mut state.phi, &mut state.omega, &mut state.mu];
         let own: f64 = times().map(|other| (t - other) / (ahead - other)).product();
         for (field, target) in targets.into_iter().enumerate() {
             crate::linalg::vector::scale(target, own);
-            for entry in &self.entries {
+            for entry in self.known() {
                 let among: f64 = times()
                     .filter(|other| *other != entry.t)
                     .map(|other| (t - other) / (entry.t - other))
@@ -87,23 +119,52 @@ impl History {
         }
     }
 
-    /// Lagrange's extrapolation of all three fields to the time t; does nothing without a history.
+    /// Whether this may stand in the place of a history of the same scheme: of as many entries, of
+    /// fields at so many nodes.
+    pub(super) fn fits(&self, other: &Self, nodes: usize) -> bool {
+        let full = |entry: &Entry| entry.fields.iter().all(|field| field.len() == nodes);
+        self.capacity == other.capacity
+            && self.known <= self.entries.len()
+            && self.entries.len() <= self.capacity
+            && self.known().all(full)
+    }
+
+    /// Lagrange's extrapolation of all three fields to the time t, from as many of the last states as
+    /// that can bear; does nothing without a history.
     pub(super) fn extrapolate(&self, t: f64, state: &mut State) {
         let targets = [&mut state.phi, &mut state.omega, &mut state.mu];
+        let skipped = self.too_many(t);
         for (field, target) in targets.into_iter().enumerate() {
-            for (index, entry) in self.entries.iter().enumerate() {
-                let weight: f64 = self
-                    .entries
-                    .iter()
-                    .filter(|other| other.t != entry.t)
-                    .map(|other| (t - other.t) / (entry.t - other.t))
-                    .product();
-                if index == 0 {
+            for (index, entry) in self.known().enumerate().skip(skipped) {
+                if index == skipped {
                     target.fill(0.0);
                 }
+                let weight = self.weight(index, skipped, t);
                 crate::linalg::vector::add_scaled(target, weight, &entry.fields[field]);
             }
         }
+    }
+
+    /// How many of the oldest states must be left out: as few as keep rounding and what is no
+    /// polynomial from being magnified by more than [`MOST_MAGNIFIED`], all but the last one where Δt has
+    /// become much longer.
+    fn too_many(&self, t: f64) -> usize {
+        let count = self.known;
+        let magnified = |skipped: &usize| {
+            let weights = (*skipped..count).map(|index| self.weight(index, *skipped, t).abs());
+            weights.sum::<f64>() > MOST_MAGNIFIED
+        };
+        (0..count).take_while(magnified).count()
+    }
+
+    /// The weight of a state where the first `skipped` are left out.
+    fn weight(&self, index: usize, skipped: usize, t: f64) -> f64 {
+        let own = self.entries[self.entries.len() - self.known + index].t;
+        let others = self.known().skip(skipped).map(|entry| entry.t);
+        others
+            .filter(|other| *other != own)
+            .map(|other| (t - other) / (own - other))
+            .product()
     }
 }
 
@@ -140,5 +201,18 @@ mod tests {
         history.push(9.0, &state(1.5));
         history.extrapolate(10.0, &mut guess);
         assert_eq!(guess.phi[0], 1.5);
+    }
+
+    #[test]
+    fn a_much_longer_step_is_not_guessed_from_short_ones() {
+        let mut history = History::new(3);
+        let mut guess = state(7.0);
+        for n in 0..4 {
+            history.push(f64::from(n) * 1e-8, &state(f64::from(n * n)));
+        }
+        history.extrapolate(3e-8 + 1e-4, &mut guess);
+        assert_eq!(guess.phi[0], 9.0);
+        history.extrapolate(4e-8, &mut guess);
+        assert!((guess.phi[0] - 16.0).abs() < 1e-6);
     }
 }

@@ -8,6 +8,7 @@
 //! their rank-one terms. Where G_sec = G' and without the rank-one terms this is symmetric after a
 //! change of signs, since then A = ε T.
 
+use super::faults::{self, Place};
 use crate::fem::Space;
 use crate::linalg::SparseMatrix;
 use crate::physics::{Effects, MembraneLinearisation, RankOne, Sample};
@@ -79,6 +80,10 @@ impl Linearised {
             }
             patch.add_mass_and_stiffness(&form.reaction, &form.tensor, &mut self.local.values);
         }
+
+        faults::tap(Place::Tangent, &mut self.tangent.values);
+        faults::tap(Place::Secant, &mut self.secant.values);
+        faults::tap(Place::Local, &mut self.local.values);
 
         let mut used = 0;
         for term in effects.iter().filter_map(|effect| effect.rank_one()) {

@@ -7,45 +7,28 @@
 //! With the clamped boundary there is no second equation at the wall, μ is an unknown of its own and
 //! the residual is (r₁, r₂).
 
+mod iteration;
+
+use serde::{Deserialize, Serialize};
+
 use crate::fem::{Grid, MassInverse, Space};
 use crate::linalg::{Gmres, LinalgError, LinearOperator, vector};
 use crate::physics::{Effects, MembraneForce, Sample};
 use crate::scene::Iteration;
 
-use super::factored::{FactoredPreconditioner, ThreeFieldOperator};
+use super::factored::{FactorMemory, FactoredPreconditioner, ThreeFieldOperator};
+use super::faults;
 use super::linearised::Linearised;
 use super::transform::{BulkPreconditioner, ReducedOperator};
 use super::{Phase, State, StepError};
 
-/// What the iteration may do.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Limits {
-    pub(super) iteration: Iteration,
-    /// solver.tolerance.
-    pub(super) tolerance: f64,
-    /// solver.law_tolerance.
-    pub(super) law_tolerance: f64,
-}
-
-impl Limits {
-    /// Iterations before giving up: Newton's method needs fewer than ten where it converges at all,
-    /// (4.35) up to twenty at moderate Δt.
-    fn iterations(&self) -> u32 {
-        match self.iteration {
-            Iteration::Newton => 40,
-            Iteration::Lagged => 200,
-        }
-    }
-}
+pub(super) use iteration::{Limits, Work};
 
 /// Limit of GMRES's iterations in one solve.
 const KRYLOV_LIMIT: usize = 200;
 
 /// Vectors that GMRES keeps.
 const RESTART: usize = 60;
-
-/// The smallest damping factor that is tried.
-const LEAST_DAMPING: f64 = 1.0 / 128.0;
 
 /// Accuracy of the solves with the mass matrix, over the tolerance of the energy law: so far below it
 /// that the second and the third equation of (3.21) may be taken as exact.
@@ -103,15 +86,38 @@ impl LinearSolver {
     fn is_transform(&self) -> bool {
         matches!(self.path, Path::Transform { .. })
     }
+
+    fn preconditioner(&self) -> Option<&FactoredPreconditioner> {
+        match &self.path {
+            Path::Transform { .. } => None,
+            Path::Factor { preconditioner } => Some(preconditioner),
+        }
+    }
+
+    fn preconditioner_mut(&mut self) -> Option<&mut FactoredPreconditioner> {
+        match &mut self.path {
+            Path::Transform { .. } => None,
+            Path::Factor { preconditioner } => Some(preconditioner),
+        }
+    }
 }
 
-/// What a solved substep 2 took.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Work {
-    pub(super) newton: u32,
-    pub(super) krylov: u32,
-    /// The relative change of φ in the last iteration.
-    pub(super) last_change: f64,
+/// How the linear systems are solved at present, and the factor that is kept.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(super) struct LinearMemory {
+    uses_transform: bool,
+    factor: FactorMemory,
+}
+
+#[cfg(test)]
+impl LinearMemory {
+    pub(super) fn has_no_factor(&self) -> bool {
+        self.factor.is_empty()
+    }
+
+    pub(super) fn forget_factor(&mut self) {
+        self.factor.clear();
+    }
 }
 
 /// Substep 2 with its matrices and vectors.
@@ -137,6 +143,8 @@ pub(super) struct MembraneStep {
     load: Vec<f64>,
     /// φ, ω, μ of the last iterate.
     last: [Vec<f64>; 3],
+    /// Newton's correction at the last iterate, while that of a trial takes its place.
+    correction: Vec<f64>,
     scratch: Vec<f64>,
     root_weights: Vec<f64>,
     /// A bound of the eigenvalues of M_L⁻¹ K.
@@ -173,6 +181,15 @@ pub(super) struct Places<'a> {
     pub(super) watch: &'a mut dyn FnMut(Phase),
 }
 
+impl Places<'_> {
+    /// Takes the last state as the guess, in place of an iterate that went astray.
+    pub(super) fn restart(&mut self) {
+        self.to.phi.copy_from_slice(&self.from.phi);
+        self.to.omega.copy_from_slice(&self.from.omega);
+        self.to.mu.copy_from_slice(&self.from.mu);
+    }
+}
+
 impl MembraneStep {
     /// For a space; `transform` says whether the fast path is to be used.
     pub(super) fn new(
@@ -207,6 +224,7 @@ impl MembraneStep {
             residual: [vector(), vector()],
             load: vector(),
             last: [vector(), vector(), vector()],
+            correction: Vec::new(),
             scratch: vector(),
             root_weights: space
                 .nodal_weights()
@@ -244,6 +262,52 @@ impl MembraneStep {
     pub(super) fn return_to_transform(&mut self) {
         if let Some(spare) = self.spare.as_mut().filter(|spare| spare.is_transform()) {
             std::mem::swap(spare, &mut self.linear);
+        }
+    }
+
+    /// How the linear systems are solved at present. All else is made anew in every step.
+    pub(super) fn remember(&self, memory: &mut LinearMemory) {
+        memory.uses_transform = self.uses_transform();
+        let mut solvers = std::iter::once(&self.linear).chain(&self.spare);
+        match solvers.find_map(LinearSolver::preconditioner) {
+            Some(factor) => factor.remember(&mut memory.factor),
+            None => memory.factor.clear(),
+        }
+    }
+
+    /// Whether this step can solve the linear systems as another did.
+    pub(super) fn can_recall(&self, memory: &LinearMemory) -> bool {
+        let mut solvers = std::iter::once(&self.linear).chain(&self.spare);
+        !memory.uses_transform || solvers.any(LinearSolver::is_transform)
+    }
+
+    /// Solves the linear systems from now on as they were then, with the same factor.
+    ///
+    /// # Errors
+    /// What a factor may run into.
+    pub(super) fn recall(
+        &mut self,
+        space: &Space,
+        memory: &LinearMemory,
+    ) -> Result<(), LinalgError> {
+        if memory.uses_transform {
+            self.return_to_transform();
+        } else {
+            self.fall_back(space)?;
+        }
+        let solvers = std::iter::once(&mut self.linear).chain(&mut self.spare);
+        let mut factors = solvers.filter_map(LinearSolver::preconditioner_mut);
+        match factors.next() {
+            Some(factor) => factor.recall(&memory.factor),
+            None if memory.factor.is_empty() => Ok(()),
+            None => {
+                let mut solver = LinearSolver::factor(space, &self.fixed)?;
+                if let Some(factor) = solver.preconditioner_mut() {
+                    factor.recall(&memory.factor)?;
+                }
+                self.spare = Some(solver);
+                Ok(())
+            }
         }
     }
 
@@ -343,70 +407,6 @@ impl MembraneStep {
             .solve(space, &self.load, mu, self.mass_tolerance);
     }
 
-    /// Solves substep 2 from the guess in `to`, where φ, ω and μ of the solution are left.
-    pub(super) fn solve(
-        &mut self,
-        places: &mut Places<'_>,
-        limits: Limits,
-    ) -> Result<Work, StepError> {
-        let mut work = Work {
-            newton: 0,
-            krylov: 0,
-            last_change: 0.0,
-        };
-        if self.clamped {
-            // The guess may come from anywhere; the wall does not move.
-            let nodes = places
-                .to
-                .phi
-                .iter_mut()
-                .zip(&places.from.phi)
-                .zip(&self.fixed);
-            nodes
-                .filter(|(_, fixed)| **fixed)
-                .for_each(|((to, from), _)| *to = *from);
-        }
-        let mut norm = self.evaluate(places, 0)?;
-        (places.watch)(Phase::Residual);
-        loop {
-            work.newton += 1;
-            self.linearise(places, limits.iteration);
-            (places.watch)(Phase::Linearisation);
-            let goal = self.linear_goal(places, limits, norm);
-            work.krylov +=
-                self.solve_linearised(places, goal)
-                    .map_err(|source| StepError::Membrane {
-                        iteration: work.newton,
-                        source,
-                    })?;
-            let sources = [&places.to.phi, &places.to.omega, &places.to.mu];
-            for (last, now) in self.last.iter_mut().zip(sources) {
-                last.copy_from_slice(now);
-            }
-            (places.watch)(Phase::Krylov);
-            norm = self.advance(places, limits, norm, work.newton)?;
-            let changes = self.changes(places);
-            work.last_change = changes[0];
-            let law = self.law_defect(places);
-            (places.watch)(Phase::Residual);
-            let converged = changes.iter().all(|change| *change <= limits.tolerance)
-                && law.abs() <= limits.law_tolerance;
-            if converged {
-                return Ok(work);
-            }
-            if work.newton >= limits.iterations() {
-                return Err(StepError::NotConverged {
-                    iterations: work.newton,
-                    changes,
-                    tolerance: limits.tolerance,
-                    law,
-                    law_tolerance: limits.law_tolerance,
-                    residual: norm,
-                });
-            }
-        }
-    }
-
     /// Assembles the linearised equations at the iterate in `to`.
     pub(super) fn linearise(&mut self, places: &mut Places<'_>, iteration: Iteration) {
         let Places {
@@ -473,12 +473,15 @@ impl MembraneStep {
         let space = places.space;
         let State { phi, omega, mu, .. } = &mut *places.to;
         let (effects, samples) = (&mut *places.effects, &mut *places.samples);
+        faults::tap(faults::Place::Phi, phi);
         self.solve_omega(space, effects, &mut samples.new, phi, omega);
+        faults::tap(faults::Place::Omega, omega);
         self.assemble_force(space, effects, samples, [&places.from.phi, phi, omega]);
         if !self.clamped {
             self.mass_inverse
                 .solve(space, &self.load, mu, self.mass_tolerance);
         }
+        faults::tap(faults::Place::Mu, mu);
         let mobility = places.dt * self.mobility;
         for ((step, phi), old) in self.scratch.iter_mut().zip(&*phi).zip(&places.from.phi) {
             *step = phi - old;
@@ -486,6 +489,7 @@ impl MembraneStep {
         let [first, second] = &mut self.residual;
         space.mass().multiply(&self.scratch, first);
         space.stiffness().multiply_add(mobility, mu, first);
+        faults::tap(faults::Place::Residual, first);
         self.scratch.copy_from_slice(first);
         if self.clamped {
             second.copy_from_slice(&self.load);
@@ -621,63 +625,31 @@ impl MembraneStep {
                 }
             }
         };
+        faults::tap(faults::Place::Increment, &mut self.linear.increment);
         if !self.linear.increment.iter().all(|value| value.is_finite()) {
             return Err(LinalgError::NotFinite {
                 place: "GMRES",
                 iteration: outcome.iterations,
             });
         }
+        self.conserve(places);
         Ok(outcome.iterations as u32)
     }
 
-    /// Moves to the new iterate, with Newton's method damped until the residual falls; returns its
-    /// norm.
-    fn advance(
-        &mut self,
-        places: &mut Places<'_>,
-        limits: Limits,
-        norm: f64,
-        iteration: u32,
-    ) -> Result<f64, StepError> {
-        let size = places.space.nodes();
-        let floor = self.rounding_floor(places);
-        let mut damping = 1.0;
-        loop {
-            for ((phi, last), step) in places
-                .to
-                .phi
-                .iter_mut()
-                .zip(&self.last[0])
-                .zip(&self.linear.increment[..size])
-            {
-                *phi = last + damping * step;
-            }
-            if self.clamped {
-                let steps = &self.linear.increment[2 * size..];
-                for ((mu, last), step) in places.to.mu.iter_mut().zip(&self.last[2]).zip(steps) {
-                    *mu = last + damping * step;
-                }
-            }
-            let outcome = self.evaluate(places, iteration);
-            if limits.iteration == Iteration::Lagged {
-                return outcome;
-            }
-            let enough = (1.0 - 1e-4 * damping) * norm;
-            match outcome {
-                Ok(new) if new <= enough.max(floor) => return Ok(new),
-                Ok(new) if damping <= LEAST_DAMPING => {
-                    return Err(StepError::NotConverged {
-                        iterations: iteration,
-                        changes: self.changes(places),
-                        tolerance: limits.tolerance,
-                        law: self.law_defect(places),
-                        law_tolerance: limits.law_tolerance,
-                        residual: new,
-                    });
-                }
-                Err(error) if damping <= LEAST_DAMPING => return Err(error),
-                _ => damping *= 0.5,
-            }
+    /// Shifts φ's increment by a constant such that ∫φ = ∫φⁿ to rounding after it, however
+    /// loosely the system was solved and however large a μ rounding has had to deal with in Kμ, whose
+    /// sum is 0. At the wall a given φ stays.
+    fn conserve(&mut self, places: &Places<'_>) {
+        let weights = places.space.nodal_weights();
+        let increment = &mut self.linear.increment[..places.space.nodes()];
+        let (mut missing, mut free) = (0.0, 0.0);
+        for (node, weight) in weights.iter().enumerate() {
+            missing -= weight * (places.to.phi[node] - places.from.phi[node] + increment[node]);
+            free += if self.fixed[node] { 0.0 } else { *weight };
+        }
+        let shift = missing / free;
+        for (step, fixed) in increment.iter_mut().zip(&self.fixed) {
+            *step += if *fixed { 0.0 } else { shift };
         }
     }
 
@@ -688,32 +660,6 @@ impl MembraneStep {
         let weights = space.nodal_weights();
         let phi = vector::weighted_square(&places.to.phi, weights).sqrt();
         10.0 * f64::EPSILON * (1.0 + bulk * self.largest_eigenvalue.powi(3)) * phi
-    }
-
-    /// The relative L2 changes of φ, ω, μ between the last two iterates.
-    fn changes(&mut self, places: &Places<'_>) -> [f64; 3] {
-        let weights = places.space.nodal_weights();
-        let fields = [&places.to.phi, &places.to.omega, &places.to.mu];
-        let mut changes = [0.0; 3];
-        for ((change, last), now) in changes.iter_mut().zip(&self.last).zip(fields) {
-            for ((difference, now), last) in self.scratch.iter_mut().zip(now).zip(last) {
-                *difference = now - last;
-            }
-            let size = vector::weighted_square(now, weights).max(f64::MIN_POSITIVE);
-            *change = (vector::weighted_square(&self.scratch, weights) / size).sqrt();
-        }
-        changes
-    }
-
-    /// (r₁ᵀμ + r₂ᵀ(φ − φⁿ))/S: by how much the energy law will miss.
-    fn law_defect(&self, places: &Places<'_>) -> f64 {
-        let [first, second] = &self.residual;
-        let mut defect = vector::dot(first, &places.to.mu);
-        if self.clamped {
-            let steps = places.to.phi.iter().zip(&places.from.phi).zip(second);
-            defect += steps.map(|((new, old), r)| (new - old) * r).sum::<f64>();
-        }
-        defect / places.energy_scale
     }
 
     /// Has the next step make a new factor.

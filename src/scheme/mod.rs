@@ -6,12 +6,15 @@ mod director;
 mod error;
 mod extrapolated;
 mod factored;
+mod faults;
 mod history;
 mod initial;
 mod linearised;
 mod membrane;
+mod memory;
 #[doc(hidden)]
 pub mod phases;
+mod region;
 mod state;
 #[cfg(test)]
 mod tests;
@@ -21,18 +24,20 @@ use std::sync::Arc;
 
 use crate::fem::{Mesh, Patch, Rule, Space};
 use crate::linalg::LinalgError;
-use crate::physics::{Effects, NamedValue, Sample, Terms, area_integral};
-use crate::scene::{self, Boundary, LinearMethod, Quadrature, Scene, Solver};
+use crate::physics::{Effects, Interval, NamedValue, Sample, Terms, area_integral};
+use crate::scene::{self, Boundary, Iteration, LinearMethod, Quadrature, Scene, Solver};
 
 use detour::{Detour, Slowness};
-use director::DirectorStep;
+use director::{Demand, DirectorStep};
 use extrapolated::Trial;
+use faults::Place;
 use history::History;
-use membrane::{Limits, MembraneStep, Places, Samples};
+use membrane::{Limits, MembraneStep, Places, Samples, Work};
 
 pub use error::StepError;
 pub use extrapolated::Difference;
 pub use initial::{InitialError, initial_fields};
+pub use memory::{Memory, RecallError};
 pub use state::{Phase, State, StepReport};
 
 /// Degree of the polynomials by which the guess of a step is extrapolated. At Table 1 with lumped
@@ -40,11 +45,17 @@ pub use state::{Phase, State, StepReport};
 /// what the tolerance leaves of earlier steps is amplified.
 const EXTRAPOLATION: usize = 3;
 
+/// A step whose energy rises by more than this, over S, is solved more tightly: half of what "the energy
+/// never rises" allows.
+const RISE: f64 = 5e-13;
+
 /// The scheme on a mesh with the effects of a scene, and the state that it has reached.
 #[derive(Debug)]
 pub struct Scheme {
     space: Space,
     effects: Effects,
+    /// The anchoring among the effects.
+    anchoring: Option<scene::Anchoring>,
     solver: Solver,
     state: State,
     next: State,
@@ -55,14 +66,20 @@ pub struct Scheme {
     history: History,
     /// The detour that the linear solver is on or was on last.
     detour: Option<Detour>,
+    /// The detour over Newton's method that the lagged iteration is on.
+    newton_detour: Option<Detour>,
     slowness: Slowness,
-    /// The Δt by which the way to solve is chosen: that of the whole step, where halves are taken too.
+    /// The Δt by which the way to solve is chosen: that of the whole step, where parts of it are taken too.
     length: f64,
     /// The clock of the history: only differences matter.
     t: f64,
     report: StepReport,
     next_report: StepReport,
-    /// Made with the first step that is taken whole and in halves.
+    /// By how much the energy has jumped since the last step that was accepted.
+    switched: Option<f64>,
+    /// The last one that the effects were told.
+    interval: Interval,
+    /// Made with the first step that is taken in several ways.
     trial: Option<Box<Trial>>,
 }
 
@@ -110,17 +127,21 @@ impl Scheme {
             terms: Terms::default(),
             space,
             effects,
+            anchoring: scene.anchoring,
             solver: scene.solver,
             state,
             director: director_step,
             membrane,
             history: History::new(EXTRAPOLATION),
             detour: None,
+            newton_detour: None,
             slowness,
             length: 0.0,
             t: 0.0,
             report: StepReport::default(),
             next_report: StepReport::default(),
+            switched: None,
+            interval: Interval::default(),
             trial: None,
         };
         scheme.start();
@@ -165,10 +186,16 @@ impl Scheme {
     /// no ledger, for no step was taken.
     pub fn set_anchoring(&mut self, anchoring: Option<&scene::Anchoring>) {
         self.effects.set_anchoring(anchoring, &self.space);
+        self.anchoring = anchoring.copied();
         self.measure_anew();
         self.report.ledger.clear();
         self.report.law_residual = 0.0;
         self.forget();
+    }
+
+    /// The anchoring that is in use.
+    pub fn anchoring(&self) -> Option<scene::Anchoring> {
+        self.anchoring
     }
 
     /// The effects.
@@ -193,6 +220,7 @@ impl Scheme {
         dt: f64,
         watch: &mut dyn FnMut(Phase),
     ) -> Result<&StepReport, StepError> {
+        self.set_interval(dt);
         let energy_scale = energy_scale(&self.report.energies);
         self.length = dt;
         self.history.extrapolate(self.t + dt, &mut self.next);
@@ -201,6 +229,7 @@ impl Scheme {
         self.next_report = report;
         match outcome {
             Ok(()) => {
+                self.next_report.switched = self.switched.take();
                 std::mem::swap(&mut self.report, &mut self.next_report);
                 std::mem::swap(&mut self.state, &mut self.next);
                 self.t += dt;
@@ -239,6 +268,23 @@ impl Scheme {
         }
     }
 
+    /// Tells the effects the time of the coming step. Where that makes the energy another one, what the
+    /// law starts from is measured anew, as when the anchoring is switched.
+    fn set_interval(&mut self, dt: f64) {
+        let interval = Interval {
+            begin: self.t,
+            length: dt,
+        };
+        self.interval = interval;
+        if !self.effects.set_interval(interval) {
+            return;
+        }
+        let before = self.report.total_energy;
+        self.measure_anew();
+        self.forget();
+        *self.switched.get_or_insert(0.0) += self.report.total_energy - before;
+    }
+
     /// One step from the state, from the guess of φ, ω and μ that stands in `next`, to there.
     fn try_step(
         &mut self,
@@ -254,12 +300,17 @@ impl Scheme {
             &self.state.director,
             &mut self.next.director,
         ) {
-            let tolerance = director_tolerance(&self.solver);
+            let demand = Demand {
+                dt,
+                length: self.length,
+                tolerance: director_tolerance(&self.solver),
+                energy_scale,
+            };
             report.director_iterations = step.solve(
                 space,
                 &mut self.effects,
                 &mut self.samples.old,
-                (dt, tolerance),
+                demand,
                 (&self.state.phi, from),
                 to,
             )?;
@@ -272,21 +323,63 @@ impl Scheme {
             &self.state.phi,
             self.next.director.as_ref(),
         );
-        let limits = Limits {
-            iteration: self.solver.iteration,
+        let mut work = self.climb(dt, energy_scale, report, watch)?;
+        let mut closed = self.close_books(dt, report);
+        let rise = report.total_energy - self.report.total_energy;
+        if closed.is_ok() && rise > RISE * energy_scale {
+            // Near a state of rest even a residual within the tolerance is more than what dissipates.
+            let limits = self.limits(Iteration::Newton);
+            let mut places = Places {
+                space: &self.space,
+                effects: &mut self.effects,
+                samples: &mut self.samples,
+                from: &self.state,
+                to: &mut self.next,
+                dt,
+                energy_scale,
+                watch,
+            };
+            self.membrane.refine(&mut places, limits, &mut work)?;
+            closed = self.close_books(dt, report);
+        }
+        report.newton = work.newton;
+        report.krylov = work.krylov;
+        report.damping = work.damping;
+        report.last_change = work.last_change;
+        watch(Phase::Ledger);
+        closed
+    }
+
+    fn limits(&self, iteration: Iteration) -> Limits {
+        Limits {
+            iteration,
             tolerance: self.solver.tolerance,
             law_tolerance: self.solver.law_tolerance,
-        };
-        let fell_back = self.detour.is_some() && !self.membrane.uses_transform();
-        if fell_back
-            && self
-                .detour
-                .is_some_and(|detour| detour.is_over(self.length))
-        {
+        }
+    }
+
+    /// Substep 2, by the first way that succeeds: the scene's iteration; Newton's method in place of the
+    /// lagged one; the factor in place of the cosine transform. A way that failed is left alone for a
+    /// while.
+    fn climb(
+        &mut self,
+        dt: f64,
+        energy_scale: f64,
+        report: &mut StepReport,
+        watch: &mut dyn FnMut(Phase),
+    ) -> Result<Work, StepError> {
+        let length = self.length;
+        let is_over = |detour: Option<Detour>| detour.is_none_or(|detour| detour.is_over(length));
+        if self.detour.is_some() && is_over(self.detour) {
             self.membrane.return_to_transform();
         }
+        let iteration = match self.solver.iteration {
+            Iteration::Lagged if is_over(self.newton_detour) => Iteration::Lagged,
+            _ => Iteration::Newton,
+        };
+        let (limits, newton) = (self.limits(iteration), self.limits(Iteration::Newton));
         let mut places = Places {
-            space,
+            space: &self.space,
             effects: &mut self.effects,
             samples: &mut self.samples,
             from: &self.state,
@@ -295,50 +388,57 @@ impl Scheme {
             energy_scale,
             watch,
         };
-        let mut outcome = self.membrane.solve(&mut places, limits);
         report.fallback = None;
+        report.newton_took_over = None;
+        report.refused_ways = 0;
+        let mut outcome = self.membrane.solve(&mut places, limits);
+        if iteration == Iteration::Lagged
+            && let Err(reason) = outcome
+        {
+            report.refused_ways += 1;
+            report.newton_took_over = Some(reason);
+            self.newton_detour = Some(Detour::new(length, self.newton_detour));
+            places.restart();
+            outcome = self.membrane.solve(&mut places, newton);
+        }
         if self.membrane.uses_transform()
             && self.solver.linear == LinearMethod::Automatic
             && let Err(reason) = outcome
         {
+            report.refused_ways += 1;
             report.fallback = Some(reason);
-            self.detour = Some(Detour::new(self.length, self.detour));
+            self.detour = Some(Detour::new(length, self.detour));
             self.membrane
-                .fall_back(space)
+                .fall_back(places.space)
                 .map_err(|source| StepError::Membrane {
                     iteration: 0,
                     source,
                 })?;
-            // From the last state, not from an iterate that went astray.
-            places.to.phi.copy_from_slice(&places.from.phi);
-            places.to.omega.copy_from_slice(&places.from.omega);
-            places.to.mu.copy_from_slice(&places.from.mu);
-            outcome = self.membrane.solve(&mut places, limits);
+            places.restart();
+            outcome = self.membrane.solve(&mut places, newton);
         }
-        let work = outcome?;
-        if let Some(detour) = self.detour.as_mut()
-            && !self.membrane.uses_transform()
-        {
-            detour.advance();
+        if outcome.is_ok() {
+            let on_factor = !self.membrane.uses_transform();
+            let detours = [
+                self.detour.as_mut().filter(|_| on_factor),
+                self.newton_detour.as_mut(),
+            ];
+            detours.into_iter().flatten().for_each(Detour::advance);
         }
-        if self.solver.linear == LinearMethod::Automatic
+        if let Ok(work) = &outcome
+            && self.solver.linear == LinearMethod::Automatic
             && self.membrane.uses_transform()
             && self.slowness.is_proved_by(work.krylov)
         {
-            self.detour = Some(Detour::new(self.length, self.detour));
+            self.detour = Some(Detour::new(length, self.detour));
             self.membrane
-                .fall_back(space)
+                .fall_back(&self.space)
                 .map_err(|source| StepError::Membrane {
                     iteration: 0,
                     source,
                 })?;
         }
-        report.newton = work.newton;
-        report.krylov = work.krylov;
-        report.last_change = work.last_change;
-        let closed = self.close_books(dt, report);
-        watch(Phase::Ledger);
-        closed
+        outcome
     }
 
     /// The energies of the state as it is.
@@ -355,6 +455,16 @@ impl Scheme {
 
     /// The energies of the new state and every term of (3.26); refuses a step whose law is broken.
     fn close_books(&mut self, dt: f64, report: &mut StepReport) -> Result<(), StepError> {
+        let State {
+            phi,
+            omega,
+            mu,
+            director,
+        } = &mut self.next;
+        let director = director.iter_mut().flatten();
+        for (number, field) in [phi, omega, mu].into_iter().chain(director).enumerate() {
+            faults::tap(Place::Solved(number), field);
+        }
         let space = &self.space;
         self.terms.clear();
         sweep(
@@ -389,6 +499,12 @@ impl Scheme {
         let scale = energy_scale(&report.energies).max(energy_scale(&self.report.energies));
         let sum: f64 = ledger.iter().map(|term| term.value).sum();
         report.law_residual = if scale > 0.0 { sum / scale } else { sum };
+        if let Some(place) = self.next.first_not_finite() {
+            return Err(StepError::NotFinite {
+                place,
+                iteration: report.newton,
+            });
+        }
         if !report.law_residual.is_finite() {
             return Err(StepError::NotFinite {
                 place: "the energy law",
@@ -431,12 +547,15 @@ fn sweep(
 ) {
     let width = effects.bending.interface_width();
     report.energies.clear();
-    report
-        .energies
-        .extend(effects.iter().map(|effect| NamedValue {
-            name: effect.name(),
-            value: 0.0,
-        }));
+    report.energies.extend(
+        effects
+            .iter()
+            .filter(|effect| effect.has_energy())
+            .map(|effect| NamedValue {
+                name: effect.name(),
+                value: 0.0,
+            }),
+    );
     report.surface_area = 0.0;
     for patch in space.patches() {
         fill(&mut samples.new, &patch, new_state);
@@ -444,15 +563,22 @@ fn sweep(
         if terms.is_some() {
             fill(&mut samples.old, &patch, old_state);
         }
-        for (effect, energy) in effects.iter_mut().zip(&mut report.energies) {
-            energy.value += effect.integral(&patch, &samples.new);
+        let mut energies = report.energies.iter_mut();
+        for effect in effects.iter_mut() {
+            if effect.has_energy()
+                && let Some(energy) = energies.next()
+            {
+                energy.value += effect.integral(&patch, &samples.new);
+            }
             if let Some(terms) = &mut terms {
                 effect.add_dissipation(&patch, &samples.old, &samples.new, terms);
             }
         }
     }
-    for (effect, energy) in effects.iter().zip(&mut report.energies) {
+    let effects = effects.iter().filter(|effect| effect.has_energy());
+    for (effect, energy) in effects.zip(&mut report.energies) {
         energy.value = effect.energy(energy.value);
+        faults::tap(Place::Energy, std::slice::from_mut(&mut energy.value));
     }
     report.total_energy = report.energies.iter().map(|energy| energy.value).sum();
 }

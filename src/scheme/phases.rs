@@ -4,6 +4,7 @@
 use crate::linalg::LinalgError;
 use crate::scene::Iteration;
 
+use super::director::Demand;
 use super::membrane::{MembraneStep, Places};
 use super::{Scheme, StepError, director_tolerance, energy_scale};
 
@@ -60,14 +61,19 @@ impl Phases {
             samples,
             director,
             solver,
+            report,
             ..
         } = &mut self.scheme;
         match (director, &state.director, &mut next.director) {
             (Some(step), Some(from), Some(to)) => {
-                let tolerance = director_tolerance(solver);
+                let demand = Demand {
+                    dt: self.dt,
+                    tolerance: director_tolerance(solver),
+                    energy_scale: energy_scale(&report.energies),
+                };
                 let old = &mut samples.old;
                 let from = (&state.phi[..], from);
-                step.solve(space, effects, old, (self.dt, tolerance), from, to)
+                step.solve(space, effects, old, demand, from, to)
             }
             _ => Ok(0),
         }

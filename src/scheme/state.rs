@@ -16,6 +16,19 @@ pub struct State {
     pub director: Option<[Vec<f64>; 2]>,
 }
 
+impl State {
+    /// The first field with a value that is not finite.
+    pub fn first_not_finite(&self) -> Option<&'static str> {
+        let fields = [("phi", &self.phi), ("omega", &self.omega), ("mu", &self.mu)];
+        let director = self.director.iter().flatten().map(|field| ("d", field));
+        fields
+            .into_iter()
+            .chain(director)
+            .find(|(_, field)| !field.iter().all(|value| value.is_finite()))
+            .map(|(name, _)| name)
+    }
+}
+
 /// What a step was: energies, the energy law, the work done.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct StepReport {
@@ -40,8 +53,17 @@ pub struct StepReport {
     pub last_change: f64,
     /// Iterations of the conjugate gradients of substep 1.
     pub director_iterations: u32,
+    /// By how much the energy of the state before the step changed because something was switched then,
+    /// such as a field; the ledger starts from the energy after that.
+    pub switched: Option<f64>,
     /// Why the transform failed in this step and the factor took over, if that happened.
     pub fallback: Option<StepError>,
+    /// Why the lagged iteration failed in this step and Newton's method took over, if that happened.
+    pub newton_took_over: Option<StepError>,
+    /// How many ways to solve substep 2 failed before the one that did it.
+    pub refused_ways: u32,
+    /// The smallest damping factor of Newton's method; 1: it was not damped.
+    pub damping: f64,
 }
 
 /// A part of a step, told to whoever watches when it ends.

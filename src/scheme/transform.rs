@@ -18,6 +18,7 @@
 use crate::fem::{Grid, MassForm, MassInverse, Rule, Space};
 use crate::linalg::{CosineTransform, LinearOperator, Multiplier, vector};
 
+use super::faults::{self, Place};
 use super::linearised::Linearised;
 
 /// Products of the Chebyshev polynomial that stands for M⁻¹ in J: an error of at most 2/3⁴ = 2.5 %,
@@ -74,6 +75,7 @@ impl LinearOperator for ReducedOperator<'_> {
                     .for_each(|(y, root)| *y /= root);
             }
         }
+        faults::tap(Place::Product, y);
     }
 }
 
@@ -143,5 +145,6 @@ impl LinearOperator for BulkPreconditioner {
         let missing = vector::sum(&self.scaled) - vector::dot(&self.nodal_weights, y);
         let shift = missing / vector::sum(&self.nodal_weights);
         y.iter_mut().for_each(|y| *y += shift);
+        faults::tap(Place::Preconditioner, y);
     }
 }

@@ -1,7 +1,7 @@
 //! Estimated errors of φ, in L2, side by side, so that one sees which is being overpaid.
 
 use crate::scheme::Phase;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Where an error comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -36,7 +36,7 @@ impl ErrorPart {
 }
 
 /// Estimated errors of φ, in L2, at the time reached. `None`: not known.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct ErrorBudget {
     /// The sum of the errors of all steps so far. It is a bound if the equations damp what is passed
     /// on; where steps are extrapolated it is the bound of the order below.

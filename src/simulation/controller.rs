@@ -10,6 +10,8 @@
 //! The times at which a run must be, those of snapshots and T, are met exactly: a step that would
 //! pass one ends there, and the one before is shortened so that the two are of equal length.
 
+use serde::{Deserialize, Serialize};
+
 /// σ: to stay below the tolerance rather than to find out.
 const SAFETY: f64 = 0.9;
 
@@ -26,7 +28,7 @@ const AFTER_FAILURE: f64 = 0.25;
 const MOST_ATTEMPTS: u32 = 60;
 
 /// Where a run stands in the choice of its steps.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct Controller {
     tolerance: f64,
     /// 1/k.
@@ -58,6 +60,19 @@ impl Controller {
             last: None,
             attempts: 0,
         }
+    }
+
+    /// Whether a run that is to be paced as `own` can go on with it: one that comes from a file may hold
+    /// any numbers.
+    pub(super) fn fits(&self, own: &Self) -> bool {
+        let is_length = |value: f64| value.is_finite() && value > 0.0;
+        self.tolerance == own.tolerance
+            && self.exponent == own.exponent
+            && is_length(self.next)
+            && self.attempts < MOST_ATTEMPTS
+            && self
+                .last
+                .is_none_or(|(dt, error)| is_length(dt) && error.is_finite() && error >= 0.0)
     }
 
     /// The step to try from t, when the run must be at `landing` exactly.

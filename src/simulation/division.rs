@@ -2,8 +2,10 @@
 //! without numerics. Pieces are Δt/2^level long and meet the grid's times again; the level falls when
 //! pieces go well for a while.
 
-/// The smallest piece is Δt/2³⁰: from Δt = 1 down to 1e-9.
-const DEEPEST: u32 = 30;
+use serde::{Deserialize, Serialize};
+
+/// The smallest piece is Δt/2⁴⁰: from Δt = 1 down to 1e-12.
+const DEEPEST: u32 = 40;
 
 /// So many pieces must go well before they are made longer.
 const STREAK: u32 = 4;
@@ -12,11 +14,13 @@ const STREAK: u32 = 4;
 const WHOLE: u64 = 1 << DEEPEST;
 
 /// Where a run stands in the division of its grid steps.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Division {
     level: u32,
     /// Pieces since the last that failed.
     streak: u32,
+    /// Pieces that failed in a row.
+    refusals: u32,
     /// How much of the grid step is done.
     done: u64,
     /// The deepest level of the grid step.
@@ -24,6 +28,12 @@ pub(super) struct Division {
 }
 
 impl Division {
+    /// Whether it can be: one that comes from a file may hold any numbers.
+    pub(super) fn is_possible(&self) -> bool {
+        let length = WHOLE.checked_shr(self.level).unwrap_or(0);
+        self.level <= DEEPEST && self.done < WHOLE && self.done.is_multiple_of(length)
+    }
+
     /// The next piece, as a fraction of the grid step.
     pub(super) fn piece(&self) -> f64 {
         (f64::from(self.level)).exp2().recip()
@@ -43,7 +53,8 @@ impl Division {
     pub(super) fn accept(&mut self) -> bool {
         let length = WHOLE >> self.level;
         self.done += length;
-        self.streak += 1;
+        self.streak = self.streak.saturating_add(1);
+        self.refusals = 0;
         let whole = self.done == WHOLE;
         // Only where a longer piece would end on its own grid.
         if self.level > 0 && self.streak >= STREAK && self.done.is_multiple_of(2 * length) {
@@ -67,7 +78,10 @@ impl Division {
         if self.level == DEEPEST {
             return false;
         }
-        self.level += 1;
+        // Where the right Δt is far, it is reached by longer and longer leaps.
+        let leap = self.refusals.saturating_sub(1).max(1);
+        self.refusals = self.refusals.saturating_add(1);
+        self.level = self.level.saturating_add(leap).min(DEEPEST);
         self.deepest = self.deepest.max(self.level);
         true
     }
@@ -115,10 +129,10 @@ mod tests {
     fn there_is_a_last_rung() {
         let mut division = Division::default();
         division.begin();
-        for _ in 0..DEEPEST {
+        while division.piece() > f64::from(DEEPEST).exp2().recip() {
             assert!(division.refuse());
         }
         assert!(!division.refuse());
-        assert_eq!(division.smallest(), 0.5_f64.powi(30));
+        assert_eq!(division.smallest(), 0.5_f64.powi(40));
     }
 }

@@ -1,14 +1,51 @@
 //! Why a run cannot start or go on.
 
+use std::fmt;
+
 use thiserror::Error;
 
+use super::ladder::Tried;
 use crate::fem::FemError;
 use crate::linalg::LinalgError;
-use crate::scheme::{InitialError, StepError};
+use crate::scheme::{InitialError, RecallError, StepError};
+
+/// Bytes in words: three digits.
+struct Bytes(u64);
+
+impl fmt::Display for Bytes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let megabytes = self.0 as f64 / 1e6;
+        let (value, unit) = if megabytes < 999.5 {
+            (megabytes, "MB")
+        } else {
+            (megabytes / 1e3, "GB")
+        };
+        let decimals = match value {
+            value if value < 9.995 => 2,
+            value if value < 99.95 => 1,
+            _ => 0,
+        };
+        write!(f, "{value:.decimals$} {unit}")
+    }
+}
 
 /// Why a run cannot start or go on.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SimulationError {
+    /// The run would need more memory than there is.
+    #[error(
+        "a mesh of {cells} \u{d7} {cells} cells would need about {}, and {} of memory are free: lower mesh.cells",
+        Bytes(*needed),
+        Bytes(*available)
+    )]
+    Memory {
+        /// Cells along a side.
+        cells: usize,
+        /// Bytes, estimated.
+        needed: u64,
+        /// Bytes.
+        available: u64,
+    },
     /// The mesh cannot be made.
     #[error("the mesh: {0}")]
     Mesh(#[from] FemError),
@@ -18,20 +55,21 @@ pub enum SimulationError {
     /// The sparse factor cannot be set up.
     #[error("the linear solver: {0}")]
     Factor(LinalgError),
+    /// The state to go on from is of another scene.
+    #[error("the state to go on from cannot be used: {0}")]
+    Recall(#[from] RecallError),
     /// Anchoring without anything to anchor.
     #[error("the scene has no director to anchor: give it a table [nematic]")]
     NoDirector,
     /// A step was not solved, nor any part of it.
-    #[error(
-        "step {step} to t = {t:e} failed: it was solved neither whole nor in parts down to \u{394}t = {smallest:.1e}; the last attempt: {source}"
-    )]
+    #[error("step {step} to t = {t:e} failed; tried were {tried}; the last one: {source}")]
     Step {
         /// The number of the step.
         step: u64,
         /// The time at its end.
         t: f64,
-        /// The smallest Δt that was tried.
-        smallest: f64,
+        /// What was tried.
+        tried: Box<Tried>,
         /// What went wrong at last.
         source: StepError,
     },

@@ -30,6 +30,11 @@ pub enum EventKind {
     FactorIsFaster,
     /// The cosine transform is in use again.
     ReturnedToTransform,
+    /// The lagged iteration failed, and Newton's method took over; the lagged one is tried again later.
+    NewtonTookOver {
+        /// How it failed.
+        reason: StepError,
+    },
     /// The step could not be solved whole and was divided.
     StepDivided {
         /// The smallest Δt that was used.
@@ -39,6 +44,11 @@ pub enum EventKind {
     },
     /// φ became positive within ε of the wall.
     ReachedWall,
+    /// A field was switched on or off after this step: the energy jumped, not the state.
+    FieldSwitched {
+        /// By how much E_total changed.
+        jump: f64,
+    },
     /// The anchoring became another one after this step: the energy jumped, not the state.
     AnchoringSwitched {
         /// The new kind.
@@ -53,8 +63,10 @@ impl EventKind {
             Self::FellBackToFactor { .. } => "fell-back-to-factor",
             Self::FactorIsFaster => "factor-is-faster",
             Self::ReturnedToTransform => "returned-to-transform",
+            Self::NewtonTookOver { .. } => "newton-took-over",
             Self::StepDivided { .. } => "step-divided",
             Self::ReachedWall => "reached-wall",
+            Self::FieldSwitched { .. } => "field-switched",
             Self::AnchoringSwitched { .. } => "anchoring-switched",
         }
     }
@@ -71,12 +83,20 @@ impl fmt::Display for EventKind {
                 "the sparse factor took over from the cosine transform, which takes longer at this \u{394}t",
             ),
             EventKind::ReturnedToTransform => f.write_str("the cosine transform is in use again"),
+            EventKind::NewtonTookOver { reason } => write!(
+                f,
+                "Newton's method took over from the lagged iteration for a while, which had failed: {reason}"
+            ),
             EventKind::StepDivided { smallest, reason } => write!(
                 f,
                 "the step was divided, down to \u{394}t = {smallest:.1e}, since a longer one failed: {reason}"
             ),
             EventKind::ReachedWall => f.write_str(
                 "the vesicle has reached the wall, which now takes part in what happens",
+            ),
+            EventKind::FieldSwitched { jump } => write!(
+                f,
+                "the field is switched here: E_total jumps by {jump:.6e}, which no step has done"
             ),
             EventKind::AnchoringSwitched { kind } => {
                 write!(f, "the anchoring is {kind} from here on")

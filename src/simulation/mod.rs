@@ -6,6 +6,9 @@ mod controller;
 mod division;
 mod error;
 mod event;
+mod ladder;
+mod memory;
+mod needs;
 mod schedule;
 #[cfg(test)]
 mod tests;
@@ -15,19 +18,26 @@ mod worker;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use serde::{Deserialize, Serialize};
+
 use crate::fem::{Contour, FemError, Mesh, Recovery};
-use crate::scene::{self, AnchoringKind, Order, Scene, Shape, Time, Warning};
+use crate::scene::{self, AnchoringKind, Iteration, Order, Scene, Shape, Time, Warning};
 use crate::scheme::{Scheme, StepError, StepReport, initial_fields};
 
 pub use crate::fem::OutlineMeasure;
 pub use crate::physics::NamedValue;
-pub use crate::scheme::{Phase, State};
+pub use crate::scheme::{Phase, RecallError, State};
 pub use budget::{ErrorBudget, ErrorPart};
 pub use error::SimulationError;
 pub use event::{Event, EventKind};
+pub use ladder::{Ladder, Tried};
+pub use memory::Memory;
+pub use needs::{check_memory, memory_available, memory_held, memory_needed};
 pub use schedule::{Schedule, step_count};
 pub use warnings::warnings;
-pub use worker::{Command, Mailbox, Message, News, Orders, Picture, RunId, Setting, Worker};
+pub use worker::{
+    Command, Continuity, Mailbox, Message, News, Orders, Picture, RunId, Setting, Worker,
+};
 
 use controller::Controller;
 use division::Division;
@@ -75,8 +85,8 @@ pub struct Simulation {
     schedule: Schedule,
 }
 
-/// How long steps are.
-#[derive(Debug)]
+/// How long steps are, and where a run stands in it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 enum Pacing {
     /// Those of the fixed grid, divided where they cannot be solved whole.
     Fixed(Division),
@@ -87,12 +97,18 @@ enum Pacing {
 impl Pacing {
     fn of(time: &Time) -> Self {
         match time.tolerance {
-            None => Self::Fixed(Division::default()),
+            None => Self::default(),
             Some(tolerance) => {
                 let order = time.order.chains() as u32;
                 Self::Chosen(Controller::new(tolerance, order, time.step))
             }
         }
+    }
+}
+
+impl Default for Pacing {
+    fn default() -> Self {
+        Self::Fixed(Division::default())
     }
 }
 
@@ -133,6 +149,8 @@ pub struct Report {
     pub costs: Costs,
     /// Every term of (3.26), times Δt.
     pub ledger: Vec<NamedValue>,
+    /// What it took to solve the step.
+    pub ladder: Ladder,
     /// The size of the vesicle.
     pub outline: Option<OutlineMeasure>,
     /// 4π·area/length² of the zero set of φ: 1 for a circle.
@@ -140,7 +158,7 @@ pub struct Report {
 }
 
 /// What the parts of a step took, on the clock; measuring the vesicle counts with the ledger.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Costs([Duration; Phase::ALL.len()]);
 
 impl Costs {
@@ -161,6 +179,14 @@ impl Costs {
 }
 
 impl Report {
+    /// By how much the energy rose in the step beyond the work that was done on it from outside, which
+    /// the energy law forbids; `None` without a ledger. A switched energy is another one, and no rise.
+    pub fn unexplained_rise(&self) -> Option<f64> {
+        let counts = |name: &str| name == "dE" || name.ends_with("_work");
+        let terms = self.ledger.iter().filter(|term| counts(term.name));
+        (!self.ledger.is_empty()).then(|| terms.map(|term| term.value).sum())
+    }
+
     fn take(&mut self, step: &StepReport) {
         self.energies.clone_from(&step.energies);
         self.total_energy = step.total_energy;
@@ -197,6 +223,7 @@ impl Simulation {
     /// # Errors
     /// [`SimulationError`]: what could not be built.
     pub fn new(scene: &Scene) -> Result<Self, SimulationError> {
+        check_memory(scene)?;
         let mesh = mesh(scene)?;
         let initial = initial_fields(scene, &mesh)?;
         let warnings = warnings(scene, &mesh, &initial.phi);
@@ -252,15 +279,25 @@ impl Simulation {
             begun = now;
         };
         let was_fast = self.scheme.uses_transform();
+        let before = (self.report.step, self.report.t);
         let taken = match self.pacing {
             Pacing::Fixed(_) => self.grid_step(&mut watch)?,
             Pacing::Chosen(controller) => self.chosen_step(controller, &mut watch)?,
         };
+        self.report.ladder = taken.ladder;
+        if let Some(jump) = taken.switched {
+            let kind = EventKind::FieldSwitched { jump };
+            let (step, t) = before;
+            self.events.push(Event { step, t, kind });
+        }
         let (step, t) = (self.report.step, self.report.t);
         let mut tell = |kind| self.events.push(Event { step, t, kind });
         if let Some(reason) = taken.divided {
             let smallest = self.report.dt;
             tell(EventKind::StepDivided { smallest, reason });
+        }
+        if let Some(reason) = taken.newton_took_over {
+            tell(EventKind::NewtonTookOver { reason });
         }
         match (was_fast, self.scheme.uses_transform(), taken.fallback) {
             (true, false, Some(reason)) => tell(EventKind::FellBackToFactor { reason }),
@@ -281,6 +318,7 @@ impl Simulation {
         let step = self.report.step + 1;
         let dt = self.scene.time.step;
         let (begin, end) = (grid_time(step - 1, dt), grid_time(step, dt));
+        let was_fast = self.scheme.uses_transform();
         let mut taken = Taken::default();
         let mut first = true;
         let Pacing::Fixed(division) = &mut self.pacing else {
@@ -310,9 +348,10 @@ impl Simulation {
             };
             match outcome {
                 Ok(solved) => {
-                    if let Some(reason) = &solved.fallback {
-                        taken.fallback.get_or_insert_with(|| reason.clone());
-                    }
+                    taken.note(solved);
+                    let with_factor = !self.scheme.uses_transform();
+                    let solved = self.scheme.report();
+                    taken.ladder.accept(solved, with_factor);
                     if std::mem::take(&mut first) {
                         self.report.take(solved);
                         self.report.time_error = error;
@@ -328,11 +367,13 @@ impl Simulation {
                     self.report.t = begin + dt * division.done();
                 }
                 Err(reason) => {
+                    taken.ladder.refuse();
                     if !division.refuse() {
+                        let steps = [dt, dt * division.smallest()];
                         return Err(SimulationError::Step {
                             step,
                             t: end,
-                            smallest: dt * division.smallest(),
+                            tried: Box::new(self.tried(was_fast, &taken, steps)),
                             source: reason,
                         });
                     }
@@ -352,11 +393,13 @@ impl Simulation {
         watch: &mut dyn FnMut(Phase),
     ) -> Result<Taken, SimulationError> {
         let (step, t) = (self.report.step + 1, self.report.t);
-        let landing = self.schedule.landing_after(t);
+        let landing = self.landing_after(t);
         let order = self.scene.time.order;
         let (chains, combine) = (order.chains(), order != Order::First);
         let mut taken = Taken::default();
         let (mut refused, mut work) = (0, [0; 3]);
+        let was_fast = self.scheme.uses_transform();
+        let longest = controller.attempt(t, landing).dt;
         loop {
             let attempt = controller.attempt(t, landing);
             let outcome = self
@@ -365,9 +408,10 @@ impl Simulation {
             let (again, reason) = match outcome {
                 Ok(difference) if controller.judge(attempt.dt, difference.phase) => {
                     let solved = self.scheme.accept_extrapolated();
-                    if let Some(reason) = &solved.fallback {
-                        taken.fallback.get_or_insert_with(|| reason.clone());
-                    }
+                    taken.note(solved);
+                    let with_factor = !self.scheme.uses_transform();
+                    let solved = self.scheme.report();
+                    taken.ladder.accept(solved, with_factor);
                     self.report.take(solved);
                     self.report.newton += work[0];
                     self.report.krylov += work[1];
@@ -393,14 +437,37 @@ impl Simulation {
                 Err(reason) => (controller.fail(attempt.dt), reason),
             };
             refused += 1;
+            taken.ladder.refuse();
             if !again {
                 return Err(SimulationError::Step {
                     step,
                     t: attempt.end,
-                    smallest: attempt.dt,
+                    tried: Box::new(self.tried(was_fast, &taken, [longest, attempt.dt])),
                     source: reason,
                 });
             }
+        }
+    }
+
+    /// The next time after t at which a run with chosen steps must be: that of a snapshot, T, or when a
+    /// field is switched.
+    fn landing_after(&self, t: f64) -> f64 {
+        let field = self.scene.field.as_ref();
+        let switches = field.map(|field| [Some(field.from), field.until]);
+        let switches = switches.into_iter().flatten().flatten();
+        switches
+            .filter(|switch| *switch > t)
+            .fold(self.schedule.landing_after(t), f64::min)
+    }
+
+    /// What was tried in a step that was not solved.
+    fn tried(&self, was_fast: bool, taken: &Taken, steps: [f64; 2]) -> Tried {
+        Tried {
+            refused: taken.ladder.refused,
+            transform: was_fast || self.scheme.uses_transform(),
+            factor: !self.scheme.uses_transform(),
+            lagged: self.scene.solver.iteration == Iteration::Lagged,
+            steps,
         }
     }
 
@@ -428,14 +495,12 @@ impl Simulation {
 
     /// Measures the vesicle and notices when it reaches the wall.
     fn look(&mut self) {
+        self.measure();
         let phi = &self.scheme.state().phi;
-        self.contour.trace(&self.mesh, phi);
-        self.report.outline = self.contour.measure(self.axis);
         if self.report.step.is_multiple_of(SPACE_ERROR_EVERY) {
             let error = self.recovery.interpolation_error(&self.mesh, phi);
             self.report.budget.space = Some(error);
         }
-        self.report.isoperimetric_quotient = self.contour.isoperimetric_quotient();
         if self.near_wall.is_reached(phi) {
             let (step, t) = (self.report.step, self.report.t);
             self.events.push(Event {
@@ -444,6 +509,13 @@ impl Simulation {
                 kind: EventKind::ReachedWall,
             });
         }
+    }
+
+    /// Measures the vesicle.
+    fn measure(&mut self) {
+        self.contour.trace(&self.mesh, &self.scheme.state().phi);
+        self.report.outline = self.contour.measure(self.axis);
+        self.report.isoperimetric_quotient = self.contour.isoperimetric_quotient();
     }
 
     /// The scene.
@@ -491,8 +563,28 @@ impl Simulation {
 struct Taken {
     /// Why the transform gave way to the factor.
     fallback: Option<StepError>,
+    /// Why Newton's method took over from the lagged iteration.
+    newton_took_over: Option<StepError>,
     /// Why the step was taken in parts.
     divided: Option<StepError>,
+    /// By how much the energy jumped before the step.
+    switched: Option<f64>,
+    ladder: Ladder,
+}
+
+impl Taken {
+    /// Takes note of a step of the scheme.
+    fn note(&mut self, solved: &StepReport) {
+        if self.fallback.is_none() {
+            self.fallback.clone_from(&solved.fallback);
+        }
+        if self.newton_took_over.is_none() {
+            self.newton_took_over.clone_from(&solved.newton_took_over);
+        }
+        if let Some(jump) = solved.switched {
+            *self.switched.get_or_insert(0.0) += jump;
+        }
+    }
 }
 
 /// t_n = n Δt. Where 1/Δt is a whole number n is divided by it, so that t prints as one expects:

@@ -53,7 +53,12 @@ impl Schedule {
 
     /// Whether the tables get a row at this step.
     pub fn row_due(&self, step: u64, t: f64) -> bool {
-        step.is_multiple_of(self.every.max(1)) || self.is_over(step, t)
+        self.row_in_turn(step) || self.is_over(step, t)
+    }
+
+    /// Whether they get it whenever the run ends.
+    pub fn row_in_turn(&self, step: u64) -> bool {
+        step.is_multiple_of(self.every.max(1))
     }
 
     /// Whether the fields are written at this step.

@@ -342,3 +342,64 @@ fn another_anchoring_comes_between_chosen_steps() {
     let after = simulation.advance().unwrap();
     assert!(after.total_energy < measured && after.time_error.unwrap() <= 1e-5);
 }
+
+/// The jump of the energy is an event at the step before; the ledger knows nothing of it.
+#[test]
+fn a_switched_field_is_told_with_its_jump() {
+    let field = "field={ weight = 300, from = 2e-6, until = 4e-6 }";
+    let mut simulation = Simulation::new(&small(&[field])).unwrap();
+    let mut energies = vec![simulation.report().total_energy];
+    let mut changes = vec![0.0];
+    for _ in 0..6 {
+        let report = simulation.advance().unwrap();
+        energies.push(report.total_energy);
+        changes.push(report.ledger[0].value);
+    }
+    let events = simulation.drain_events();
+    let mut steps = Vec::new();
+    for Event { step, t, kind } in events {
+        let EventKind::FieldSwitched { jump } = kind else {
+            continue;
+        };
+        assert_eq!(t, grid_time(step, 1e-6));
+        let next = step as usize + 1;
+        let unexplained = energies[next] - energies[next - 1] - changes[next];
+        assert!((unexplained - jump).abs() < 1e-10 * energies[next].abs());
+        assert!(jump.abs() > 0.1, "{jump}");
+        steps.push(step);
+    }
+    assert_eq!(steps, [2, 4]);
+}
+
+/// Chosen steps end where a field is switched.
+#[test]
+fn a_field_is_switched_between_chosen_steps() {
+    let field = "field={ weight = 300, from = 2e-6, until = 4e-6 }";
+    let scene = small(&[field, "time.tolerance=1e-5", "time.end=6e-6"]);
+    let mut simulation = Simulation::new(&scene).unwrap();
+    while simulation.report().t < 6e-6 {
+        let report = simulation.advance().unwrap();
+        assert!(report.unexplained_rise().unwrap() <= 1e-8 * report.total_energy);
+    }
+    let switches = simulation.drain_events().into_iter().filter_map(|event| {
+        matches!(event.kind, EventKind::FieldSwitched { .. }).then_some(event.t)
+    });
+    assert_eq!(switches.collect::<Vec<_>>(), [2e-6, 4e-6]);
+}
+
+/// Noise may raise the energy, by its work and no more.
+#[test]
+fn what_noise_does_is_no_unexplained_rise() {
+    let mut simulation = Simulation::new(&small(&["noise.strength=1"])).unwrap();
+    assert_eq!(simulation.report().unexplained_rise(), None);
+    let mut before = simulation.report().total_energy;
+    let mut rises = 0;
+    for _ in 0..30 {
+        let report = simulation.advance().unwrap();
+        rises += u32::from(report.total_energy > before);
+        before = report.total_energy;
+        let unexplained = report.unexplained_rise().expect("a ledger");
+        assert!(unexplained <= 1e-8 * report.total_energy, "{unexplained:e}");
+    }
+    assert!(rises > 0);
+}

@@ -72,4 +72,14 @@ impl NearWall {
         self.reached |= now;
         now
     }
+
+    /// Whether the vesicle has been seen there.
+    pub(super) fn reached(&self) -> bool {
+        self.reached
+    }
+
+    /// For a run that goes on from another.
+    pub(super) fn set_reached(&mut self, reached: bool) {
+        self.reached = reached;
+    }
 }

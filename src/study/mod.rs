@@ -1,14 +1,18 @@
-//! Runs about runs: what accuracy costs in time, and what a run will cost before it is begun.
+//! Runs about runs: what accuracy costs in time, what each effect costs, and what a run will cost before
+//! it is begun.
 
 mod advice;
 mod chart;
 mod choice;
 mod clock;
 mod distance;
+mod effects;
 mod ladder;
 mod measure;
+mod memory;
 mod price;
 mod report;
+mod table;
 #[cfg(test)]
 mod tests;
 
@@ -16,6 +20,9 @@ pub use advice::{Advice, Knob};
 pub use chart::chart;
 pub use choice::{Choice, Pace};
 pub use distance::Errors;
+pub use effects::{Cost, Plan, Price, Prices, Progress, prices};
 pub use ladder::{Budget, StudyError, study};
-pub use price::{Price, price};
+pub use memory::CountingAllocator;
+pub use price::{RunPrice, run_price};
 pub use report::{ObservedOrder, Point, Reference, Study};
+pub use table::prices_table;

@@ -7,17 +7,18 @@
 //! end on a coarse one. What a step takes is measured on the scene's own mesh, at the Δt that was
 //! typical on the coarse one.
 //!
-//! **Memory** is counted from the vectors and matrices that a run holds (a fit to measured peaks).
+//! **Memory** is what [`memory_held`] says, with the sparse factor where the calibration turned to it or
+//! long chosen steps will.
 
 use super::choice::{Choice, can_change_mesh};
 use super::clock::Stopwatch;
-use crate::scene::{Mesh, Order, Scene};
-use crate::simulation::{Schedule, Simulation, SimulationError, step_count};
+use crate::scene::{Order, Scene};
+use crate::simulation::{Schedule, Simulation, SimulationError, memory_held, step_count};
 use std::time::Duration;
 
 /// What a run will take.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Price {
+pub struct RunPrice {
     /// Steps, known or estimated.
     pub steps: u64,
     /// Computing time of all of them, with set-up, in seconds.
@@ -41,25 +42,19 @@ const COARSER: usize = 4;
 /// With fewer cells the physics is another one.
 const FEWEST_CELLS: usize = 24;
 
-/// Bytes that the program has without a mesh, and a node's share with the transform and with the
-/// factor: peaks of `vesica run` at 60, 120 and 240 cells, with every effect.
-const PROGRAM: f64 = 6e6;
-const A_NODE: f64 = 2.1e3;
-const A_NODE_WITH_FACTOR: f64 = 5.4e3;
-
 /// What a run of the scene will take on this machine. Takes a second or two, and longer only where a
 /// single step does.
 ///
 /// # Errors
 /// [`SimulationError`]: the scene cannot be set up, or its first steps fail.
-pub fn price(scene: &Scene) -> Result<Price, SimulationError> {
+pub fn run_price(scene: &Scene) -> Result<RunPrice, SimulationError> {
     match step_count(&scene.time) {
         Some(steps) => fixed(scene, steps),
         None => chosen(scene),
     }
 }
 
-fn fixed(scene: &Scene, steps: u64) -> Result<Price, SimulationError> {
+fn fixed(scene: &Scene, steps: u64) -> Result<RunPrice, SimulationError> {
     let watch = Stopwatch::start();
     let mut simulation = Simulation::new(scene)?;
     let setup = watch.elapsed();
@@ -76,14 +71,14 @@ fn fixed(scene: &Scene, steps: u64) -> Result<Price, SimulationError> {
     let made: f64 = times.iter().sum();
     let last = &times[times.len().saturating_sub(LAST)..];
     let further = (steps - times.len() as u64) as f64 * mean(last);
-    Ok(Price {
+    Ok(RunPrice {
         steps,
         seconds: setup.as_secs_f64() + made + further,
-        memory: memory(scene, simulation.linear_method() == "factor"),
+        memory: memory_held(scene, simulation.linear_method() == "factor"),
     })
 }
 
-fn chosen(scene: &Scene) -> Result<Price, SimulationError> {
+fn chosen(scene: &Scene) -> Result<RunPrice, SimulationError> {
     let own = Choice::of(scene);
     let cells = if can_change_mesh(scene) {
         (own.cells / COARSER).max(FEWEST_CELLS).min(own.cells)
@@ -137,27 +132,13 @@ fn chosen(scene: &Scene) -> Result<Price, SimulationError> {
         before = now;
     }
     let a_step = times.last().copied().unwrap_or_default();
-    Ok(Price {
+    Ok(RunPrice {
         steps: number,
         seconds: setup.as_secs_f64() + (attempts + missing) as f64 * a_step,
-        memory: memory(scene, true),
+        memory: memory_held(scene, true),
     })
 }
 
 fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
-}
-
-/// What a run of a scene holds at most, in bytes.
-fn memory(scene: &Scene, with_factor: bool) -> u64 {
-    let Mesh::Structured { cells, .. } = scene.mesh;
-    let nodes = ((cells + 1) * (cells + 1)) as f64;
-    // A factor's fill grows with the logarithm of the number of nodes.
-    let fill = (nodes.ln() / 14_641.0_f64.ln()).max(0.5);
-    let factor = if with_factor {
-        A_NODE_WITH_FACTOR * fill
-    } else {
-        0.0
-    };
-    (PROGRAM + nodes * (A_NODE + factor)) as u64
 }

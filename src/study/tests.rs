@@ -139,7 +139,7 @@ fn a_study_that_is_ended_keeps_what_it_has() {
 #[test]
 fn the_number_of_chosen_steps_is_foreseen() {
     let scene = scene(CALM);
-    let foreseen = price(&scene).expect("it can be run");
+    let foreseen = run_price(&scene).expect("it can be run");
     let mut simulation = Simulation::new(&scene).expect("it is small");
     while simulation.report().t < scene.time.end {
         simulation.advance().expect("solved");

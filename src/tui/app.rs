@@ -7,15 +7,24 @@ use std::thread::available_parallelism;
 
 use super::history::History;
 use super::pace::Pace;
-use super::past::Past;
+use super::past::{self, Past};
 use super::reins::Reins;
 use super::state::{
-    App, DirectorStyle, Field, Notice, Panel, Run, Saving, Screen, Slot, Status, View,
+    App, DirectorStyle, Field, Notice, Overlay, Panel, Question, Run, Saving, Screen, Slot, Status,
+    View,
 };
 use crate::scene::{AnchoringKind, Scene};
 use crate::simulation::{Picture, Report, RunId};
 
 impl App {
+    /// Asks whether to go on with the runs of an earlier time, where there are any; no run starts before
+    /// that is answered.
+    pub(super) fn offer_to_go_on(&mut self) {
+        if self.slots.iter().any(|slot| slot.kept.is_some()) {
+            self.overlay = Some(Overlay::Confirm(Question::GoOn));
+        }
+    }
+
     /// The slots of the four cases come first; those of opened scenes are behind them.
     pub const CASES: usize = 4;
     /// The least and the greatest number of redraws a second.
@@ -49,6 +58,7 @@ impl App {
             next_run: RunId(1),
             cores: available_parallelism().map_or(1, NonZero::get),
             clock: None,
+            memory: past::BUDGET,
             editing: None,
             reloaded: None,
             ending: None,
@@ -111,10 +121,13 @@ impl App {
 impl Slot {
     /// A slot without a run.
     pub fn new(name: impl Into<String>, file: Option<std::path::PathBuf>, scene: Scene) -> Self {
+        let scene = Arc::new(scene);
         Self {
             name: name.into(),
             file,
-            scene: Arc::new(scene),
+            loaded: scene.clone(),
+            scene,
+            kept: None,
             run: None,
         }
     }
@@ -140,6 +153,7 @@ impl Run {
             setting: None,
             report: Report::default(),
             anchoring,
+            before: None,
             history: History::default(),
             picture: None,
             past: Past::default(),

@@ -33,7 +33,8 @@ pub fn save_figures(job: &Job, folder: &RunFolder) -> Result<(), String> {
                 mesh: Arc::clone(&job.mesh),
                 history: history.rows.clone(),
                 snapshots: snapshots.collect(),
-                command: command("vesica figures scene.toml", job),
+                switches: job.switches.clone(),
+                command: command(pictures.last().map_or(0, |last| last.report.step), job),
             };
             figure::save_set(&[run], &FigureOptions::default(), folder.path())
         }
@@ -48,7 +49,7 @@ fn save_view(
     folder: &RunFolder,
 ) -> Result<Vec<std::path::PathBuf>, figure::FigureError> {
     let steps = picture.report.step;
-    let command = command(&format!("vesica run scene.toml --steps {steps}"), job);
+    let command = command(steps, job);
     let shown = figure::View {
         name: &job.name,
         scene: &job.scene,
@@ -56,7 +57,10 @@ fn save_view(
         state: &picture.state,
         report: &picture.report,
         field: match view.field {
-            Field::Phase | Field::EnergyDensity => figure::Field::Phase,
+            Field::Phase => figure::Field::Phase,
+            Field::EnergyDensity => figure::Field::BendingDensity {
+                interface_width: job.scene.membrane.interface_width,
+            },
             Field::DirectorLength => figure::Field::DirectorLength,
             Field::Omega => figure::Field::Bending,
             Field::Mu => figure::Field::Potential,
@@ -74,11 +78,13 @@ fn save_view(
     figure::save_view(&shown, &options, folder.path())
 }
 
-/// A command, and what was done by hand that it does not repeat.
-fn command(command: &str, job: &Job) -> String {
-    let mut text = command.to_owned();
-    for (step, kind) in &job.switches {
-        text += &format!("; the anchoring was switched to {kind} after step {step}");
+/// The commands that compute a run up to a step and draw it, and what was done by hand that they do
+/// not repeat: as a comment, for a shell.
+fn command(steps: u64, job: &Job) -> String {
+    let mut text = format!("vesica run scene.toml --steps {steps} --out run && vesica figures run");
+    for (number, (step, kind)) in job.switches.iter().enumerate() {
+        text += if number == 0 { " #" } else { ";" };
+        text += &format!(" the anchoring was switched to {kind} after step {step}");
     }
     text
 }

@@ -1,7 +1,8 @@
 //! Every scalar of a run, from its first step to its last.
 
 use super::series::Series;
-use crate::record::Columns;
+use crate::physics::NamedValue;
+use crate::record::{Columns, KeptRun};
 use crate::scene::AnchoringKind;
 use crate::simulation::Report;
 
@@ -38,6 +39,44 @@ pub struct History {
 }
 
 impl History {
+    /// The scalars of a run that goes on from a kept one, before its first report, which is that of the
+    /// last kept row and names the energies.
+    pub fn of(kept: &KeptRun, first: &Report) -> Self {
+        let mut rows = kept.rows.clone();
+        rows.truncate(rows.rows().saturating_sub(1));
+        let column = |name: &str| rows.column(name);
+        let steps = column("step").unwrap_or_default().to_vec();
+        let series = |values: Option<&[f64]>, from: f64, change: &dyn Fn(f64) -> f64| {
+            let mut series = Series::default();
+            for (step, value) in steps.iter().zip(values.unwrap_or_default()) {
+                if *step >= from && !value.is_nan() {
+                    series.push(*step as u64, change(*value));
+                }
+            }
+            series
+        };
+        let plain = |name: &str| series(column(name), 0.0, &|value| value);
+        let start = column("A").and_then(|values| values.first().copied());
+        let energy = |named: &NamedValue| (named.name, plain(&format!("E_{}", named.name)));
+        let last_switch = kept.switches.last().map_or(0, |(step, _)| *step);
+        let after_switch = steps.iter().rposition(|step| *step as u64 == last_switch);
+        Self {
+            total_energy: plain("E_total"),
+            energies: first.energies.iter().map(energy).collect(),
+            surface_area: plain("B"),
+            phase_drift: series(column("A"), 0.0, &|value| value - start.unwrap_or(value)),
+            law_residual: series(column("law_residual"), 1.0, &f64::abs),
+            cost: Series::default(),
+            length: plain("length"),
+            waist: plain("waist"),
+            width: plain("width"),
+            marks: kept.switches.clone(),
+            baseline: after_switch.and_then(|row| Some(column("E_total")?[row])),
+            phase_integral: start,
+            rows,
+        }
+    }
+
     /// Takes the scalars of the next step, or those of step 0.
     pub fn take(&mut self, report: &Report) {
         self.rows.push(report);
@@ -119,6 +158,40 @@ mod tests {
         assert_eq!(history.total_energy.columns(2, 1)[1], Some([4.0, 7.0]));
         let names: Vec<_> = history.energies.iter().map(|(name, _)| *name).collect();
         assert_eq!(names, ["bending", "anchoring"]);
+    }
+
+    #[test]
+    fn the_scalars_of_a_kept_run_are_those_that_it_had() {
+        let mut history = History::default();
+        let mut kept = KeptRun::default();
+        for step in 0..3000 {
+            let report = report(step, &[("bending", 5.0 - step as f64 * 1e-3)]);
+            history.take(&report);
+            kept.rows.push(&report);
+            if step == 7 {
+                history.switch(AnchoringKind::Parallel, &report);
+                kept.rows.push(&report);
+                kept.switches.push((7, AnchoringKind::Parallel));
+            }
+        }
+        // The last row is told again.
+        let last = report(2999, &[("bending", 5.0 - 2.999)]);
+        let mut again = History::of(&kept, &last);
+        again.take(&last);
+        let curves = |history: &History| {
+            [
+                &history.total_energy,
+                &history.energies[0].1,
+                &history.phase_drift,
+                &history.law_residual,
+            ]
+            .map(|series| series.columns(90, 3000))
+        };
+        assert_eq!(curves(&again), curves(&history));
+        assert_eq!(again.rows, history.rows);
+        assert_eq!(again.marks, history.marks);
+        assert_eq!(again.baseline, history.baseline);
+        assert_eq!(again.phase_integral, history.phase_integral);
     }
 
     #[test]

@@ -27,6 +27,8 @@ pub enum Message {
     Computing(RunId, Duration),
     /// A scene was loaded from a name, or why not.
     Loaded(Result<Box<Slot>, String>),
+    /// The prices of effects as a table, or how far measuring them is, or why they cannot be had.
+    Prices(String),
     /// What was to be saved is saved, or why not.
     Saved(Result<PathBuf, String>),
     /// A signal asks the process to end.
@@ -50,6 +52,8 @@ pub enum Effect {
     Drop(RunId),
     /// Load a scene by a preset's name or a path, in the background.
     Load(String),
+    /// Measure what each effect of a scene costs, in the background, as long as that is looked at.
+    Price(Arc<Scene>),
     /// Edit the scene of the slot in $EDITOR and load it anew. A preset is written to a file first.
     Edit(usize),
     /// Save one view: PNG, SVG, CSV, VTU.

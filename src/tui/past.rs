@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use crate::simulation::Picture;
 
-/// Bytes that the older fields of a run may take.
-const BUDGET: usize = 64 << 20;
+/// Bytes that older fields may take, by default.
+pub const BUDGET: usize = 64 << 20;
 
 /// The stored pictures of a run, in order of their steps.
 ///
@@ -95,7 +95,19 @@ impl Past {
         }
         self.bytes += bytes_of(&picture);
         self.pictures.push(picture);
-        while self.bytes > self.budget && self.pictures.len() > 2 && self.width <= step {
+        self.fit();
+    }
+
+    /// Takes up to so many bytes from now on: other runs have come or gone.
+    pub fn set_budget(&mut self, budget: usize) {
+        self.budget = budget;
+        self.fit();
+    }
+
+    /// Thins out until the budget is kept, if there is anything to thin out.
+    fn fit(&mut self) {
+        let newest = (self.pictures.last()).map_or(0, |picture| picture.report.step);
+        while self.bytes > self.budget && self.pictures.len() > 2 && self.width <= newest {
             self.thin();
         }
     }
@@ -230,6 +242,20 @@ mod tests {
             past.put(picture(step));
         }
         assert_eq!(past.position(7), None);
+    }
+
+    #[test]
+    fn a_smaller_budget_is_kept_at_once() {
+        let mut past = Past::default();
+        for step in 0..100 {
+            past.put(picture(step));
+        }
+        past.set_budget(20 * bytes_of(&picture(0)));
+        let kept = steps(&past);
+        assert!(past.bytes() <= past.budget && kept.len() >= 10, "{kept:?}");
+        assert_eq!((kept[0], kept[kept.len() - 1]), (0, 99));
+        past.set_budget(BUDGET);
+        assert_eq!(steps(&past), kept);
     }
 
     #[test]

@@ -24,11 +24,11 @@ pub(super) const PARENT: &str = "saved";
 pub struct Job {
     /// The word for the scene: the folder's name begins with it.
     pub name: String,
-    /// The scene, with the anchoring of the pictures where they agree on one.
+    /// The scene: of a view with the anchoring of its time, of a set as it was at the start.
     pub scene: Arc<Scene>,
     /// The mesh.
     pub mesh: Arc<Mesh>,
-    /// When the anchoring was switched, and to what.
+    /// When the anchoring was switched up to then, and to what.
     pub switches: Vec<(u64, AnchoringKind)>,
     /// Whether the process is about to be ended, so that there is time for numbers but not for
     /// pictures, which can be made from them later.
@@ -65,15 +65,15 @@ pub type Save = fn(&Job, &RunFolder) -> Result<(), String>;
 /// # Errors
 /// What could not be written, and why.
 pub fn save_states(job: &Job, folder: &RunFolder) -> Result<(), String> {
-    let pictures = match &job.what {
-        What::View(picture, _) => std::slice::from_ref(picture),
-        What::Set(pictures, _) => pictures,
+    let (pictures, history) = match &job.what {
+        What::View(picture, _) => (std::slice::from_ref(picture), None),
+        What::Set(pictures, history) => (&pictures[..], Some(&history.rows)),
     };
     let states: Vec<_> = pictures
         .iter()
         .map(|picture| (&picture.report, &picture.state))
         .collect();
-    write_states(folder, &job.scene, &job.mesh, &states).map_err(|error| error.to_string())
+    write_states(folder, &job.scene, &job.mesh, &states, history).map_err(|error| error.to_string())
 }
 
 /// The saving thread.
@@ -122,7 +122,7 @@ impl Saver {
     }
 }
 
-/// Makes the folder and saves into it; a folder that stays empty does not stay. The folder's path,
+/// Makes the folder and saves into it; where that fails nothing of it stays. The folder's path,
 /// whole.
 fn carry_out(save: Save, job: &Job, parent: &Path) -> Result<PathBuf, String> {
     let folder =
@@ -134,8 +134,8 @@ fn carry_out(save: Save, job: &Job, parent: &Path) -> Result<PathBuf, String> {
     match outcome {
         Ok(()) => Ok(std::path::absolute(folder.path()).unwrap_or_else(|_| folder.path().into())),
         Err(words) => {
-            // It stays if it holds anything.
-            let _ = std::fs::remove_dir(folder.path());
+            // The folder is new, so all in it is the half of what was to be saved.
+            let _ = std::fs::remove_dir_all(folder.path());
             Err(words)
         }
     }

@@ -7,8 +7,9 @@
 use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use signal_hook::consts::{SIGINT, SIGQUIT};
@@ -17,6 +18,7 @@ use super::canvas::Canvas;
 use super::farewell;
 use super::incoming::{Incoming, spawn};
 use super::input::Input;
+use super::keeping::{self, Logbook};
 use super::message::{Effect, Message};
 use super::pacing::{Occasion, Pacing};
 use super::saving::{Job, PARENT, Save, Saver, What};
@@ -25,12 +27,16 @@ use super::terminal::{self, Terminal};
 use super::theme::{ColorTier, Theme};
 use super::update::update;
 use super::watch::Watch;
-use super::{editing, job_control, opening, panel};
-use crate::scene::Scene;
-use crate::simulation::{Command, Orders, Picture, RunId, Worker};
+use super::{editing, job_control, opening, panel, pricing};
+use crate::record::Settings;
+use crate::scene::{AnchoringKind, Scene};
+use crate::simulation::{Command, Continuity, Orders, Picture, RunId, Worker};
 
 /// How long saving may hold up an end that was not asked for by a person.
 const LAST_SAVE: Duration = Duration::from_millis(1200);
+
+/// How long the steps in hand may hold up an end that a person asked for.
+const LAST_STEP: Duration = Duration::from_secs(3);
 
 /// What the app is started with.
 #[derive(Debug)]
@@ -78,12 +84,17 @@ pub fn run(options: Options) -> Result<Ending, AppError> {
     // In this order, so that the terminal is restored after all that use it are gone.
     let watch = Watch::start(incoming.clone(), terminal.modes()).map_err(AppError::Threads)?;
     let input = Input::start(incoming.clone()).map_err(AppError::Threads)?;
-    let app = App::new(
-        options.slots,
+    let mut slots = options.slots;
+    for slot in &mut slots {
+        slot.kept = keeping::find_here(&slot.name, &slot.loaded).map(Arc::new);
+    }
+    let mut app = App::new(
+        slots,
         options.active,
         terminal::size(),
         options.frames_per_second,
     );
+    app.offer_to_go_on();
     let session = Session {
         app,
         theme,
@@ -97,6 +108,7 @@ pub fn run(options: Options) -> Result<Ending, AppError> {
         saved: Vec::new(),
         incoming,
         queue,
+        pricing: None,
         quitting: false,
     };
     session.run()
@@ -117,6 +129,8 @@ struct Session {
     saved: Vec<PathBuf>,
     incoming: Sender<Incoming>,
     queue: Receiver<Incoming>,
+    /// Where effects are being priced: tells that to end.
+    pricing: Option<Arc<AtomicBool>>,
     quitting: bool,
 }
 
@@ -217,6 +231,9 @@ impl Session {
         for effect in update(&mut self.app, message) {
             self.perform(effect)?;
         }
+        if !matches!(self.app.overlay, Some(Overlay::Prices { .. })) {
+            self.end_pricing();
+        }
         Ok(())
     }
 
@@ -254,6 +271,7 @@ impl Session {
                 let source = opening::typed_path(&text, home);
                 self.load(move || opening::open(source.as_os_str(), &[]))?;
             }
+            Effect::Price(scene) => self.price(scene)?,
             Effect::Edit(slot) => return self.edit(slot),
             Effect::SaveView(picture, slot) => return self.save_view(picture, slot),
             Effect::SaveSet(slot) => return self.save_set(slot),
@@ -270,9 +288,38 @@ impl Session {
     fn start(&mut self, orders: Orders, scene: Arc<Scene>) {
         let incoming = self.incoming.clone();
         let run = orders.run;
-        let worker = Worker::start(orders, scene, move |news| {
+        let slots = &self.app.slots;
+        let slot = slots
+            .iter()
+            .find(|slot| slot.run.as_ref().is_some_and(|known| known.id == run));
+        let kept = slot.and_then(|slot| slot.kept.as_deref());
+        let logbook = slot.map(|slot| {
+            Mutex::new(Logbook::new(
+                Path::new(PARENT),
+                &slot.name,
+                &slot.loaded,
+                kept,
+            ))
+        });
+        let continuity = Continuity {
+            from: kept.map(|kept| Box::new(kept.memory.clone())),
+            keep: Some(Settings::CHECKPOINT),
+        };
+        let worker = Worker::start_from(orders, scene, continuity, move |message| {
+            let noted = match &logbook {
+                Some(logbook) => logbook
+                    .lock()
+                    .unwrap_or_else(PoisonError::into_inner)
+                    .take(message.news),
+                None => Ok(Some(message.news)),
+            };
+            let told = match noted {
+                Ok(None) => return,
+                Ok(Some(news)) => Message::Solver(crate::simulation::Message { run, news }),
+                Err(words) => Message::Remark(format!("the run is not kept: {words}")),
+            };
             // If the loop has ended, so will the worker.
-            let _ = incoming.send(Incoming::Message(Message::Solver(news)));
+            let _ = incoming.send(Incoming::Message(told));
         });
         self.workers.insert(run, worker);
     }
@@ -294,6 +341,26 @@ impl Session {
             // If the loop has ended, nobody wants it.
             let _ = incoming.send(Incoming::Message(Message::Loaded(loaded)));
         })
+    }
+
+    /// Prices the effects of a scene, until it is done or nobody looks any more.
+    fn price(&mut self, scene: Arc<Scene>) -> Result<(), AppError> {
+        self.end_pricing();
+        let end = Arc::new(AtomicBool::new(false));
+        self.pricing = Some(Arc::clone(&end));
+        let incoming = self.incoming.clone();
+        self.aside("pricing", move || {
+            // If the loop has ended, nobody wants it.
+            pricing::measure(&scene, &end, &mut |text| {
+                let _ = incoming.send(Incoming::Message(Message::Prices(text)));
+            });
+        })
+    }
+
+    fn end_pricing(&mut self) {
+        if let Some(end) = self.pricing.take() {
+            end.store(true, Ordering::Relaxed);
+        }
     }
 
     fn save_view(&mut self, picture: Arc<Picture>, slot: usize) -> Result<(), AppError> {
@@ -322,13 +389,22 @@ impl Session {
             let reason = "the run has no state yet".to_owned();
             return self.message(Message::Saved(Err(reason)));
         };
+        let what = what(run);
+        let mut switches = run.history.marks.clone();
+        let scene = match &what {
+            What::View(picture, _) => {
+                switches.retain(|(step, _)| *step < picture.report.step);
+                with_anchoring(&setting.scene, picture.anchoring)
+            }
+            What::Set(..) => setting.scene.clone(),
+        };
         self.saver.give(Job {
             name: slot.name.clone(),
-            scene: Arc::clone(&slot.scene),
+            scene: Arc::new(scene),
             mesh: Arc::clone(&setting.mesh),
-            switches: run.history.marks.clone(),
+            switches,
             in_haste: matches!(self.app.ending, Some(Ending::Signal(_) | Ending::HungUp)),
-            what: what(run),
+            what,
         });
         Ok(())
     }
@@ -444,6 +520,12 @@ impl Session {
                 Some(_) => {}
             }
         }
+        // Each keeps its state. A step of a large run may take seconds: then the state is the one of up to
+        // half a minute ago.
+        let until = until.unwrap_or_else(|| Instant::now() + LAST_STEP);
+        while !self.workers.values().all(Worker::has_ended) && Instant::now() < until {
+            std::thread::sleep(Duration::from_millis(5));
+        }
         self.terminal
             .leave_behind(&farewell::line(&self.app, &self.saved));
         // A step of a large run may take seconds: its thread ends with the process.
@@ -452,4 +534,15 @@ impl Session {
             .for_each(std::mem::forget);
         Ok(ending)
     }
+}
+
+/// A scene with the anchoring that was in force at some time; `None`: there is nothing to anchor.
+fn with_anchoring(scene: &Scene, kind: Option<AnchoringKind>) -> Scene {
+    let mut scene = scene.clone();
+    if let Some(kind) = kind
+        && (scene.anchoring.is_some() || kind != AnchoringKind::None)
+    {
+        scene.anchoring.get_or_insert_default().kind = kind;
+    }
+    scene
 }

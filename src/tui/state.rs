@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::past::Past;
 use super::reins::Reins;
+use crate::record::KeptRun;
 use crate::scene::{AnchoringKind, Scene};
 use crate::simulation::{Picture, Report, RunId, Setting};
 
@@ -50,6 +51,8 @@ pub struct App {
     pub cores: usize,
     /// The time that no run of the gallery goes beyond at present; `None` outside the gallery.
     pub clock: Option<f64>,
+    /// Bytes that the older fields of all runs together may take.
+    pub memory: usize,
     /// The slot whose scene is being edited.
     pub editing: Option<usize>,
     /// A slot and the scene that waits to replace it, while that is asked.
@@ -67,6 +70,10 @@ pub struct Slot {
     pub file: Option<PathBuf>,
     /// The scene as loaded, with the anchoring that is in force at present.
     pub scene: Arc<Scene>,
+    /// The scene as loaded: by it a kept run is known again.
+    pub loaded: Arc<Scene>,
+    /// The run of an earlier time, from which the next one goes on.
+    pub kept: Option<Arc<KeptRun>>,
     /// The run; `None` until the slot is looked at for the first time.
     pub run: Option<Run>,
 }
@@ -86,6 +93,8 @@ pub struct Run {
     pub report: Report,
     /// The anchoring in force.
     pub anchoring: Option<AnchoringKind>,
+    /// The run of an earlier time that this one goes on from, until its first news.
+    pub before: Option<Arc<KeptRun>>,
     /// The scalars of all steps, decimated.
     pub history: History,
     /// The latest fields.
@@ -134,6 +143,12 @@ pub struct Notice {
     pub text: String,
 }
 
+impl std::fmt::Display for Notice {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(formatter, "step {}: {}", self.step, self.text)
+    }
+}
+
 /// How grave a notice is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
@@ -173,6 +188,11 @@ pub enum Overlay {
         /// Why the last attempt failed.
         error: Option<String>,
     },
+    /// What each effect of the scene costs: the table, or how far measuring it is.
+    Prices {
+        /// As it is shown, line by line.
+        text: String,
+    },
     /// A long text to read: an error of a scene with its lines.
     Message {
         /// The heading.
@@ -191,6 +211,20 @@ pub enum Question {
     Quit,
     /// Begin anew with the scene as it stands in its file now?
     Reload,
+    /// Go on with the runs of an earlier time?
+    GoOn,
+}
+
+impl Question {
+    /// In a word.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Restart => "Restart",
+            Self::Quit => "Quit",
+            Self::Reload => "Reload",
+            Self::GoOn => "Go on",
+        }
+    }
 }
 
 /// How fields are shown.

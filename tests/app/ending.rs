@@ -1,7 +1,7 @@
 //! How the app ends, and that the terminal is then as it was (points 9, 10, 11, 15, 16).
 
 use super::pty::{ENTER, LEAVE, LIMIT, Pty, child_named, send};
-use super::{VESICA, folder, pause, running, wait_running};
+use super::{VESICA, folder, pause, running, step, wait_running};
 use nix::sys::signal::Signal;
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -84,6 +84,50 @@ fn signals_restore_the_terminal_and_save_what_there_is() {
             folder.path().join("saved/small-set/history.csv").is_file(),
             "{signal:?}"
         );
+    }
+}
+
+#[test]
+fn the_next_time_it_goes_on_where_it_was() {
+    for hang_up in [false, true] {
+        let folder = folder();
+        let mut app = running(&folder, (120, 40));
+        pause(&mut app);
+        let left = step(&app.seen().text()).expect("a step");
+        if hang_up {
+            app.hang_up();
+            assert_eq!(app.exit_status(OUTLIVE), 129);
+        } else {
+            app.type_keys("qy");
+            app.assert_restored(0);
+        }
+
+        let mut app = Pty::start((120, 40), folder.path(), &[VESICA, "small.toml"], &[]);
+        app.wait_text(&format!("small at step {left}"));
+        // Nothing begins before the answer.
+        app.wait_quiet();
+        assert_eq!(step(&app.seen().text()), None);
+        app.type_keys("y");
+        app.wait("a run that goes on", |seen| {
+            step(&seen.text()).is_some_and(|step| step > left)
+        });
+        app.type_keys("qy");
+        app.assert_restored(0);
+
+        // Another scene is not meant; the answer may be no.
+        let other = [VESICA, "small.toml", "--set", "mesh.cells=18"];
+        let mut app = Pty::start((120, 40), folder.path(), &other, &[]);
+        wait_running(&app);
+        app.type_keys("qy");
+        app.assert_restored(0);
+        let mut app = Pty::start((120, 40), folder.path(), &[VESICA, "small.toml"], &[]);
+        app.wait_text("Go on where you were");
+        app.type_keys("n");
+        app.wait("a run from the beginning", |seen| {
+            step(&seen.text()).is_some_and(|step| step < left)
+        });
+        app.type_keys("qy");
+        app.assert_restored(0);
     }
 }
 

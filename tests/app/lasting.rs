@@ -66,7 +66,7 @@ fn soak() {
     let duration = Duration::from_secs(number("VESICA_SOAK_SECONDS", 600));
     let mut random = ChaCha8Rng::seed_from_u64(number("VESICA_SOAK_SEED", 1));
     let folder = folder();
-    // Pictures of 150 kB: the past has its full 64 MB of each of five runs within four minutes.
+    // Pictures of 150 kB: the past has its full 64 MB within a minute.
     let scene = SMALL.replace("cells = 20", "cells = 60");
     std::fs::write(folder.path().join("small.toml"), scene).expect("it can be written");
     let overrides = [

@@ -49,7 +49,8 @@ fn unknown_keys() {
     assert_eq!(
         message("[aera]"),
         "a.toml:1:2: unknown key 'aera' at the top level; did you mean 'area'? Allowed: name, \
-         domain, mesh, vesicle, time, membrane, area, nematic, anchoring, solver",
+         domain, mesh, vesicle, time, membrane, area, nematic, anchoring, field, pull, \
+         noise, solver",
     );
     assert_eq!(
         message("[time]\ncells = 12"),
@@ -220,10 +221,28 @@ fn an_anchoring_needs_a_director() {
 fn what_a_later_version_will_have() {
     assert!(message("[mesh]\nkind = 'delaunay'").starts_with("a.toml:2:8: this version"));
     assert!(message("[mesh]\nkind = 'file'").contains("does not have mesh.kind = \"file\" yet"));
-    for table in ["field", "pull", "noise"] {
-        let expected = format!("a.toml:1:2: this version of vesica does not have [{table}] yet");
+}
+
+#[test]
+fn an_effect_on_the_director_needs_one() {
+    for table in ["field", "noise"] {
+        let expected = format!("a.toml:1:2: [{table}] acts on the director, and the scene has no");
         assert!(message(&format!("[{table}]")).starts_with(&expected));
     }
+}
+
+#[test]
+fn what_added_effects_need() {
+    assert_eq!(
+        message("[nematic]\n[field]\nfrom = 1e-4\nuntil = 5e-5"),
+        "a.toml:4:9: field.until must be a number > field.from = 0.0001, not 5e-5",
+    );
+    assert!(message("[pull]").starts_with("a.toml:1:2: [pull] needs the key 'potential'"));
+    assert!(message("pull.potential = 'x +'").contains("pull.potential"));
+    assert!(
+        message("nematic = {}\n[noise]\nstrength = -1")
+            .contains("noise.strength must be a finite number ≥ 0")
+    );
 }
 
 #[test]

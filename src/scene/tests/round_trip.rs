@@ -53,6 +53,10 @@ fn every_form_of_every_key_round_trips() {
         "mesh.cells = 4\nnematic.initial = { kind = 'file', values = 'v.txt' }",
         "anchoring = { kind = 'none', weight = 0 }",
         "nematic = {}\nanchoring = { kind = 'parallel', weight = 1 }",
+        "nematic = {}\nfield = { weight = -3, strength = 2, angle = 45, from = 1e-5, until = 2e-5 }",
+        "nematic = {}\nfield = {}\nnoise = { strength = 0.1, seed = 18446744073709551615 }",
+        "pull.potential = '-3*y'",
+        "mesh.cells = 4\npull.potential = { file = 's \"1\".txt' }",
         "solver = { quadrature = 'lumped', iteration = 'lagged', linear = 'factor' }",
         "solver = { linear = 'transform', tolerance = 1e-12, law_tolerance = 1e30 }",
     ];

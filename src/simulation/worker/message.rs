@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::super::{Event, Report};
+use super::super::{Event, Memory, Report};
 use crate::fem::Mesh;
 use crate::scene::{AnchoringKind, Scene, Warning};
 use crate::scheme::State;
@@ -75,6 +75,9 @@ pub enum News {
     },
     /// One of the evenly spaced states that were ordered.
     Snapshot(Arc<Picture>),
+    /// The state, from which the run can be gone on with: where that was ordered, every so often and
+    /// before the worker ends, unless no step was taken since the last time.
+    State(Box<Memory>),
     /// The worker stands still, as asked: the answer to every `Pause` and every `Step`, and told at
     /// the start where it was ordered to wait.
     Paused,

@@ -17,12 +17,22 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
+use super::Memory;
 use crate::scene::Scene;
 
 pub use mailbox::Mailbox;
 pub use message::{Command, Message, News, Orders, Picture, RunId, Setting};
 
 use runner::Runner;
+
+/// How a run hangs together with those before and after it.
+#[derive(Debug, Default)]
+pub struct Continuity {
+    /// The state to go on from; `None`: φ⁰ and d⁰ of the scene.
+    pub from: Option<Box<Memory>>,
+    /// How often [`News::State`] is told; `None`: never.
+    pub keep: Option<Duration>,
+}
 
 /// A run on a thread of its own. Dropping it ends the run and waits for the thread: until the step
 /// in hand, or the set-up, is done.
@@ -48,6 +58,16 @@ impl Worker {
         scene: Arc<Scene>,
         sink: impl Fn(Message) + Send + 'static,
     ) -> Self {
+        Self::start_from(orders, scene, Continuity::default(), sink)
+    }
+
+    /// Starts a run that goes on from where another was, or that is to be gone on with.
+    pub fn start_from(
+        orders: Orders,
+        scene: Arc<Scene>,
+        continuity: Continuity,
+        sink: impl Fn(Message) + Send + 'static,
+    ) -> Self {
         let run = orders.run;
         let (commands, received) = mpsc::channel();
         let mailbox = Mailbox::default();
@@ -58,7 +78,7 @@ impl Worker {
             let (sink, mailbox, computing) = (sink.clone(), mailbox.clone(), computing.clone());
             move || {
                 if let Some(sink) = take(&sink) {
-                    Runner::new(orders, received, sink, mailbox, computing).run(&scene);
+                    Runner::new(orders, received, sink, mailbox, computing).run(&scene, continuity);
                 }
             }
         };
@@ -99,6 +119,11 @@ impl Worker {
     /// Where its latest picture is to be fetched.
     pub fn mailbox(&self) -> Mailbox {
         self.mailbox.clone()
+    }
+
+    /// Whether its thread has ended.
+    pub fn has_ended(&self) -> bool {
+        self.thread.as_ref().is_none_or(JoinHandle::is_finished)
     }
 
     /// The time that its steps took so far, without set-up and pauses.

@@ -7,9 +7,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError};
 use std::time::{Duration, Instant};
 
-use super::super::{EventKind, Report, Schedule, Simulation, SimulationError};
+use super::super::{EventKind, Memory, Report, Schedule, Simulation, SimulationError};
 use super::mailbox::{Canvases, Mailbox, PictureOf};
-use super::{Command, Message, News, Orders, RunId, Setting};
+use super::{Command, Continuity, Message, News, Orders, RunId, Setting};
 use crate::scene::{AnchoringKind, Scene};
 
 /// The thread's own: everything but the simulation.
@@ -20,6 +20,14 @@ pub(super) struct Runner<Sink> {
     mailbox: Mailbox,
     canvases: Canvases,
     computing: Arc<AtomicU64>,
+    kept: Kept,
+}
+
+/// When the state was told last, and how often it is to be told.
+struct Kept {
+    interval: Option<Duration>,
+    step: u64,
+    at: Instant,
 }
 
 /// Why a worker stands still.
@@ -61,12 +69,17 @@ impl<Sink: Fn(Message)> Runner<Sink> {
             mailbox,
             canvases: Canvases::default(),
             computing,
+            kept: Kept {
+                interval: None,
+                step: 0,
+                at: Instant::now(),
+            },
         }
     }
 
     /// Runs the scene until it is told to end or cannot go on, which it tells.
-    pub(super) fn run(mut self, scene: &Scene) {
-        let outcome = catch_unwind(AssertUnwindSafe(|| self.simulate(scene)));
+    pub(super) fn run(mut self, scene: &Scene, continuity: Continuity) {
+        let outcome = catch_unwind(AssertUnwindSafe(|| self.simulate(scene, continuity)));
         let failure = match outcome {
             Ok(Ok(())) => None,
             Ok(Err(error)) => Some(error.to_string()),
@@ -83,8 +96,16 @@ impl<Sink: Fn(Message)> Runner<Sink> {
     }
 
     /// Sets the run up and goes on until `End`.
-    fn simulate(&mut self, scene: &Scene) -> Result<(), SimulationError> {
+    fn simulate(&mut self, scene: &Scene, continuity: Continuity) -> Result<(), SimulationError> {
         let mut simulation = Simulation::new(scene)?;
+        if let Some(memory) = continuity.from {
+            simulation.recall(&memory)?;
+        }
+        self.kept = Kept {
+            interval: continuity.keep,
+            step: simulation.report().step,
+            at: Instant::now(),
+        };
         let schedule = Schedule::new(&scene.time, 1, self.orders.snapshots);
         simulation.follow(&schedule);
         // Before the news, so that whoever hears them finds it; so everywhere.
@@ -116,7 +137,10 @@ impl<Sink: Fn(Message)> Runner<Sink> {
                 None => self.commands.try_recv(),
             };
             match command {
-                Err(TryRecvError::Empty) => self.step(&mut simulation, &schedule)?,
+                Err(TryRecvError::Empty) => {
+                    self.step(&mut simulation, &schedule)?;
+                    self.keep_in_time(&simulation);
+                }
                 Ok(Command::Resume) => going = true,
                 Ok(Command::Horizon(horizon)) => self.orders.horizon = horizon,
                 Ok(Command::Anchor(kind)) => self.anchor(&mut simulation, kind),
@@ -129,9 +153,33 @@ impl<Sink: Fn(Message)> Runner<Sink> {
                     told = None;
                 }
                 Ok(Command::Pause | Command::Step) => {}
-                Ok(Command::End) | Err(TryRecvError::Disconnected) => return Ok(()),
+                Ok(Command::End) | Err(TryRecvError::Disconnected) => {
+                    self.keep(&simulation);
+                    return Ok(());
+                }
             }
         }
+    }
+
+    /// Tells the state if it is time.
+    fn keep_in_time(&mut self, simulation: &Simulation) {
+        let interval = self.kept.interval;
+        if interval.is_some_and(|interval| self.kept.at.elapsed() >= interval) {
+            self.keep(simulation);
+        }
+    }
+
+    /// Tells the state, if that was ordered and steps were taken since.
+    fn keep(&mut self, simulation: &Simulation) {
+        let step = simulation.report().step;
+        if self.kept.interval.is_none() || self.kept.step == step {
+            return;
+        }
+        let mut memory = Box::new(Memory::default());
+        simulation.remember(&mut memory);
+        self.teller.tell(News::State(memory));
+        self.kept.step = step;
+        self.kept.at = Instant::now();
     }
 
     /// Why the run stands still at present; `None`: it goes on.

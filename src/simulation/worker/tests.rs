@@ -72,6 +72,7 @@ fn word(news: &News) -> String {
         News::Event(event) => event.kind.name().to_owned(),
         News::Anchored { kind, report } => format!("{kind} at {}", report.step),
         News::Snapshot(picture) => format!("snapshot {}", picture.report.step),
+        News::State(memory) => format!("state {}", memory.step()),
         News::Paused => "paused".to_owned(),
         News::Resumed => "resumed".to_owned(),
         News::AtHorizon => "at the horizon".to_owned(),
@@ -540,4 +541,48 @@ fn an_event_of_a_switch_is_told_once() {
     assert_eq!(news.iter().filter(switch).count(), 0);
     let words: Vec<String> = news.iter().map(word).collect();
     assert_eq!(words, ["none at 0", "[1]", "paused"]);
+}
+
+#[test]
+fn a_run_goes_on_from_the_state_of_another() {
+    let scene = small(&[]);
+    let start_from = |from: Option<Box<Memory>>| {
+        let (sender, news) = mpsc::channel();
+        let sink = move |message| {
+            // Whoever listens may have gone.
+            let _ = sender.send(message);
+        };
+        let continuity = Continuity {
+            from,
+            keep: Some(Duration::from_secs(3600)),
+        };
+        let worker = Worker::start_from(orders(), Arc::new(scene.clone()), continuity, sink);
+        Watched { worker, news }
+    };
+    let first = start_from(None);
+    first.worker.tell(Command::Step);
+    first.worker.tell(Command::Step);
+    first.worker.tell(Command::End);
+    let news = first.until(|news| matches!(news, News::State(_)));
+    let Some(News::State(memory)) = news.last() else {
+        panic!("{news:?}");
+    };
+    assert_eq!(memory.step(), 2);
+    assert!(first.news.recv_timeout(PATIENCE).is_err(), "nothing more");
+
+    let second = start_from(Some(memory.clone()));
+    second.worker.tell(Command::Step);
+    let mut told = second.words_until("paused");
+    told.extend(second.words_until("paused"));
+    assert_eq!(told, ["ready", "[2]", "paused", "[3]", "paused"]);
+    let mut simulation = Simulation::new(&scene).unwrap();
+    (0..3).for_each(|_| drop(simulation.advance().unwrap().clone()));
+    assert_eq!(fetched(&second.worker), (3, simulation.state().clone()));
+
+    // The state of another scene is told, and nothing is computed.
+    let other = Simulation::new(&small(&["mesh.cells=9"])).unwrap();
+    let mut memory = Box::new(Memory::default());
+    other.remember(&mut memory);
+    let third = start_from(Some(memory));
+    assert!(word(&third.next()).contains("another scene"));
 }

@@ -52,6 +52,14 @@ pub(super) fn with_director(app: &App) -> Result<(), &'static str> {
     }
 }
 
+pub(super) fn with_notices(app: &App) -> Result<(), &'static str> {
+    on_one_run(app)?;
+    match app.active_run() {
+        Some(run) if !run.notices.is_empty() => Ok(()),
+        _ => Err("there is no warning, and nothing to note"),
+    }
+}
+
 pub(super) fn with_picture(app: &App) -> Result<(), &'static str> {
     match app.picture() {
         Some(_) => Ok(()),

@@ -57,8 +57,12 @@ pub enum Action {
     Slower,
     /// Edit the scene and load it anew.
     Edit,
+    /// Tell what each effect costs.
+    Prices,
     /// Open another scene.
     Open,
+    /// Show all that the run has to say, whole.
+    Notices,
     /// Show all keys.
     Help,
     /// Leave what lies over the screen.
@@ -110,7 +114,7 @@ impl Place {
             Some(Overlay::Help { .. }) => Self::Help,
             Some(Overlay::Confirm(_)) => Self::Confirm,
             Some(Overlay::Open { .. }) => Self::Open,
-            Some(Overlay::Message { .. }) => Self::Message,
+            Some(Overlay::Message { .. } | Overlay::Prices { .. }) => Self::Message,
         }
     }
 }
@@ -186,6 +190,15 @@ pub fn footer(app: &App) -> impl Iterator<Item = &'static Binding> {
 /// What the help and the README name: all that keys do when nothing lies over the screen.
 pub fn help() -> impl Iterator<Item = &'static Binding> {
     bindings(Place::Main).chain(bindings(Place::Anywhere))
+}
+
+/// The label of the first key that does something; "" where none does.
+pub fn label(action: Action) -> &'static str {
+    let does = |binding: &&Binding| binding.keys.iter().any(|(_, does)| *does == action);
+    BINDINGS
+        .iter()
+        .find(does)
+        .map_or("", |binding| binding.label)
 }
 
 /// What a key does where the app is at present: an action, or why it does nothing now. `None`: it

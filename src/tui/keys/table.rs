@@ -4,7 +4,7 @@ use crossterm::event::KeyCode;
 
 use super::conditions::{
     always, gallery, in_gallery, next_panel, on_one_run, pause_or_resume, when_a_step_is_left,
-    when_not_over, with_a_past, with_director, with_opened_scenes, with_picture,
+    when_not_over, with_a_past, with_director, with_notices, with_opened_scenes, with_picture,
 };
 use super::{Action, Binding, Key, Place};
 
@@ -199,6 +199,15 @@ pub static BINDINGS: &[Binding] = &[
     },
     Binding {
         place: Place::Main,
+        keys: &[key('w', Action::Notices)],
+        label: "w",
+        plain_label: "w",
+        brief: |_| "warnings",
+        words: "all warnings and notes of this run, whole",
+        when: with_notices,
+    },
+    Binding {
+        place: Place::Main,
         keys: &[key('r', Action::Restart)],
         label: "r",
         plain_label: "r",
@@ -229,6 +238,15 @@ pub static BINDINGS: &[Binding] = &[
         brief: |_| "opened",
         words: "the scenes that were opened",
         when: with_opened_scenes,
+    },
+    Binding {
+        place: Place::Main,
+        keys: &[key('p', Action::Prices)],
+        label: "p",
+        plain_label: "p",
+        brief: |_| "prices",
+        words: "what each effect costs; measured while you look at it",
+        when: on_one_run,
     },
     Binding {
         place: Place::Main,

@@ -88,7 +88,7 @@ pub fn draw(shown: &Shown<'_>, look: Look, theme: &Theme, area: Rect, buffer: &m
         .phase_integral
         .map(|start| report.phase_integral - start);
     let conserved = Row {
-        name: theme.word("∫φ drift", "phi drift"),
+        name: theme.word("∫φ drift", "A drift"),
         colour: None,
         value: drift,
         start: None,

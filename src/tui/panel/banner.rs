@@ -6,6 +6,7 @@ use ratatui::text::{Line, Span};
 
 use super::shown::Shown;
 use super::text;
+use crate::tui::keys::{self, Action};
 use crate::tui::state::{App, Notice, Saving, Severity, Status};
 use crate::tui::theme::{Role, Theme};
 
@@ -14,13 +15,20 @@ struct Words {
     kind: String,
     role: Option<Role>,
     text: String,
+    /// Whether it is to be read whole here; else it may be cut, and a key shows all of it.
+    whole: bool,
 }
+
+/// Rows of a text that is to be read whole, at most.
+const ROWS: usize = 4;
+
+/// A text that may be cut has one in so many of the screen's rows.
+const SHARE: usize = 20;
 
 /// The rows that the banner needs in a given width: one at least, so that the screen does not jump
 /// when there is something to say, and more for a text that must be read whole.
 pub fn rows(app: &App, shown: Option<&Shown<'_>>, width: u16) -> u16 {
-    let needed = words(app, shown).map_or(1, |words| lines(&words, width).len());
-    (needed as u16).clamp(1, 4)
+    words(app, shown).map_or(1, |words| lines(app, &words, width).len().max(1) as u16)
 }
 
 /// Draws the banner.
@@ -29,7 +37,7 @@ pub fn draw(app: &App, shown: Option<&Shown<'_>>, theme: &Theme, area: Rect, buf
         return;
     };
     let indent = words.kind.len() + 4;
-    for (row, text) in lines(&words, area.width).into_iter().enumerate() {
+    for (row, text) in lines(app, &words, area.width).into_iter().enumerate() {
         let mut spans = vec![Span::raw(" ")];
         match (row, words.role) {
             (0, Some(role)) => {
@@ -47,9 +55,25 @@ pub fn draw(app: &App, shown: Option<&Shown<'_>>, theme: &Theme, area: Rect, buf
     }
 }
 
-fn lines(words: &Words, width: u16) -> Vec<String> {
-    let indent = words.kind.len() + 5;
-    text::wrap(&words.text, usize::from(width).saturating_sub(indent))
+fn lines(app: &App, words: &Words, width: u16) -> Vec<String> {
+    let width = usize::from(width).saturating_sub(words.kind.len() + 5);
+    let mut lines = text::wrap(&words.text, width);
+    let (room, more) = if words.whole {
+        (ROWS, String::new())
+    } else {
+        (
+            (usize::from(app.size.1) / SHARE).clamp(1, ROWS),
+            format!(" ({}: all of it)", keys::label(Action::Notices)),
+        )
+    };
+    if lines.len() > room {
+        lines.truncate(room);
+        if let Some(last) = lines.last_mut() {
+            let cut = text::shorten(&format!("{last} .."), width.saturating_sub(more.len()));
+            *last = cut + &more;
+        }
+    }
+    lines
 }
 
 /// What is said first: what is wrong, then what the last key did, then what was saved, then what is
@@ -73,6 +97,7 @@ fn words(app: &App, shown: Option<&Shown<'_>>) -> Option<Words> {
             kind: "failed".to_owned(),
             role: Some(Role::Bad),
             text: why.to_owned(),
+            whole: true,
         });
     }
     if let Some(remark) = &app.remark {
@@ -80,6 +105,7 @@ fn words(app: &App, shown: Option<&Shown<'_>>) -> Option<Words> {
             kind: "note".to_owned(),
             role: None,
             text: remark.clone(),
+            whole: true,
         });
     }
     if let Some((notice, count)) = error {
@@ -95,6 +121,7 @@ fn words(app: &App, shown: Option<&Shown<'_>>) -> Option<Words> {
         kind: kind.to_owned(),
         role,
         text,
+        whole: true,
     })
 }
 
@@ -112,6 +139,7 @@ fn said(notice: &Notice, count: usize) -> Words {
     Words {
         kind: kind.to_owned(),
         role,
-        text: format!("step {}: {}{more}", notice.step, notice.text),
+        text: format!("{notice}{more}"),
+        whole: notice.severity == Severity::Error,
     }
 }

@@ -19,19 +19,17 @@ pub fn confirm(app: &App, question: Question, theme: &Theme, screen: Rect, buffe
     let step = slot
         .and_then(|slot| slot.run.as_ref())
         .map_or(0, |run| run.report.step);
-    let (title, words) = match question {
-        Question::Restart => (
-            "Restart",
-            format!("Begin {name} anew? It is at step {step}, and not saved: S saves it."),
+    let title = question.title();
+    let words = match question {
+        Question::Restart => {
+            format!("Begin {name} anew? It is at step {step}, and not saved: S saves it.")
+        }
+        Question::Reload => format!(
+            "Begin {name} anew with the scene as it stands in its file now? \
+             It is at step {step}, and not saved."
         ),
-        Question::Reload => (
-            "Reload",
-            format!(
-                "Begin {name} anew with the scene as it stands in its file now? \
-                 It is at step {step}, and not saved."
-            ),
-        ),
-        Question::Quit => ("Quit", quit_words(app)),
+        Question::Quit => quit_words(app),
+        Question::GoOn => kept_words(app),
     };
     let width = 56.min(screen.width.saturating_sub(4));
     let words = text::wrap(&words, usize::from(width).saturating_sub(4));
@@ -48,6 +46,22 @@ pub fn confirm(app: &App, question: Question, theme: &Theme, screen: Rect, buffe
         Span::raw(" no"),
     ]);
     text::line(buffer, inside, count + 1, answers);
+}
+
+/// Which runs can be gone on with.
+fn kept_words(app: &App) -> String {
+    let kept: Vec<String> = app
+        .slots
+        .iter()
+        .filter_map(|slot| {
+            let kept = slot.kept.as_ref()?;
+            Some(format!("{} at step {}", slot.name, kept.memory.step()))
+        })
+        .collect();
+    format!(
+        "Go on where you were: {}? With n the runs begin anew.",
+        kept.join(", ")
+    )
 }
 
 /// Which runs would be lost.
@@ -126,6 +140,22 @@ pub fn open(
             Span::styled(error, theme.style(Role::Bad)),
         );
         row += 1;
+    }
+}
+
+/// Draws what effects cost: lines as they are, for they are a table.
+pub fn prices(words: &str, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
+    let lines: Vec<&str> = words.lines().collect();
+    let longest = lines.iter().map(|line| line.chars().count()).max();
+    let width = (longest.unwrap_or(0).max(40) as u16 + 4).min(screen.width);
+    let height = (lines.len() as u16 + 2).min(screen.height.saturating_sub(2));
+    let area = centred(screen, width, height);
+    let title = "What each effect costs";
+    let inside = text::frame(buffer, area, theme, title, theme.style(Role::Accent));
+    for (row, line) in lines.into_iter().enumerate() {
+        if row < usize::from(inside.height) {
+            text::line(buffer, inside, row as u16, Span::raw(line.to_owned()));
+        }
     }
 }
 

@@ -47,7 +47,7 @@ pub fn draw(app: &App, theme: &Theme, canvas: &mut Canvas, frame: &mut Frame<'_>
     let screen = frame.area();
     let buffer = frame.buffer_mut();
     if Step::of(screen.width, screen.height) == Step::TooSmall {
-        too_small(theme, screen, buffer);
+        too_small(app, theme, screen, buffer);
     } else {
         match app.screen {
             Screen::Run => one_run(app, theme, canvas, screen, buffer),
@@ -117,6 +117,7 @@ fn overlay(app: &App, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
             chosen,
             error,
         }) => dialog::open(text, *chosen, error.as_deref(), theme, screen, buffer),
+        Some(Overlay::Prices { text }) => dialog::prices(text, theme, screen, buffer),
         Some(Overlay::Message { title, text }) => {
             dialog::message(title, text, theme, screen, buffer);
         }
@@ -124,11 +125,16 @@ fn overlay(app: &App, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
 }
 
 /// What is needed, and what is there.
-fn too_small(theme: &Theme, screen: Rect, buffer: &mut Buffer) {
+fn too_small(app: &App, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
     let (columns, rows) = LEAST;
     let cross = theme.word("×", "x");
+    // A question takes the keys also where there is no room for its frame.
+    let first = match app.overlay {
+        Some(Overlay::Confirm(question)) => format!("{}? y/n", question.title()),
+        _ => "too small".to_owned(),
+    };
     let lines = [
-        Line::styled("too small", theme.style(Role::Warning)),
+        Line::styled(first, theme.style(Role::Warning)),
         Line::raw(format!("needs {columns}{cross}{rows}")),
         Line::raw(format!("is {}{cross}{}", screen.width, screen.height)),
     ];

@@ -1,4 +1,5 @@
-//! Lines of text within an area: what does not fit is cut, nothing is drawn outside.
+//! Lines of text within an area: what does not fit is cut, but never a number, which would be another
+//! one; nothing is drawn outside.
 
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
@@ -16,7 +17,31 @@ pub fn line<'a>(buffer: &mut Buffer, area: Rect, row: u16, spans: impl Into<Line
             height: 1,
             ..area
         };
-        spans.into().render(row.intersection(buffer.area), buffer);
+        let row = row.intersection(buffer.area);
+        let line = spans.into();
+        let cut = cut_number(&line, usize::from(row.width));
+        line.render(row, buffer);
+        for x in row.x + cut as u16..row.right() {
+            buffer[(x, row.y)].set_symbol(" ");
+        }
+    }
+}
+
+/// Where a line is to end so that no number is cut: at `width`, or before the word that goes on beyond
+/// it, if a digit of it can be seen.
+fn cut_number(line: &Line<'_>, width: usize) -> usize {
+    let spans = line.spans.iter();
+    let cells: Vec<char> = spans.flat_map(|span| span.content.chars()).collect();
+    if cells.get(width).is_none_or(|next| next.is_whitespace()) {
+        return width;
+    }
+    let seen = &cells[..width];
+    let before = seen.iter().rposition(|cell| cell.is_whitespace());
+    let begin = before.map_or(0, |space| space + 1);
+    if seen[begin..].iter().any(char::is_ascii_digit) {
+        begin
+    } else {
+        width
     }
 }
 
@@ -192,6 +217,22 @@ mod tests {
         assert_eq!(shorten("abcdef", 6), "abcdef");
         assert_eq!(shorten("abcdefg", 6), "abcd..");
         assert_eq!(shorten("", 0), "");
+    }
+
+    #[test]
+    fn a_number_is_whole_or_not_there() {
+        let draw = |text: &str| {
+            let mut buffer = Buffer::empty(Rect::new(0, 0, 9, 1));
+            line(&mut buffer, Rect::new(0, 0, 8, 1), 0, text);
+            buffer
+        };
+        let shown = |text| Buffer::with_lines([format!("{text:<9}")]);
+        assert_eq!(draw("waist 0.75"), shown("waist"));
+        assert_eq!(draw("waist 07"), shown("waist 07"));
+        assert_eq!(draw("waist 07 x"), shown("waist 07"));
+        assert_eq!(draw("0.123456789"), shown(""));
+        assert_eq!(draw("a longer one"), shown("a longer"));
+        assert_eq!(draw("an alphabet"), shown("an alpha"));
     }
 
     #[test]

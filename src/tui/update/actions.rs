@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::super::keys::Action;
 use super::super::message::Effect;
 use super::super::state::{
-    App, DirectorStyle, Ending, Field, Overlay, Panel, Question, Save, Screen, Slot, Status,
+    App, DirectorStyle, Ending, Field, Notice, Overlay, Panel, Question, Save, Screen, Slot, Status,
 };
 use super::{leave, remark, saving};
 use crate::scene::AnchoringKind;
@@ -47,6 +47,14 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
                 error: None,
             });
         }
+        Action::Prices => {
+            if let Some(slot) = app.active_slot() {
+                effects.push(Effect::Price(Arc::clone(&slot.scene)));
+                let text = "getting ready to measure".to_owned();
+                app.overlay = Some(Overlay::Prices { text });
+            }
+        }
+        Action::Notices => show_notices(app),
         Action::Help => app.overlay = Some(Overlay::Help { scroll: 0 }),
         Action::Suspend => effects.push(Effect::Suspend),
         Action::Quit => ask(app, Question::Quit, effects),
@@ -63,11 +71,24 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
     }
 }
 
+/// All that the run has to say, the newest first.
+fn show_notices(app: &mut App) {
+    let Some(run) = app.active_run() else {
+        return;
+    };
+    let said: Vec<String> = run.notices.iter().rev().map(Notice::to_string).collect();
+    app.overlay = Some(Overlay::Message {
+        title: "Warnings and notes".to_owned(),
+        text: said.join("\n\n"),
+    });
+}
+
 /// Asks before something is lost, and does at once what loses nothing.
 pub(super) fn ask(app: &mut App, question: Question, effects: &mut Vec<Effect>) {
     let loses = match question {
         Question::Quit => app.has_unsaved(),
         Question::Restart => app.active_run().is_some_and(|run| run.unsaved),
+        Question::GoOn => true,
         Question::Reload => app.reloaded.as_ref().is_some_and(|(index, _)| {
             let run = app.slots.get(*index).and_then(|slot| slot.run.as_ref());
             run.is_some_and(|run| run.unsaved)
@@ -85,6 +106,8 @@ pub(super) fn consent(app: &mut App, question: Question, effects: &mut Vec<Effec
     match question {
         Question::Quit => leave(app, Ending::Quit, effects),
         Question::Restart => begin_anew(app, app.active, effects),
+        // They are where the next runs begin.
+        Question::GoOn => {}
         Question::Reload => {
             if let Some((index, slot)) = app.reloaded.take() {
                 begin_anew(app, index, effects);
@@ -103,7 +126,11 @@ fn begin_anew(app: &mut App, index: usize, effects: &mut Vec<Effect>) {
     if index == app.active {
         look_back(app, None);
     }
-    if let Some(run) = app.slots.get_mut(index).and_then(|slot| slot.run.take()) {
+    let Some(slot) = app.slots.get_mut(index) else {
+        return;
+    };
+    slot.kept = None;
+    if let Some(run) = slot.run.take() {
         effects.push(Effect::Drop(run.id));
     }
 }

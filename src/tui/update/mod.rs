@@ -44,6 +44,7 @@ pub fn update(app: &mut App, message: Message) -> Vec<Effect> {
         }
         Message::Loaded(Ok(slot)) => overlays::loaded(app, slot, &mut effects),
         Message::Loaded(Err(reason)) => overlays::not_loaded(app, reason),
+        Message::Prices(text) => overlays::priced(app, text),
         Message::Saved(outcome) => saving::saved(app, outcome, &mut effects),
         Message::Signal(number) => end(app, Ending::Signal(number), &mut effects),
         Message::HungUp => end(app, Ending::HungUp, &mut effects),

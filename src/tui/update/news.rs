@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::super::history::History;
 use super::super::reins::Stand;
 use super::super::state::{App, Notice, Run, Screen, Severity, Status};
 use crate::scene::{AnchoringKind, Warning};
@@ -34,7 +35,17 @@ pub(super) fn show(app: &mut App, picture: Arc<Picture>) {
     run.picture = Some(picture.clone());
     run.past.put(picture);
     app.stale |= app.shows(index);
+    share_memory(app);
     follow(app);
+}
+
+/// All runs have the same share of the memory for older fields.
+fn share_memory(app: &mut App) {
+    let runs = app.slots.iter().filter(|slot| slot.run.is_some()).count();
+    let share = app.memory / runs.max(1);
+    for run in app.slots.iter_mut().filter_map(|slot| slot.run.as_mut()) {
+        run.past.set_budget(share);
+    }
 }
 
 /// Keeps looking at the same picture when thinning has moved it.
@@ -79,6 +90,8 @@ pub(super) fn hear(app: &mut App, message: WorkerMessage) {
         }
         News::Anchored { kind, report } => anchored(run, kind, *report),
         News::Snapshot(picture) => run.snapshots.push(picture),
+        // It was written down on the way.
+        News::State(_) => {}
         News::Paused => run.reins.hear(Stand::Paused),
         News::Resumed => run.reins.hear(Stand::Computing),
         News::AtHorizon => run.reins.hear(Stand::AtHorizon),
@@ -114,6 +127,11 @@ fn take(run: &mut Run, report: Report, law_tolerance: f64) {
         let end = run.setting.as_ref().map_or(0.0, |it| it.scene.time.end);
         report.step + ((end - report.t) / report.dt).max(0.0).ceil() as u64
     });
+    if let Some(before) = run.before.take() {
+        run.history = History::of(&before, &report);
+        // Of the energy that it rises from.
+        run.report = report.clone();
+    }
     run.pace.take(&report, steps);
     run.history.take(&report);
     let finite = [
@@ -136,7 +154,8 @@ fn take(run: &mut Run, report: Report, law_tolerance: f64) {
     }
     if report.step > 0 {
         run.unsaved = true;
-        let rise = report.total_energy - run.report.total_energy;
+        let change = report.total_energy - run.report.total_energy;
+        let rise = report.unexplained_rise().unwrap_or(change);
         let rising = rise > law_tolerance * energy_scale(&run.report).max(energy_scale(&report));
         if rising && !run.rising {
             run.notify(Notice {

@@ -21,6 +21,10 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
         (Action::Quit, Some(Overlay::Confirm(Question::Quit))) => {
             leave(app, Ending::Quit, effects);
         }
+        // Nothing has begun.
+        (Action::Quit, Some(Overlay::Confirm(Question::GoOn))) => {
+            leave(app, Ending::Quit, effects);
+        }
         (Action::Quit, _) => {
             app.reloaded = None;
             app.overlay = None;
@@ -35,6 +39,9 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
         (Action::No, Some(Overlay::Confirm(question))) => {
             let question = *question;
             app.overlay = None;
+            if question == Question::GoOn {
+                app.slots.iter_mut().for_each(|slot| slot.kept = None);
+            }
             if question == Question::Reload {
                 app.reloaded = None;
                 remark(
@@ -157,6 +164,14 @@ fn is_unchanged(slot: &Slot, loaded: &Slot) -> bool {
     let run = slot.run.as_ref();
     let started = run.and_then(|run| run.setting.as_ref());
     slot.scene == loaded.scene || started.is_some_and(|setting| setting.scene == *loaded.scene)
+}
+
+/// Takes what effects cost, if that is still looked at.
+pub(super) fn priced(app: &mut App, news: String) {
+    if let Some(Overlay::Prices { text }) = &mut app.overlay {
+        *text = news;
+        app.stale = true;
+    }
 }
 
 /// Takes why a scene could not be loaded.

@@ -1,10 +1,11 @@
 //! Which runs go on: those that are looked at and wanted. Every other one stands still.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use super::super::message::Effect;
 use super::super::reins::Stand;
-use super::super::state::{App, Run, Screen, Slot};
+use super::super::state::{App, Overlay, Question, Run, Screen, Slot};
 use crate::simulation::{Orders, RunId};
 
 /// Reports are gathered for so long: shorter than the 50 ms in which a key is to be answered.
@@ -18,6 +19,9 @@ const ROUNDING: f64 = 1e-6;
 
 /// Starts, resumes and pauses runs so that those go on that should.
 pub(super) fn direct(app: &mut App, effects: &mut Vec<Effect>) {
+    if app.overlay == Some(Overlay::Confirm(Question::GoOn)) {
+        return;
+    }
     match app.screen {
         Screen::Run => {
             app.clock = None;
@@ -143,7 +147,13 @@ fn guide(
     } else if going {
         let run = app.next_run;
         app.next_run = RunId(run.0 + 1);
-        slot.run = Some(Run::new(run, slot.anchoring(), horizon));
+        if let Some(kept) = &slot.kept {
+            Arc::make_mut(&mut slot.scene).anchoring = kept.memory.anchoring();
+        }
+        slot.run = Some(Run {
+            before: slot.kept.clone(),
+            ..Run::new(run, slot.anchoring(), horizon)
+        });
         let orders = Orders {
             run,
             paused: false,

@@ -237,3 +237,42 @@ fn an_error_of_an_edited_scene_is_shown_whole() {
     assert_eq!(rig.app.overlay, None);
     assert_eq!(rig.run(2).status, Status::Running);
 }
+
+#[test]
+fn runs_of_an_earlier_time_are_offered_before_anything_begins() {
+    for (answer, offered_again) in [("y", true), ("n", false)] {
+        let mut slots: Vec<Slot> = ["case1", "case2", "case3"].map(slot).into();
+        slots[2].kept = Some(Default::default());
+        let mut rig = Rig::asked(slots);
+        assert_eq!(rig.app.overlay, Some(Overlay::Confirm(Question::GoOn)));
+        assert!(rig.app.active_run().is_none());
+        rig.keys(answer);
+        assert_eq!(rig.app.overlay, None);
+        let run = rig.app.active_run().expect("it has begun");
+        assert_eq!(run.before.is_some(), offered_again);
+        // Begun anew it begins at the beginning.
+        rig.keys("ry");
+        assert!(rig.app.slots[2].kept.is_none());
+        let run = rig.app.active_run().expect("it has begun");
+        assert!(run.before.is_none());
+    }
+    let mut slots: Vec<Slot> = ["case1", "case2", "case3"].map(slot).into();
+    slots[2].kept = Some(Default::default());
+    let mut rig = Rig::asked(slots);
+    rig.keys("q");
+    assert_eq!(rig.app.ending, Some(Ending::Quit));
+}
+
+#[test]
+fn the_prices_are_shown_while_they_are_looked_at() {
+    let mut rig = Rig::new();
+    rig.keys("p");
+    assert!(matches!(&rig.app.overlay, Some(Overlay::Prices { .. })));
+    rig.tell(Message::Prices("a table".to_owned()));
+    let text = "a table".to_owned();
+    assert_eq!(rig.app.overlay, Some(Overlay::Prices { text }));
+    rig.press(KeyCode::Esc);
+    assert_eq!(rig.app.overlay, None);
+    rig.tell(Message::Prices("too late".to_owned()));
+    assert_eq!(rig.app.overlay, None);
+}

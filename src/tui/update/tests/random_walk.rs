@@ -131,9 +131,11 @@ fn check(rig: &Rig) {
     }
     assert!(app.saving_now.is_some() || app.saving_next.is_none());
     assert_eq!(app.clock.is_some(), app.screen == Screen::Gallery);
+    let runs = app.slots.iter().filter_map(|slot| slot.run.as_ref());
+    let stored: usize = runs.map(|run| run.past.bytes()).sum();
+    assert!(stored <= 64 << 20, "{stored} bytes of older fields");
     for slot in &app.slots {
         let Some(run) = &slot.run else { continue };
-        assert!(run.past.bytes() <= 64 << 20);
         let rises = run
             .notices
             .iter()

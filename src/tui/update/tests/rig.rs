@@ -200,6 +200,19 @@ impl Rig {
         Self::with(["case1", "case2", "case3", "case4"].map(slot).into())
     }
 
+    /// At the question whether to go on with runs of an earlier time.
+    pub(super) fn asked(slots: Vec<Slot>) -> Self {
+        let mut rig = Self {
+            app: App::new(slots, 2, (80, 24), 10),
+            workers: BTreeMap::new(),
+            on_the_way: VecDeque::new(),
+            effects: Vec::new(),
+        };
+        rig.app.offer_to_go_on();
+        rig.tell(Message::Tick);
+        rig
+    }
+
     pub(super) fn with(slots: Vec<Slot>) -> Self {
         let mut rig = Self {
             app: App::new(slots, 2, (80, 24), 10),

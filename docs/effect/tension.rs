@@ -1,0 +1,76 @@
+//! A line tension, E_tension = ½ σ ∫ |∇φ|².
+
+use super::{DirectorReach, Effect, MembraneForce, MembraneLinearisation, Sample, Terms};
+use crate::fem::Patch;
+use crate::scene::Iteration;
+
+/// A line tension.
+#[derive(Debug)]
+pub struct Tension {
+    /// σ.
+    pub weight: f64,
+}
+
+impl Effect for Tension {
+    /// The column E_tension.
+    fn name(&self) -> &'static str {
+        "tension"
+    }
+
+    /// The energy: ½ σ |∇φ|², triangle by triangle.
+    fn integral(&mut self, patch: &Patch<'_>, at: &Sample) -> f64 {
+        let squares = at.phi_gradient.iter().map(|[x, y]| x * x + y * y);
+        0.5 * self.weight * patch.integrate_elements(&squares.collect::<Vec<_>>())
+    }
+
+    /// It leaves the director alone.
+    fn director_reach(&self) -> Option<DirectorReach> {
+        Some(DirectorReach::NOWHERE)
+    }
+
+    /// The force: σ (∇φ, ∇ψ), at the new φ, for the energy is convex.
+    fn add_membrane_force(
+        &mut self,
+        _patch: &Patch<'_>,
+        _old: &Sample,
+        new: &Sample,
+        force: &mut MembraneForce,
+    ) {
+        for (flux, gradient) in force.flux.iter_mut().zip(&new.phi_gradient) {
+            flux[0] += self.weight * gradient[0];
+            flux[1] += self.weight * gradient[1];
+        }
+    }
+
+    /// Its derivative: σ times the unit tensor.
+    fn add_membrane_linearisation(
+        &mut self,
+        _patch: &Patch<'_>,
+        _old: &Sample,
+        _new: &Sample,
+        _iteration: Iteration,
+        linearisation: &mut MembraneLinearisation,
+    ) {
+        for [xx, _, yy] in &mut linearisation.tensor {
+            *xx += self.weight;
+            *yy += self.weight;
+        }
+    }
+
+    /// What that loses: Δt ND = ½ σ ∫ |∇(φ − φⁿ)|² ≥ 0.
+    fn add_dissipation(
+        &mut self,
+        patch: &Patch<'_>,
+        old: &Sample,
+        new: &Sample,
+        terms: &mut Terms,
+    ) {
+        let gradients = new.phi_gradient.iter().zip(&old.phi_gradient);
+        let squares = gradients.map(|(new, old)| {
+            let step = [new[0] - old[0], new[1] - old[1]];
+            step[0] * step[0] + step[1] * step[1]
+        });
+        let loss = patch.integrate_elements(&squares.collect::<Vec<_>>());
+        terms.add("ND_tension", 0.5 * self.weight * loss);
+    }
+}

@@ -1,0 +1,82 @@
+//! `vesica effects SCENE`: what each effect costs.
+
+use super::error::CliError;
+use super::numbers;
+use super::output;
+use super::signals::EndSignal;
+use crate::record::load_scene;
+use crate::scene::Mesh;
+use crate::study::{Plan, prices, prices_table};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::ffi::OsString;
+use std::io::IsTerminal;
+
+/// Arguments of `vesica effects`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+The scene is run as it is and again without each of its effects, all of them in turn, step by step, and \
+nothing is saved. `ms` is the median of a step.")]
+pub(super) struct Arguments {
+    /// A preset's name (see `vesica presets`) or a TOML file
+    scene: OsString,
+
+    /// Override a value of the scene, such as solver.quadrature=lumped
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+
+    /// Steps before anything is timed; the first of a run are harder than the rest
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = numbers::count,
+          allow_negative_numbers = true)]
+    after: u64,
+
+    /// Steps that are timed
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = numbers::count_from_one,
+          allow_negative_numbers = true)]
+    steps: u64,
+}
+
+/// Measures the scene and prints the table.
+pub(super) fn effects(arguments: &Arguments) -> Result<(), CliError> {
+    let scene = load_scene(&arguments.scene, &arguments.set)?.scene;
+    let plan = Plan {
+        warm_up: arguments.after,
+        steps: arguments.steps,
+    };
+    let signal = EndSignal::listen()?;
+    let target = if std::io::stderr().is_terminal() {
+        ProgressDrawTarget::stderr()
+    } else {
+        ProgressDrawTarget::hidden()
+    };
+    let bar = ProgressBar::with_draw_target(None, target);
+    if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len} steps, {eta} left") {
+        bar.set_style(style);
+    }
+    let mut ended = None;
+    let found = prices(&scene, plan, &mut |progress| {
+        bar.set_length(progress.of);
+        bar.set_position(progress.done);
+        ended = signal.received();
+        ended.is_none()
+    });
+    bar.finish_and_clear();
+    let found = found.map_err(CliError::Study)?;
+    match (found, ended) {
+        (Some(prices), _) => {
+            let Mesh::Structured { cells, .. } = scene.mesh;
+            let Plan { warm_up, steps } = plan;
+            output::line(format_args!(
+                "{}: {cells} × {cells} cells, steps {} to {}\n",
+                scene.name,
+                warm_up + 1,
+                warm_up + steps
+            ))?;
+            output::print(&prices_table(&prices))
+        }
+        (None, Some(signal)) => Err(CliError::StudyEnded {
+            signal: signal.name,
+            number: signal.number,
+        }),
+        (None, None) => Ok(()),
+    }
+}

@@ -1,0 +1,249 @@
+//! An external field on the director, magnetic or electric: E_field = −½ χ ∫ I(φ)(d·H)² with the same
+//! H everywhere. Where χ > 0 the director turns along the field, where χ < 0 across it.
+//!
+//! With q(d) = ½ (d·H)² and ⟨.⟩ the mean over a triangle by the rule, the energy is taken as
+//! −χ Σ_T |T| ⟨I(φ)⟩ ⟨q(d)⟩: so the matrix of substep 1 needs one tensor a triangle, as that of the
+//! anchoring. It differs from ∫ I q by the rule in the order h², as the rules themselves do.
+//!
+//! **The energy law holds for both signs of χ**, because each half of a step takes what is convex at
+//! the new state and what is concave at the old one.
+//!
+//! *Substep 1*, φⁿ fixed, δ = d − dⁿ, w = ⟨I(φⁿ)⟩ ≥ 0. For χ < 0 the energy is convex in d, and its
+//! force is taken at d: (|χ| w (d·H) H, e). From a² − b² = 2a(a − b) − (a − b)²,
+//!   E(φⁿ, d) − E(φⁿ, dⁿ) = ⟨f_d, δ⟩ − ½ |χ| ∫ w (δ·H)².
+//! For χ > 0 it is concave, and its force is taken at dⁿ: (−χ w (dⁿ·H) H, e). From
+//! a² − b² = 2b(a − b) + (a − b)² and the sign −χ, the change is again
+//!   E(φⁿ, d) − E(φⁿ, dⁿ) = ⟨f_d, δ⟩ − ½ |χ| ∫ w (δ·H)².
+//! What is implicit is positive semidefinite in both cases, so substep 1 stays positive definite for
+//! any Δt.
+//!
+//! *Substep 2*, d fixed, Q = ⟨q(d)⟩ ≥ 0. The force is (−χ Q i*, ψ) with
+//! i* = i(φⁿ) − sign(χ) c (φ − φⁿ), where c = 5√3/12 is half the maximum of |I''| ([`INSIDE_CONVEXITY`]):
+//! for χ < 0 the i_Δt of the nematic energy, for χ > 0 its mirror image. By Taylor's formula
+//! |I(φ) − I(φⁿ) − i(φⁿ)(φ − φⁿ)| ≤ c (φ − φⁿ)², so at every point
+//!   −χ [i* (φ − φⁿ) − (I(φ) − I(φⁿ))] = |χ| [c (φ − φⁿ)² ± (I(φ) − I(φⁿ) − i(φⁿ)(φ − φⁿ))] ≥ 0:
+//! E(φ, d) − E(φⁿ, d) = ⟨f_φ, φ − φⁿ⟩ − Δt ND with ND ≥ 0. The force is linear in φ, with the derivative
+//! |χ| c Q ≥ 0.
+//!
+//! A field that is switched on or off changes the energy of a state and not the state; it does so
+//! between two steps only, and the scheme then measures the energies anew, so that the law of each step
+//! is that of one energy. A step has the field if it is on in the middle of the step: `from` and
+//! `until` are so rounded to the nearest end of a step.
+
+use super::potentials::{INSIDE_CONVEXITY, inside, inside_slope};
+use super::{
+    DirectorForm, DirectorReach, Effect, Interval, MembraneForce, MembraneLinearisation, Sample,
+    Terms,
+};
+use crate::fem::{Patch, Space};
+use crate::scene::{self, Iteration};
+
+/// An external field on the director.
+#[derive(Debug)]
+pub struct Field {
+    /// χ.
+    weight: f64,
+    /// H.
+    vector: [f64; 2],
+    from: f64,
+    until: f64,
+    /// Whether it is switched on.
+    on: bool,
+    /// ⟨½ (d·H)²⟩ of the new director, brought to the points of the space, kept over substep 2.
+    squares: Vec<f64>,
+    points: Vec<f64>,
+    elements: Vec<f64>,
+    weights: Vec<f64>,
+}
+
+impl Field {
+    /// χ, H and the times of a scene.
+    pub fn new(field: &scene::Field, space: &Space) -> Self {
+        Self {
+            weight: field.weight,
+            vector: field.vector(),
+            from: field.from,
+            until: field.until.unwrap_or(f64::INFINITY),
+            on: field.from <= 0.0,
+            squares: vec![0.0; space.points()],
+            points: Vec::new(),
+            elements: Vec::new(),
+            weights: Vec::new(),
+        }
+    }
+
+    /// elements ← ⟨½ (v·H)²⟩ for a vector field v at the points.
+    fn fill_squares(&mut self, patch: &Patch<'_>, values: impl Iterator<Item = (f64, f64)>) {
+        let [along, across] = self.vector;
+        self.points.clear();
+        self.points.extend(values.map(|(x, y)| {
+            let component = along * x + across * y;
+            0.5 * component * component
+        }));
+        self.elements.resize(patch.elements(), 0.0);
+        patch.element_means(&self.points, &mut self.elements);
+    }
+
+    /// weights ← ⟨I(φ)⟩.
+    fn fill_inside(&mut self, patch: &Patch<'_>, phi: &[f64]) {
+        self.points.clear();
+        self.points.extend(phi.iter().map(|phi| inside(*phi)));
+        self.weights.resize(patch.elements(), 0.0);
+        patch.element_means(&self.points, &mut self.weights);
+    }
+
+    /// i* = i(φⁿ) − sign(χ) c (φ − φⁿ).
+    fn inside_tangent(&self, phi: f64, old: f64) -> f64 {
+        inside_slope(old) - self.weight.signum() * INSIDE_CONVEXITY * (phi - old)
+    }
+}
+
+/// The values of a director, point by point.
+fn pairs([x, y]: &[Vec<f64>; 2]) -> impl Iterator<Item = (f64, f64)> {
+    x.iter().copied().zip(y.iter().copied())
+}
+
+impl Effect for Field {
+    fn name(&self) -> &'static str {
+        "field"
+    }
+
+    fn set_interval(&mut self, interval: Interval) -> bool {
+        let middle = interval.begin + 0.5 * interval.length;
+        let on = (self.from..self.until).contains(&middle);
+        std::mem::replace(&mut self.on, on) != on
+    }
+
+    fn integral(&mut self, patch: &Patch<'_>, at: &Sample) -> f64 {
+        let Some(director) = at.director.as_ref().filter(|_| self.on) else {
+            return 0.0;
+        };
+        self.fill_inside(patch, &at.phi);
+        self.fill_squares(patch, pairs(&director.values));
+        for (square, weight) in self.elements.iter_mut().zip(&self.weights) {
+            *square *= weight;
+        }
+        -self.weight * patch.integrate_elements(&self.elements)
+    }
+
+    /// |χ| H² I(φ): the field turns the director only inside.
+    fn director_reach(&self) -> Option<DirectorReach> {
+        let [x, y] = self.vector;
+        let inside = if self.on {
+            self.weight.abs() * (x * x + y * y)
+        } else {
+            0.0
+        };
+        Some(DirectorReach {
+            inside,
+            ..DirectorReach::NOWHERE
+        })
+    }
+
+    fn add_director_force(&mut self, patch: &Patch<'_>, old: &Sample, form: &mut DirectorForm) {
+        let Some(director) = old.director.as_ref().filter(|_| self.on) else {
+            return;
+        };
+        self.fill_inside(patch, &old.phi);
+        let [along, across] = self.vector;
+        if self.weight < 0.0 {
+            let [xx, xy, yy] = &mut form.tensor;
+            let entries = xx.iter_mut().zip(xy).zip(yy).zip(&self.weights);
+            for (((xx, xy), yy), weight) in entries {
+                let scale = -self.weight * weight;
+                *xx += scale * along * along;
+                *xy += scale * along * across;
+                *yy += scale * across * across;
+            }
+            form.has_tensor = true;
+            return;
+        }
+        patch.from_elements(&self.weights, &mut self.points);
+        let [load_x, load_y] = &mut form.load;
+        let loads = load_x.iter_mut().zip(load_y).zip(&self.points);
+        for (((load_x, load_y), weight), (x, y)) in loads.zip(pairs(&director.values)) {
+            let force = -self.weight * weight * (along * x + across * y);
+            *load_x += force * along;
+            *load_y += force * across;
+        }
+    }
+
+    fn begin_membrane(&mut self, patch: &Patch<'_>, _old: &Sample, new: &Sample) {
+        if let Some(director) = new.director.as_ref().filter(|_| self.on) {
+            self.fill_squares(patch, pairs(&director.values));
+            patch.from_elements(&self.elements, &mut self.squares[patch.point_range()]);
+        }
+    }
+
+    fn add_membrane_force(
+        &mut self,
+        patch: &Patch<'_>,
+        old: &Sample,
+        new: &Sample,
+        force: &mut MembraneForce,
+    ) {
+        if !self.on {
+            return;
+        }
+        let squares = &self.squares[patch.point_range()];
+        let values = squares.iter().zip(new.phi.iter().zip(&old.phi));
+        for (load, (square, (new, old))) in force.load.iter_mut().zip(values) {
+            *load -= self.weight * square * self.inside_tangent(*new, *old);
+        }
+    }
+
+    fn add_membrane_linearisation(
+        &mut self,
+        patch: &Patch<'_>,
+        _old: &Sample,
+        _new: &Sample,
+        _iteration: Iteration,
+        linearisation: &mut MembraneLinearisation,
+    ) {
+        if !self.on {
+            return;
+        }
+        let squares = &self.squares[patch.point_range()];
+        let scale = self.weight.abs() * INSIDE_CONVEXITY;
+        for (reaction, square) in linearisation.reaction.iter_mut().zip(squares) {
+            *reaction += scale * square;
+        }
+    }
+
+    /// Of substep 1, ½ |χ| ∫ w (δ·H)², and of substep 2, −χ ∫ Q (i* (φ − φⁿ) − I(φ) + I(φⁿ)).
+    fn add_dissipation(
+        &mut self,
+        patch: &Patch<'_>,
+        old: &Sample,
+        new: &Sample,
+        terms: &mut Terms,
+    ) {
+        let (Some(old_director), Some(new_director), true) =
+            (&old.director, &new.director, self.on)
+        else {
+            return;
+        };
+        self.fill_inside(patch, &old.phi);
+        let steps = pairs(&new_director.values).zip(pairs(&old_director.values));
+        self.fill_squares(
+            patch,
+            steps.map(|(new, old)| (new.0 - old.0, new.1 - old.1)),
+        );
+        for (square, weight) in self.elements.iter_mut().zip(&self.weights) {
+            *square *= weight;
+        }
+        let of_director = self.weight.abs() * patch.integrate_elements(&self.elements);
+        terms.add("ND_field_director", of_director);
+
+        let mut points = std::mem::take(&mut self.points);
+        let squares = &self.squares[patch.point_range()];
+        let values = squares.iter().zip(new.phi.iter().zip(&old.phi));
+        points.clear();
+        points.extend(values.map(|(square, (new, old))| {
+            let change = inside(*new) - inside(*old);
+            -self.weight * square * (self.inside_tangent(*new, *old) * (new - old) - change)
+        }));
+        terms.add("ND_field_membrane", patch.integrate(&points));
+        self.points = points;
+    }
+}

@@ -1,0 +1,60 @@
+//! A pull on the membrane, E_pull = −∫ φ U with a given potential U(x): the vesicle is drawn to where
+//! U is large. U = −g y is a weight, U = −½ κ |x − a|² a harmonic tweezer at a.
+//!
+//! The energy is linear in φ: its force −U does not depend on the state, and nothing is dissipated
+//! numerically. Since ∫φ is conserved, a constant added to U changes the energy by a constant.
+
+use super::sample::at_points;
+use super::{DirectorReach, Effect, MembraneForce, Sample};
+use crate::fem::{Patch, Space};
+use crate::scene;
+
+/// A pull on the membrane.
+#[derive(Debug)]
+pub struct Pull {
+    /// U at the points.
+    potential: Vec<f64>,
+    density: Vec<f64>,
+}
+
+impl Pull {
+    /// U of a scene.
+    pub fn new(pull: &scene::Pull, space: &Space) -> Self {
+        Self {
+            potential: at_points(&pull.potential, space),
+            density: Vec::new(),
+        }
+    }
+}
+
+impl Effect for Pull {
+    fn name(&self) -> &'static str {
+        "pull"
+    }
+
+    fn integral(&mut self, patch: &Patch<'_>, at: &Sample) -> f64 {
+        let potential = &self.potential[patch.point_range()];
+        self.density.clear();
+        self.density
+            .extend(potential.iter().zip(&at.phi).map(|(u, phi)| -u * phi));
+        patch.integrate(&self.density)
+    }
+
+    fn director_reach(&self) -> Option<DirectorReach> {
+        Some(DirectorReach::NOWHERE)
+    }
+
+    /// (−U, ψ).
+    fn add_membrane_force(
+        &mut self,
+        patch: &Patch<'_>,
+        _old: &Sample,
+        _new: &Sample,
+        force: &mut MembraneForce,
+    ) {
+        let potential = &self.potential[patch.point_range()];
+        for (load, u) in force.load.iter_mut().zip(potential) {
+            *load -= u;
+        }
+    }
+}

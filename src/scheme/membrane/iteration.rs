@@ -1,0 +1,374 @@
+//! The nonlinear iteration of substep 2 and what keeps it from going astray.
+//!
+//! Newton's correction δ at an iterate x is taken whole if the residual falls. Where it does not, the
+//! residual may be the wrong judge: a stiff penalty (η = 1e-8) magnifies by many powers of ten what a
+//! further correction undoes at once. Then Deuflhard's natural monotonicity test decides, which does
+//! not see how the equations are scaled: the *simplified* correction δ̄, by the same linearisation but
+//! the residual at the trial x + λδ, must be shorter than δ. Where it is not, λ is made smaller by
+//! what the two corrections say about the curvature between them.
+
+use crate::linalg::vector;
+use crate::scene::Iteration;
+
+use super::{MembraneStep, Phase, Places, StepError};
+
+/// What the iteration may do.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::scheme) struct Limits {
+    pub(in crate::scheme) iteration: Iteration,
+    /// solver.tolerance.
+    pub(in crate::scheme) tolerance: f64,
+    /// solver.law_tolerance.
+    pub(in crate::scheme) law_tolerance: f64,
+}
+
+impl Limits {
+    /// Iterations before giving up: Newton's method needs fewer than ten where it converges at once,
+    /// (4.35) up to twenty at moderate Δt.
+    fn iterations(&self) -> u32 {
+        match self.iteration {
+            Iteration::Newton => 60,
+            Iteration::Lagged => 200,
+        }
+    }
+}
+
+/// The smallest damping factor that is tried: a smaller Δt is the better way from there on.
+const LEAST_DAMPING: f64 = 1.0 / 64.0;
+
+/// So many iterations without a better one before: it leads nowhere, and a smaller Δt is cheaper.
+const STALLED_AFTER: u32 = 12;
+
+/// The accuracy of the energy law that [`MembraneStep::refine`] aims at.
+const REFINED_LAW: f64 = 1e-14;
+
+/// Iterations of [`MembraneStep::refine`].
+const REFINEMENTS: u32 = 3;
+
+/// What a solved substep 2 took.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::scheme) struct Work {
+    pub(in crate::scheme) newton: u32,
+    pub(in crate::scheme) krylov: u32,
+    /// The smallest damping factor λ; 1: none was needed.
+    pub(in crate::scheme) damping: f64,
+    /// The relative change of φ in the last iteration.
+    pub(in crate::scheme) last_change: f64,
+}
+
+/// Where a new iterate is, and what it took to find.
+#[derive(Debug, Clone, Copy)]
+struct Advance {
+    /// Of the residual.
+    norm: f64,
+    damping: f64,
+    /// Krylov iterations of the simplified corrections.
+    krylov: u32,
+}
+
+/// Notices when an iteration leads nowhere.
+#[derive(Debug, Clone, Copy)]
+struct Progress {
+    /// The smallest residual and the shortest correction so far.
+    best: [f64; 2],
+    since: u32,
+}
+
+impl Progress {
+    fn new(norm: f64) -> Self {
+        Self {
+            best: [norm, f64::INFINITY],
+            since: 0,
+        }
+    }
+
+    /// Takes note of an iterate; returns whether hope is lost.
+    fn is_stalled(&mut self, measures: [f64; 2]) -> bool {
+        self.since += 1;
+        for (best, measure) in self.best.iter_mut().zip(measures) {
+            if measure < 0.9 * *best {
+                *best = measure;
+                self.since = 0;
+            }
+        }
+        self.since >= STALLED_AFTER
+    }
+}
+
+impl MembraneStep {
+    /// Solves substep 2 from the guess in `to`, where φ, ω and μ of the solution are left.
+    pub(in crate::scheme) fn solve(
+        &mut self,
+        places: &mut Places<'_>,
+        limits: Limits,
+    ) -> Result<Work, StepError> {
+        let mut work = Work {
+            newton: 0,
+            krylov: 0,
+            damping: 1.0,
+            last_change: 0.0,
+        };
+        if self.clamped {
+            // The guess may come from anywhere; the wall does not move.
+            let nodes = places
+                .to
+                .phi
+                .iter_mut()
+                .zip(&places.from.phi)
+                .zip(&self.fixed);
+            nodes
+                .filter(|(_, fixed)| **fixed)
+                .for_each(|((to, from), _)| *to = *from);
+        }
+        for effect in places.effects.iter_mut() {
+            effect.follow_correction(0.0);
+        }
+        let mut norm = self.evaluate(places, 0)?;
+        let mut progress = Progress::new(norm);
+        (places.watch)(Phase::Residual);
+        loop {
+            work.newton += 1;
+            let advance = self.iterate(places, limits, norm, work.newton)?;
+            norm = advance.norm;
+            work.krylov += advance.krylov;
+            work.damping = work.damping.min(advance.damping);
+            let changes = self.changes(places);
+            work.last_change = changes[0];
+            let law = self.law_defect(places);
+            (places.watch)(Phase::Residual);
+            let converged = changes.iter().all(|change| *change <= limits.tolerance)
+                && law.abs() <= limits.law_tolerance;
+            if converged {
+                return Ok(work);
+            }
+            if progress.is_stalled([norm, changes[0]]) || work.newton >= limits.iterations() {
+                return Err(self.not_converged(places, limits, work.newton, norm));
+            }
+        }
+    }
+
+    /// Brings the energy law of a solved substep 2 closer to rounding by a few more iterations of
+    /// Newton's method. Where one fails, the solution stays what it was.
+    pub(in crate::scheme) fn refine(
+        &mut self,
+        places: &mut Places<'_>,
+        limits: Limits,
+        work: &mut Work,
+    ) -> Result<(), StepError> {
+        let limits = Limits {
+            iteration: Iteration::Newton,
+            law_tolerance: REFINED_LAW,
+            ..limits
+        };
+        let mass_tolerance = std::mem::replace(&mut self.mass_tolerance, f64::EPSILON);
+        let mut outcome = self.evaluate(places, work.newton);
+        for _ in 0..REFINEMENTS {
+            let Ok(norm) = outcome else { break };
+            if self.law_defect(places).abs() <= REFINED_LAW {
+                break;
+            }
+            work.newton += 1;
+            outcome = match self.iterate(places, limits, norm, work.newton) {
+                Ok(advance) => {
+                    work.krylov += advance.krylov;
+                    Ok(advance.norm)
+                }
+                Err(_) => {
+                    let [phi, _, mu] = &self.last;
+                    places.to.phi.copy_from_slice(phi);
+                    places.to.mu.copy_from_slice(mu);
+                    let back = self.evaluate(places, work.newton).map(|_| ());
+                    self.mass_tolerance = mass_tolerance;
+                    return back;
+                }
+            };
+        }
+        self.mass_tolerance = mass_tolerance;
+        outcome.map(|_| ())
+    }
+
+    /// One iteration from the iterate in `to`, whose residual has this norm.
+    fn iterate(
+        &mut self,
+        places: &mut Places<'_>,
+        limits: Limits,
+        norm: f64,
+        iteration: u32,
+    ) -> Result<Advance, StepError> {
+        self.linearise(places, limits.iteration);
+        (places.watch)(Phase::Linearisation);
+        let goal = self.linear_goal(places, limits, norm);
+        let krylov = self
+            .solve_linearised(places, goal)
+            .map_err(|source| StepError::Membrane { iteration, source })?;
+        let sources = [&places.to.phi, &places.to.omega, &places.to.mu];
+        for (last, now) in self.last.iter_mut().zip(sources) {
+            last.copy_from_slice(now);
+        }
+        (places.watch)(Phase::Krylov);
+        self.tell_correction(places);
+        let mut advance = self.advance(places, limits, norm, iteration)?;
+        advance.krylov += krylov;
+        for effect in places.effects.iter_mut() {
+            effect.follow_correction(advance.damping);
+        }
+        Ok(advance)
+    }
+
+    /// Tells every effect with a rank-one term what the correction makes of it.
+    fn tell_correction(&self, places: &mut Places<'_>) {
+        let increment = &self.linear.increment[..places.space.nodes()];
+        for effect in places.effects.iter_mut() {
+            let along = effect
+                .rank_one()
+                .map(|term| vector::dot(&term.row, increment));
+            if let Some(along) = along {
+                effect.set_correction(along);
+            }
+        }
+    }
+
+    /// Moves to the new iterate, with Newton's method damped as the head of this file says.
+    fn advance(
+        &mut self,
+        places: &mut Places<'_>,
+        limits: Limits,
+        norm: f64,
+        iteration: u32,
+    ) -> Result<Advance, StepError> {
+        let floor = self.rounding_floor(places);
+        let length = self.length_of_correction(places, 0.0);
+        let mut damping = 1.0;
+        let mut krylov = 0;
+        loop {
+            self.move_by(places, damping);
+            let outcome = self.evaluate(places, iteration);
+            let advance = |norm| Advance {
+                norm,
+                damping,
+                krylov,
+            };
+            if limits.iteration == Iteration::Lagged {
+                return outcome.map(advance);
+            }
+            let enough = (1.0 - 1e-4 * damping) * norm;
+            let mut smaller = 0.5 * damping;
+            match outcome {
+                Ok(new) if new <= enough.max(floor) => return Ok(advance(new)),
+                Ok(new) => {
+                    self.correction.clone_from(&self.linear.increment);
+                    let trial = self.solve_linearised(places, 0.1 * new);
+                    let simplified = self.length_of_correction(places, 0.0);
+                    let curvature = self.length_of_correction(places, 1.0 - damping);
+                    std::mem::swap(&mut self.correction, &mut self.linear.increment);
+                    if let Ok(iterations) = trial {
+                        krylov += iterations;
+                        if simplified <= (1.0 - 0.25 * damping) * length {
+                            return Ok(Advance {
+                                norm: new,
+                                damping,
+                                krylov,
+                            });
+                        }
+                        let best = 0.5 * damping * damping * length / curvature;
+                        if best.is_finite() {
+                            smaller = best.clamp(0.125 * damping, 0.5 * damping);
+                        }
+                    }
+                    if damping <= LEAST_DAMPING {
+                        return Err(self.not_converged(places, limits, iteration, new));
+                    }
+                }
+                Err(error) if damping <= LEAST_DAMPING => return Err(error),
+                Err(_) => {}
+            }
+            damping = smaller;
+        }
+    }
+
+    /// To the last iterate and by a part of the correction further.
+    fn move_by(&self, places: &mut Places<'_>, damping: f64) {
+        let size = places.space.nodes();
+        let along = |field: &mut [f64], last: &[f64], steps: &[f64]| {
+            for ((value, last), step) in field.iter_mut().zip(last).zip(steps) {
+                *value = last + damping * step;
+            }
+        };
+        let increment = &self.linear.increment;
+        along(&mut places.to.phi, &self.last[0], &increment[..size]);
+        if self.clamped {
+            along(&mut places.to.mu, &self.last[2], &increment[2 * size..]);
+        }
+    }
+
+    /// The L2 norm of φ's increment, less this part of the correction that is kept.
+    fn length_of_correction(&mut self, places: &Places<'_>, part: f64) -> f64 {
+        let size = places.space.nodes();
+        self.scratch.copy_from_slice(&self.linear.increment[..size]);
+        if part != 0.0 {
+            vector::add_scaled(&mut self.scratch, -part, &self.correction[..size]);
+        }
+        vector::weighted_square(&self.scratch, places.space.nodal_weights()).sqrt()
+    }
+
+    /// The relative L2 changes of φ, ω, μ between the last two iterates.
+    fn changes(&mut self, places: &Places<'_>) -> [f64; 3] {
+        let weights = places.space.nodal_weights();
+        let fields = [&places.to.phi, &places.to.omega, &places.to.mu];
+        let mut changes = [0.0; 3];
+        for ((change, last), now) in changes.iter_mut().zip(&self.last).zip(fields) {
+            for ((difference, now), last) in self.scratch.iter_mut().zip(now).zip(last) {
+                *difference = now - last;
+            }
+            let size = vector::weighted_square(now, weights).max(f64::MIN_POSITIVE);
+            *change = (vector::weighted_square(&self.scratch, weights) / size).sqrt();
+        }
+        changes
+    }
+
+    /// (r₁ᵀμ + r₂ᵀ(φ − φⁿ))/S: by how much the energy law will miss.
+    fn law_defect(&self, places: &Places<'_>) -> f64 {
+        let [first, second] = &self.residual;
+        let mut defect = vector::dot(first, &places.to.mu);
+        if self.clamped {
+            let steps = places.to.phi.iter().zip(&places.from.phi).zip(second);
+            defect += steps.map(|((new, old), r)| (new - old) * r).sum::<f64>();
+        }
+        defect / places.energy_scale
+    }
+
+    fn not_converged(
+        &mut self,
+        places: &Places<'_>,
+        limits: Limits,
+        iterations: u32,
+        residual: f64,
+    ) -> StepError {
+        StepError::NotConverged {
+            iterations,
+            changes: self.changes(places),
+            tolerance: limits.tolerance,
+            law: self.law_defect(places),
+            law_tolerance: limits.law_tolerance,
+            residual,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_iteration_without_progress_is_given_up() {
+        let mut progress = Progress::new(1.0);
+        for _ in 1..STALLED_AFTER {
+            assert!(!progress.is_stalled([1.0, f64::INFINITY]));
+        }
+        assert!(!progress.is_stalled([2.0, 0.1]), "a shorter correction");
+        for _ in 1..STALLED_AFTER {
+            assert!(!progress.is_stalled([0.95, 0.1]));
+        }
+        assert!(progress.is_stalled([0.95, 0.1]));
+    }
+}

@@ -1,0 +1,200 @@
+//! Off is absent: a scene without an effect is the limit of the scene with it, bit for bit, and its
+//! steps do no work for it. And substep 1 is solved where it matters, no more and no less.
+
+use std::sync::Arc;
+
+use super::super::director::{Demand, DirectorStep};
+use super::super::*;
+use crate::linalg::count::{self, Counts};
+
+const STEPS: u32 = 4;
+const DT: f64 = 1e-6;
+
+/// A small vesicle with room around it, and the three effects of the paper.
+const SMALL: &str = r#"
+    [mesh]
+    cells = 32
+    [vesicle]
+    shape = "ellipse"
+    half_axes = [0.2, 0.14]
+    angle = 70
+    [membrane]
+    interface_width = 0.025
+    [area]
+    target = 1.1
+    [nematic]
+    initial = [0.6, 0.8]
+    [anchoring]
+    kind = "parallel"
+"#;
+
+fn scene(settings: &[&str]) -> Scene {
+    let settings: Vec<String> = settings.iter().map(|text| (*text).to_owned()).collect();
+    let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+    Scene::parse(SMALL, "the test", &settings, &mut no_files).expect("a scene")
+}
+
+fn scheme(scene: &Scene) -> Scheme {
+    let scene::Mesh::Structured { cells, .. } = scene.mesh;
+    let mesh = Arc::new(Mesh::structured(cells, 0.0, 0).expect("a fair mesh"));
+    let initial = initial_fields(scene, &mesh).expect("initial fields");
+    Scheme::new(scene, mesh, initial.phi, initial.director).expect("a scheme")
+}
+
+/// A few steps: where they end, what they did, and their Newton iterations.
+fn steps(settings: &[&str]) -> (Scheme, Counts, u64) {
+    let mut scheme = scheme(&scene(settings));
+    let mut newton = 0;
+    let counts = count::of(|| {
+        for step in 1..=STEPS {
+            match scheme.step(DT) {
+                Ok(report) => newton += u64::from(report.newton),
+                Err(error) => panic!("{settings:?} step {step}: {error}"),
+            }
+        }
+    });
+    (scheme, counts, newton)
+}
+
+const QUADRATURES: [&str; 2] = ["solver.quadrature=lumped", "solver.quadrature=consistent"];
+
+/// Each effect off, and so weak that adding it changes no bit.
+const LIMITS: [(&[&str], &[&str]); 8] = [
+    (&["area=false"], &["area.penalty=1e300"]),
+    (
+        &["anchoring=false", "nematic=false"],
+        &["anchoring.kind=none", "nematic.weight=0"],
+    ),
+    (&["anchoring=false"], &["anchoring.weight=0"]),
+    (&["anchoring=false"], &["anchoring.kind=none"]),
+    (&[], &["field.weight=0"]),
+    (&[], &["field={ weight = 300, from = 1 }"]),
+    (&[], &["pull.potential=0"]),
+    (&[], &["membrane.spontaneous_curvature=1e-300"]),
+];
+
+#[test]
+fn an_absent_effect_is_the_limit_of_a_weak_one() {
+    for quadrature in QUADRATURES {
+        for (off, weak) in LIMITS
+            .into_iter()
+            .chain([(&[][..], &["noise.strength=0"][..])])
+        {
+            let (without, counts, _) = steps(&[off, &[quadrature]].concat());
+            let (with, counts_with, _) = steps(&[weak, &[quadrature]].concat());
+            let (a, b) = (without.state(), with.state());
+            assert_eq!(
+                (&a.phi, &a.omega, &a.mu),
+                (&b.phi, &b.omega, &b.mu),
+                "{weak:?}"
+            );
+            if a.director.is_some() {
+                assert_eq!(a.director, b.director, "{weak:?}");
+            }
+            for energy in &without.report().energies {
+                assert!(
+                    with.report().energies.contains(energy),
+                    "{weak:?}: {energy:?}"
+                );
+            }
+            assert!(
+                counts.products <= counts_with.products
+                    && counts.assemblies <= counts_with.assemblies,
+                "{off:?} {counts:?}, {weak:?} {counts_with:?}"
+            );
+        }
+    }
+}
+
+/// Three matrices an iteration of Newton's method, whatever the effects, and those of substep 1 only
+/// where there is a director.
+#[test]
+fn an_absent_effect_does_no_work() {
+    let without = ["anchoring=false", "nematic=false"];
+    for off in [&["area=false"][..], &[]] {
+        let (_, counts, newton) = steps(&[&[QUADRATURES[0]], off, &without].concat());
+        assert_eq!(counts.assemblies, 3 * newton, "{off:?}");
+    }
+    let (_, counts, newton) = steps(&[QUADRATURES[0], "nematic.weight=0", "anchoring=false"]);
+    assert_eq!(
+        counts.assemblies,
+        3 * newton,
+        "nothing acts on the director"
+    );
+    let (scheme, counts, newton) = steps(&[QUADRATURES[0]]);
+    // When the region is made, so are its stiffness matrix and nothing else.
+    assert_eq!(counts.assemblies, 3 * newton + u64::from(STEPS) + 1);
+    assert!(scheme.report().director_iterations > 0);
+}
+
+/// The whole mesh, in place of the region, gives the same director up to what may be left out.
+#[test]
+fn substep_1_leaves_out_what_does_not_matter() {
+    for (quadrature, dt) in [
+        (QUADRATURES[0], 1e-7),
+        (QUADRATURES[1], 1e-7),
+        (QUADRATURES[0], 1e-3),
+    ] {
+        // Neighbours that differ: wherever anything acts there is something to do.
+        let random = "nematic.initial={ kind = 'random', seed = 3, length = 1.2 }";
+        let mut scheme = scheme(&scene(&[quadrature, random]));
+        let energy_scale = energy_scale(&scheme.report.energies);
+        let demand = Demand {
+            dt,
+            tolerance: 1e-14,
+            energy_scale,
+        };
+        let mobility = 0.5;
+        let mut part = DirectorStep::new(&scheme.space, mobility);
+        let mut whole = DirectorStep::new(&scheme.space, mobility);
+        whole.solve_everywhere();
+        let from = scheme.state.director.clone().expect("a director");
+        let mut ends = [from.clone(), from.clone()];
+        for (step, to) in [&mut part, &mut whole].into_iter().zip(&mut ends) {
+            let (effects, sample) = (&mut scheme.effects, &mut scheme.samples.old);
+            let start = (&scheme.state.phi[..], &from);
+            step.solve(&scheme.space, effects, sample, demand, start, to)
+                .expect("a solved substep");
+        }
+        let nodes = scheme.space.nodes();
+        let still =
+            (0..nodes).filter(|&n| ends[0][0][n] == from[0][n] && ends[0][1][n] == from[1][n]);
+        let share = still.count() as f64 / nodes as f64;
+        assert!(
+            share > 0.3,
+            "{quadrature} {dt:e}: {share} of the nodes left out"
+        );
+        // Substep 1 minimises ‖δ‖²/(2γΔt) + ...; its dissipation differs by what was left out.
+        let [lost, all] = [&part, &whole].map(|step| step.dissipation(&scheme.space, dt));
+        let difference = (all - lost).abs() / energy_scale;
+        assert!(difference < 1e-12, "{quadrature} {dt:e}: {difference:e}");
+        assert!(
+            all / energy_scale > 1e-9,
+            "{quadrature} {dt:e}: {:e}",
+            all / energy_scale
+        );
+    }
+}
+
+/// The region goes with the vesicle: a tweezer draws it away, and the law closes all the same.
+#[test]
+fn the_region_moves_with_the_vesicle() {
+    let settings = [
+        QUADRATURES[0],
+        "pull.potential='-200000*(x-0.7)^2'",
+        "vesicle.center=[0.4, 0.5]",
+        "solver.law_tolerance=1e-12",
+        "solver.tolerance=1e-10",
+    ];
+    let mut scheme = scheme(&scene(&settings));
+    let mut regions = std::collections::BTreeSet::new();
+    for step in 1..=40 {
+        match scheme.step(1e-5) {
+            Ok(report) => assert!(report.law_residual.abs() <= 1e-12, "step {step}"),
+            Err(error) => panic!("step {step}: {error}"),
+        }
+        let director = scheme.director.as_ref().expect("a director");
+        regions.insert(director.region().nodes.clone());
+    }
+    assert!(regions.len() >= 2, "{} regions", regions.len());
+}

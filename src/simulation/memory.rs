@@ -1,0 +1,190 @@
+//! Everything that the rest of a run depends on, copied out and put back: a run goes on from it as if
+//! nothing had happened.
+
+use serde::{Deserialize, Serialize};
+
+use super::{ErrorBudget, Pacing, Simulation};
+use crate::scene::Anchoring;
+use crate::scheme::{self, RecallError};
+
+/// What [`Simulation::remember`] has copied. It keeps its buffers.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub struct Memory {
+    scheme: scheme::Memory,
+    step: u64,
+    t: f64,
+    /// The smallest Δt of the last step.
+    dt: f64,
+    law_residual: f64,
+    /// Iterations of the last step: of substep 2, Krylov's, of substep 1.
+    work: [u32; 3],
+    pacing: Pacing,
+    /// Attempts at the last step that were refused, and its estimated error.
+    refused: u32,
+    time_error: Option<f64>,
+    budget: ErrorBudget,
+    reached_wall: bool,
+}
+
+impl Memory {
+    /// The step that was reached.
+    pub fn step(&self) -> u64 {
+        self.step
+    }
+
+    /// The anchoring that was in use.
+    pub fn anchoring(&self) -> Option<Anchoring> {
+        self.scheme.anchoring()
+    }
+
+    /// The time that was reached.
+    pub fn t(&self) -> f64 {
+        self.t
+    }
+}
+
+impl Simulation {
+    /// Copies out everything that the rest of the run depends on; not the events, which are to be
+    /// drained before.
+    pub fn remember(&self, memory: &mut Memory) {
+        let report = &self.report;
+        self.scheme.remember(&mut memory.scheme);
+        memory.step = report.step;
+        memory.t = report.t;
+        memory.dt = report.dt;
+        memory.law_residual = report.law_residual;
+        memory.work = [report.newton, report.krylov, report.director_iterations];
+        memory.pacing.clone_from(&self.pacing);
+        memory.refused = report.refused;
+        memory.time_error = report.time_error;
+        memory.budget = report.budget;
+        memory.reached_wall = self.near_wall.reached();
+    }
+
+    /// Puts it back, also into a new run of the same scene: what follows is bit for bit what it was.
+    /// The anchoring of the scene becomes the one that was in use. The report has no ledger.
+    ///
+    /// # Errors
+    /// [`RecallError`]: the memory is of another scene. The state is then what it was.
+    pub fn recall(&mut self, memory: &Memory) -> Result<(), RecallError> {
+        match (&memory.pacing, &self.pacing) {
+            (Pacing::Fixed(division), Pacing::Fixed(_)) if division.is_possible() => {}
+            (Pacing::Chosen(theirs), Pacing::Chosen(own)) if theirs.fits(own) => {}
+            (Pacing::Fixed(_), Pacing::Fixed(_)) => {
+                return Err(RecallError::Foreign("its step is divided as none can be"));
+            }
+            _ => return Err(RecallError::Foreign("its steps are chosen otherwise")),
+        }
+        self.scheme.recall(&memory.scheme)?;
+        self.scene.anchoring = self.scheme.anchoring();
+        let report = &mut self.report;
+        report.take(self.scheme.report());
+        report.step = memory.step;
+        report.t = memory.t;
+        report.dt = memory.dt;
+        report.law_residual = memory.law_residual;
+        [report.newton, report.krylov, report.director_iterations] = memory.work;
+        report.refused = memory.refused;
+        report.time_error = memory.time_error;
+        report.budget = memory.budget;
+        report.costs = super::Costs::default();
+        report.ladder = super::Ladder::default();
+        self.pacing.clone_from(&memory.pacing);
+        self.near_wall.set_reached(memory.reached_wall);
+        self.events.clear();
+        self.measure();
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{AnchoringKind, Scene};
+    use crate::simulation::{EventKind, Report};
+
+    const TEXT: &str = r#"
+        mesh.cells = 12
+        vesicle = { shape = "ellipse", half_axes = [0.3, 0.2], angle = 70 }
+        time = { step = 1e-6, end = 1 }
+        membrane.interface_width = 0.08
+        nematic.initial = [0.6, 0.8]
+        anchoring.kind = "parallel"
+    "#;
+
+    fn simulation(settings: &[&str]) -> Simulation {
+        let settings: Vec<String> = settings.iter().map(|s| (*s).to_owned()).collect();
+        let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+        let scene = Scene::parse(TEXT, "the test", &settings, &mut no_files).expect("a scene");
+        Simulation::new(&scene).expect("a run")
+    }
+
+    /// What a report says, but for the clock.
+    fn run(simulation: &mut Simulation, steps: usize) -> Vec<Report> {
+        let step = |_| {
+            let mut report = simulation.advance().expect("a step").clone();
+            report.costs = Default::default();
+            report
+        };
+        (0..steps).map(step).collect()
+    }
+
+    fn over_bytes(simulation: &Simulation) -> Memory {
+        let mut memory = Memory::default();
+        simulation.remember(&mut memory);
+        let bytes = postcard::to_stdvec(&memory).expect("bytes");
+        postcard::from_bytes(&bytes).expect("a memory")
+    }
+
+    #[test]
+    fn a_new_run_goes_on_where_another_was() {
+        // A step so long that it is divided, too, and steps that are chosen.
+        for settings in [
+            &[][..],
+            &["time.step=3e-2"],
+            &["time.order=2"],
+            &["time.tolerance=1e-4"],
+            &["time.tolerance=1e-4", "time.order=1"],
+        ] {
+            let mut first = simulation(settings);
+            run(&mut first, 3);
+            first
+                .set_anchoring(AnchoringKind::Homeotropic)
+                .expect("a director");
+            run(&mut first, 2);
+            first.drain_events();
+            let memory = over_bytes(&first);
+            assert_eq!(memory.step(), 5);
+            let mut second = simulation(settings);
+            second.recall(&memory).expect("the same scene");
+            assert_eq!(second.scene().anchoring, first.scene().anchoring);
+            assert_eq!(second.report().t, first.report().t);
+            assert_eq!(second.report().outline, first.report().outline);
+            assert_eq!(second.drain_events(), []);
+            let (wanted, found) = (run(&mut first, 4), run(&mut second, 4));
+            assert_eq!(wanted, found);
+            assert!(first.state() == second.state());
+            assert_eq!(first.drain_events(), second.drain_events());
+        }
+    }
+
+    #[test]
+    fn the_wall_is_reached_only_once() {
+        let settings = [
+            "mesh.cells=16",
+            "vesicle={ shape = \"circle\", radius = 0.47 }",
+        ];
+        let mut first = simulation(&settings);
+        let reached = |simulation: &mut Simulation| {
+            let events = simulation.drain_events();
+            events
+                .iter()
+                .any(|event| event.kind == EventKind::ReachedWall)
+        };
+        assert!(reached(&mut first));
+        let mut second = simulation(&settings);
+        second.recall(&over_bytes(&first)).expect("the same scene");
+        run(&mut second, 1);
+        assert!(!reached(&mut second));
+    }
+}

@@ -1,0 +1,294 @@
+//! What each effect of a scene costs: the scene is run as it is and with one effect after the other taken
+//! away, all of them side by side, and the steps are timed.
+//!
+//! A price by taking away is what a user would save. It counts what an effect does to the iterations too,
+//! which a clock around its formulas would not see; and the prices of two effects that share something
+//! (the director) do not add up to that of both.
+
+use std::time::Duration;
+
+use crate::scene::{ScalarField, Scene};
+use crate::simulation::{Phase, Simulation, SimulationError};
+
+use super::memory::held;
+
+/// How much is run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Plan {
+    /// Steps before anything is timed: the first ones take more iterations than the rest.
+    pub warm_up: u64,
+    /// Steps that are timed.
+    pub steps: u64,
+}
+
+impl Default for Plan {
+    fn default() -> Self {
+        Self {
+            warm_up: 10,
+            steps: 20,
+        }
+    }
+}
+
+/// What a step of a scene takes, and the run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cost {
+    /// The median of the steps.
+    pub step: Duration,
+    /// The median of their substeps 1.
+    pub substep_1: Duration,
+    /// Iterations of substep 2, a step.
+    pub newton: f64,
+    /// Krylov iterations, a step.
+    pub krylov: f64,
+    /// Iterations of substep 1, a step.
+    pub director: f64,
+    /// Bytes that the run holds; `None` where nobody counts.
+    pub memory: Option<i64>,
+}
+
+/// An effect, and what the scene costs without it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Price {
+    /// The effect, or several that go together.
+    pub effect: &'static str,
+    /// Its energy after the steps of the scene as it is; `None` where it has none of its own.
+    pub energy: Option<f64>,
+    /// What else has to go with it.
+    pub with_it: Vec<&'static str>,
+    /// Without it.
+    pub without: Cost,
+}
+
+/// What the effects of a scene cost.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Prices {
+    /// The scene as it is.
+    pub whole: Cost,
+    /// E_total after its steps.
+    pub total_energy: f64,
+    /// The energy of bending.
+    pub bending: f64,
+    /// The membrane that does nothing but bend.
+    pub alone: Cost,
+    /// Each effect that can be taken away.
+    pub effects: Vec<Price>,
+}
+
+/// How far a study is: steps made, of how many.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Progress {
+    /// Steps made.
+    pub done: u64,
+    /// Of how many.
+    pub of: u64,
+}
+
+/// Takes an effect away from a scene; whether it was there.
+type Removal = fn(&mut Scene) -> bool;
+
+/// The effects of a scene that can be taken away, and how.
+const REMOVABLE: [(&str, Removal); 7] = [
+    ("curvature", |scene| {
+        let k = &mut scene.membrane.spontaneous_curvature;
+        let none = ScalarField::Constant(0.0);
+        std::mem::replace(k, none.clone()) != none
+    }),
+    ("area", |scene| scene.area.take().is_some()),
+    ("nematic", |scene| {
+        let was_there = scene.nematic.take().is_some();
+        if was_there {
+            scene.anchoring = None;
+            scene.field = None;
+            scene.noise = None;
+        }
+        was_there
+    }),
+    ("noise", |scene| scene.noise.take().is_some()),
+    ("field", |scene| scene.field.take().is_some()),
+    ("pull", |scene| scene.pull.take().is_some()),
+    ("anchoring", |scene| scene.anchoring.take().is_some()),
+];
+
+/// A scene without an effect, if it has it.
+fn without(scene: &Scene, remove: Removal) -> Option<Scene> {
+    let mut rest = scene.clone();
+    remove(&mut rest).then_some(rest)
+}
+
+/// Measures the scene and everything that it is without one of its effects. The runs take turns, step
+/// by step, so that what disturbs the machine disturbs all of them.
+///
+/// `watch` is told after every step, and says whether to go on; `None` where it did not.
+///
+/// # Errors
+/// [`SimulationError`]: one of the scenes cannot be run.
+pub fn prices(
+    scene: &Scene,
+    plan: Plan,
+    watch: &mut dyn FnMut(Progress) -> bool,
+) -> Result<Option<Prices>, SimulationError> {
+    let removed: Vec<(&'static str, Scene)> = REMOVABLE
+        .iter()
+        .filter_map(|(name, remove)| Some((*name, without(scene, *remove)?)))
+        .collect();
+    let mut alone = scene.clone();
+    for (_, remove) in REMOVABLE {
+        remove(&mut alone);
+    }
+    let scenes = [scene, &alone].into_iter();
+    let scenes = scenes.chain(removed.iter().map(|(_, scene)| scene));
+    let mut runs = scenes.map(Run::new).collect::<Result<Vec<_>, _>>()?;
+
+    let of = (plan.warm_up + plan.steps) * runs.len() as u64;
+    let mut done = 0;
+    for step in 0..plan.warm_up + plan.steps {
+        for run in &mut runs {
+            run.advance(step >= plan.warm_up)?;
+            done += 1;
+            if !watch(Progress { done, of }) {
+                return Ok(None);
+            }
+        }
+    }
+
+    let whole = runs[0].simulation.report();
+    let energy = |name: &str| {
+        let energy = whole.energies.iter().find(|energy| energy.name == name);
+        energy.map(|energy| energy.value)
+    };
+    let has = |scene: &Scene, effect: &str| {
+        let known = REMOVABLE.iter().find(|(name, _)| *name == effect);
+        known.is_some_and(|(_, remove)| without(scene, *remove).is_some())
+    };
+    let effects = removed
+        .iter()
+        .zip(&runs[2..])
+        .map(|((effect, rest), run)| Price {
+            effect,
+            energy: energy(effect),
+            with_it: removed
+                .iter()
+                .map(|(other, _)| *other)
+                .filter(|other| other != effect && !has(rest, other))
+                .collect(),
+            without: run.cost(),
+        });
+    Ok(Some(Prices {
+        whole: runs[0].cost(),
+        total_energy: whole.total_energy,
+        bending: energy("bending").unwrap_or(f64::NAN),
+        alone: runs[1].cost(),
+        effects: effects.collect(),
+    }))
+}
+
+/// One of the runs, with what it has taken.
+struct Run {
+    simulation: Simulation,
+    steps: Vec<Duration>,
+    substeps_1: Vec<Duration>,
+    iterations: [u64; 3],
+    memory: i64,
+}
+
+impl Run {
+    fn new(scene: &Scene) -> Result<Self, SimulationError> {
+        let before = held();
+        let simulation = Simulation::new(scene)?;
+        Ok(Self {
+            simulation,
+            steps: Vec::new(),
+            substeps_1: Vec::new(),
+            iterations: [0; 3],
+            memory: held() - before,
+        })
+    }
+
+    fn advance(&mut self, counts: bool) -> Result<(), SimulationError> {
+        let before = held();
+        let report = self.simulation.advance()?;
+        self.memory += held() - before;
+        if counts {
+            self.steps.push(report.costs.total());
+            self.substeps_1.push(report.costs.of(Phase::Director));
+            let iterations = [report.newton, report.krylov, report.director_iterations];
+            for (sum, count) in self.iterations.iter_mut().zip(iterations) {
+                *sum += u64::from(count);
+            }
+        }
+        Ok(())
+    }
+
+    fn cost(&self) -> Cost {
+        let mean = |count: u64| count as f64 / self.steps.len().max(1) as f64;
+        let [newton, krylov, director] = self.iterations.map(mean);
+        Cost {
+            step: median(&self.steps),
+            substep_1: median(&self.substeps_1),
+            newton,
+            krylov,
+            director,
+            memory: (self.memory != 0).then_some(self.memory),
+        }
+    }
+}
+
+fn median(times: &[Duration]) -> Duration {
+    let mut times = times.to_vec();
+    times.sort_unstable();
+    times.get(times.len() / 2).copied().unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scene(text: &str) -> Scene {
+        let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+        let text = format!("mesh.cells = 12\nmembrane.interface_width = 0.08\n{text}");
+        Scene::parse(&text, "the test", &[], &mut no_files).expect("a scene")
+    }
+
+    const PLAN: Plan = Plan {
+        warm_up: 1,
+        steps: 3,
+    };
+
+    #[test]
+    fn each_effect_is_taken_away_once_and_what_needs_it_goes_with_it() {
+        let scene = scene("[area]\n[nematic]\n[anchoring]\n[pull]\npotential = 'x'");
+        let mut seen = Vec::new();
+        let prices = prices(&scene, PLAN, &mut |progress| {
+            seen.push(progress.done);
+            true
+        })
+        .expect("runs")
+        .expect("not ended");
+        let names: Vec<&str> = prices.effects.iter().map(|price| price.effect).collect();
+        assert_eq!(names, ["area", "nematic", "pull", "anchoring"]);
+        assert_eq!(prices.effects[1].with_it, ["anchoring"]);
+        assert!(prices.effects[3].with_it.is_empty());
+        assert!(prices.effects.iter().all(|price| price.energy.is_some()));
+        assert_eq!(seen, (1..=6 * 4).collect::<Vec<u64>>());
+        let nematic = &prices.effects[1];
+        assert_eq!(nematic.without.director, 0.0);
+        assert!(prices.whole.director >= 1.0 && prices.whole.newton >= 1.0);
+        assert_eq!(prices.alone.director, 0.0);
+        let energies = prices.effects.iter().filter_map(|price| price.energy);
+        let sum = prices.bending + energies.sum::<f64>();
+        assert!((sum - prices.total_energy).abs() < 1e-12 * sum.abs());
+    }
+
+    #[test]
+    fn a_membrane_that_only_bends_has_nothing_to_take_away() {
+        let prices = prices(&scene(""), PLAN, &mut |_| true);
+        assert_eq!(prices.expect("runs").expect("not ended").effects, []);
+    }
+
+    #[test]
+    fn a_study_can_be_ended() {
+        let ended = prices(&scene("[area]"), PLAN, &mut |progress| progress.done < 2);
+        assert_eq!(ended.expect("runs"), None);
+    }
+}

@@ -1,0 +1,65 @@
+//! What the effects of a scene cost, for the screen: measured beside the run that is looked at.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use crate::scene::Scene;
+use crate::study::{Plan, prices, prices_table};
+
+/// Measures until it is done or `end` is set; tells how far it is, and at last the table.
+pub(super) fn measure(scene: &Scene, end: &AtomicBool, tell: &mut dyn FnMut(String)) {
+    let mut told = 0;
+    let outcome = prices(scene, Plan::default(), &mut |progress| {
+        let percent = 100 * progress.done / progress.of.max(1);
+        if percent > told {
+            told = percent;
+            tell(format!("measuring: {percent} % of {} steps", progress.of));
+        }
+        !end.load(Ordering::Relaxed)
+    });
+    match outcome {
+        Ok(Some(prices)) => tell(format!(
+            "{}\nMeasured beside the run: vesica effects measures without one.",
+            prices_table(&prices)
+        )),
+        Ok(None) => {}
+        Err(error) => tell(format!("the effects cannot be measured: {error}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scene() -> Scene {
+        let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+        let text = "mesh.cells = 8\nmembrane.interface_width = 0.1\n[area]";
+        Scene::parse(text, "the test", &[], &mut no_files).expect("a scene")
+    }
+
+    #[test]
+    fn the_table_comes_last() {
+        let mut told = Vec::new();
+        measure(&scene(), &AtomicBool::new(false), &mut |text| {
+            told.push(text)
+        });
+        assert!(
+            told[0].starts_with("measuring: 1 % of 90 steps"),
+            "{}",
+            told[0]
+        );
+        let last = told.last().expect("a table");
+        assert!(
+            last.contains("no area") && last.contains("bending alone"),
+            "{last}"
+        );
+    }
+
+    #[test]
+    fn nothing_more_is_told_once_it_was_ended() {
+        let mut told = Vec::new();
+        measure(&scene(), &AtomicBool::new(true), &mut |text| {
+            told.push(text)
+        });
+        assert!(told.len() <= 1, "{told:?}");
+    }
+}

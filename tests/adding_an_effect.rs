@@ -1,0 +1,50 @@
+//! The example of the README, "Adding an effect": the file that is printed there is compiled here, put
+//! beside the effects of a scene, and keeps the energy law.
+
+mod common;
+
+// What the file finds around it in src/physics/: that folder's own names as `super`, and fem and scene.
+use vesica::physics::{DirectorReach, Effect, MembraneForce, MembraneLinearisation, Sample, Terms};
+use vesica::{fem, scene};
+
+#[path = "../docs/effect/tension.rs"]
+mod tension;
+
+use common::{SMALL, TIGHT, energy_scale, named, scheme};
+use tension::Tension;
+
+#[test]
+fn the_effect_of_the_readme_keeps_the_energy_law() {
+    for quadrature in ["solver.quadrature=consistent", "solver.quadrature=lumped"] {
+        let settings = [&TIGHT[..], &[quadrature]].concat();
+        let mut scheme = scheme(&common::scene(SMALL, &settings));
+        let without = scheme.report().total_energy;
+        scheme.effects_mut().add(Tension { weight: 3.0 });
+        scheme.set_anchoring(None);
+        assert!(scheme.report().total_energy != without);
+        for step in 1..=4 {
+            let report = match scheme.step(1e-6) {
+                Ok(report) => report,
+                Err(error) => panic!("{quadrature} step {step}: {error}"),
+            };
+            let residual = report.law_residual;
+            assert!(
+                residual.abs() <= 1e-12,
+                "{quadrature} step {step}: {residual:e}"
+            );
+            assert!(named(&report.energies, "tension") > 0.1);
+            assert!(named(&report.ledger, "ND_tension") > 0.0);
+            assert!(named(&report.ledger, "dE") < 0.0);
+            assert!(energy_scale(report) > 0.0);
+        }
+    }
+}
+
+#[test]
+fn the_readme_prints_the_file_that_is_compiled() {
+    let file = include_str!("../docs/effect/tension.rs");
+    let readme = include_str!("../README.md");
+    let printed = readme.split("```rust\n").nth(1).expect("an example");
+    let printed = printed.split("```").next().expect("its end");
+    assert_eq!(printed, file);
+}

@@ -1,0 +1,184 @@
+//! The energy law with every combination of effects: it is an identity of each one alone, so of any
+//! together.
+
+mod common;
+
+use common::{SMALL, TIGHT, energy_scale, named, scene, scheme};
+use vesica::scheme::StepReport;
+
+const STEPS: usize = 3;
+
+/// Each effect, with the settings that take it away. (SMALL has area, nematic, anchoring.)
+const EFFECTS: [(&str, &str, &str); 7] = [
+    ("area", "", "area=false"),
+    (
+        "curvature",
+        "membrane.spontaneous_curvature='2*sin(3*x) - y'",
+        "",
+    ),
+    (
+        "nematic",
+        "nematic.initial={ kind = 'random', seed = 3, length = 1.2 }",
+        "nematic=false",
+    ),
+    ("anchoring", "anchoring.kind=homeotropic", "anchoring=false"),
+    (
+        "field",
+        "field={ weight = 300, angle = 35, from = 1e-6 }",
+        "",
+    ),
+    ("pull", "pull.potential='100*x - 300*y^2'", ""),
+    ("noise", "noise={ strength = 1e-3, seed = 5 }", ""),
+];
+
+/// Those that are nothing without a director.
+const OF_DIRECTOR: [&str; 3] = ["anchoring", "field", "noise"];
+
+/// The combination of this number, unless it makes no sense.
+fn combination(number: usize) -> Option<Vec<&'static str>> {
+    let named = EFFECTS.iter().enumerate();
+    let on: Vec<&str> = named
+        .filter(|(bit, _)| number >> bit & 1 == 1)
+        .map(|(_, (name, ..))| *name)
+        .collect();
+    let needs_director = on.iter().any(|name| OF_DIRECTOR.contains(name));
+    (on.contains(&"nematic") || !needs_director).then_some(on)
+}
+
+fn settings(on: &[&str]) -> Vec<&'static str> {
+    // Tables that need the director go before it does.
+    let rest = EFFECTS.iter().map(
+        |(name, with, without)| {
+            if on.contains(name) { *with } else { *without }
+        },
+    );
+    rest.filter(|setting| !setting.is_empty()).collect()
+}
+
+#[track_caller]
+fn check(report: &StepReport, place: &str) {
+    let scale = energy_scale(report);
+    let residual = report.law_residual;
+    assert!(
+        residual.abs() <= 1e-12,
+        "{place}: law_residual {residual:e}"
+    );
+    for term in &report.ledger {
+        let outside = ["dE", "noise_work"].contains(&term.name);
+        assert!(outside || term.value >= -1e-14 * scale, "{place}: {term:?}");
+    }
+    let work = report.ledger.iter().find(|term| term.name == "noise_work");
+    let given = work.map_or(0.0, |work| -work.value);
+    let rise = named(&report.ledger, "dE");
+    assert!(
+        rise <= given + 1e-12 * scale,
+        "{place}: E rises by {rise:e}, given {given:e}"
+    );
+}
+
+fn check_all(quadrature: &str) {
+    let mut checked = 0;
+    for on in (0..1 << EFFECTS.len()).filter_map(combination) {
+        for field in ["field.weight=300", "field.weight=-300"] {
+            let has_field = on.contains(&"field");
+            if !has_field && field.contains('-') {
+                continue;
+            }
+            let mut settings = settings(&on);
+            settings.extend(TIGHT);
+            settings.push(quadrature);
+            if has_field {
+                settings.push(field);
+            }
+            let scene = scene(SMALL, &settings);
+            let mut scheme = scheme(&scene);
+            for step in 1..=STEPS {
+                let place = format!("{on:?}, {field}, {quadrature}, step {step}");
+                match scheme.step(1e-6) {
+                    Ok(report) => check(report, &place),
+                    Err(error) => panic!("{place}: {error}"),
+                }
+                let energies = &scheme.report().energies;
+                let mut names: Vec<&str> = energies.iter().map(|energy| energy.name).collect();
+                names.sort_unstable();
+                let mut expected: Vec<&str> = on
+                    .iter()
+                    .copied()
+                    .filter(|name| !["curvature", "noise"].contains(name))
+                    .chain(["bending"])
+                    .collect();
+                expected.sort_unstable();
+                assert_eq!(names, expected, "{place}");
+            }
+            checked += 1;
+        }
+    }
+    // 2³ without a director, 2³ · 2² with one and no field, and as many with each sign of the field.
+    assert_eq!(checked, 8 + 3 * 32);
+}
+
+#[test]
+fn every_combination_keeps_the_law_with_the_consistent_quadrature() {
+    check_all("solver.quadrature=consistent");
+}
+
+#[test]
+fn every_combination_keeps_the_law_with_the_lumped_quadrature() {
+    check_all("solver.quadrature=lumped");
+}
+
+/// Without its work in the ledger, noise would break the law: the checks above are not empty.
+#[test]
+fn noise_does_work_that_the_law_needs() {
+    let settings = [&TIGHT[..], &["noise={ strength = 1e-3, seed = 5 }"]].concat();
+    let mut scheme = scheme(&scene(SMALL, &settings));
+    let report = scheme.step(1e-6).expect("a solved step");
+    let work = named(&report.ledger, "noise_work");
+    assert!(work < -1e-6 * energy_scale(report), "{work:e}");
+}
+
+/// The energy jumps when a field is switched on, and no step is held to account for it.
+#[test]
+fn a_switched_field_is_no_step() {
+    let settings = [
+        &TIGHT[..],
+        &["field={ weight = 300, from = 1.6e-6, until = 3.4e-6 }"],
+    ]
+    .concat();
+    let mut scheme = scheme(&scene(SMALL, &settings));
+    let energy = |report: &StepReport| named(&report.energies, "field");
+    assert_eq!(energy(scheme.report()), 0.0);
+    // On in the steps whose middle lies between: those from 2e-6 to 3e-6 alone.
+    let mut jumps = Vec::new();
+    for step in 1..=5 {
+        let before = scheme.report().total_energy;
+        let report = scheme.step(1e-6).expect("a solved step");
+        check(report, &format!("step {step}"));
+        assert_eq!(energy(report) < 0.0, step == 3, "step {step}");
+        let change = report.total_energy - before;
+        let unexplained = change - named(&report.ledger, "dE");
+        match report.switched {
+            Some(jump) => {
+                assert!((unexplained - jump).abs() < 1e-12 * energy_scale(report));
+                jumps.push((step, jump > 0.0));
+            }
+            None => assert_eq!(unexplained, 0.0),
+        }
+    }
+    assert_eq!(jumps, [(3, false), (4, true)]);
+}
+
+/// The same seed gives the same bits, another seed another run.
+#[test]
+fn noise_repeats_with_its_seed() {
+    let run = |seed: u64| {
+        let noise = format!("noise={{ strength = 1e-3, seed = {seed} }}");
+        let mut scheme = scheme(&scene(SMALL, &[noise]));
+        for _ in 0..3 {
+            scheme.step(1e-6).expect("a solved step");
+        }
+        scheme.state().clone()
+    };
+    assert_eq!(run(5), run(5));
+    assert_ne!(run(5).director, run(6).director);
+}

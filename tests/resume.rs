@@ -1,0 +1,446 @@
+//! Runs that were ended go on as if nothing had happened: the real binary, killed and damaged.
+
+#![cfg(unix)]
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// A vesicle with every effect on a small mesh.
+const SCENE: &str = r#"
+name = "Small"
+[mesh]
+cells = 12
+[vesicle]
+shape = "ellipse"
+half_axes = [0.3, 0.2]
+angle = 70
+[time]
+step = 1e-6
+end = 1.5e-3
+[membrane]
+interface_width = 0.08
+[area]
+target = 1.1
+[nematic]
+initial = [0.6, 0.8]
+[anchoring]
+kind = "parallel"
+"#;
+
+fn folder_with_scene() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fs::write(folder.path().join("small.toml"), SCENE).expect("it can be written");
+    folder
+}
+
+fn command(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_vesica"));
+    command
+        .current_dir(folder)
+        .args(arguments)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
+    command
+}
+
+#[track_caller]
+fn vesica(folder: &Path, arguments: &[&str], status: i32) -> String {
+    let output = command(folder, arguments).output().expect("vesica starts");
+    check(output, status)
+}
+
+#[track_caller]
+fn check(output: Output, status: i32) -> String {
+    let told = String::from_utf8(output.stderr).expect("text");
+    assert_eq!(output.status.code(), Some(status), "{told}");
+    assert!(!told.contains("panicked"), "{told}");
+    told
+}
+
+fn send(child: &Child, signal: &str) {
+    let status = Command::new("kill")
+        .args([signal, &child.id().to_string()])
+        .status();
+    assert!(status.is_ok_and(|status| status.success()));
+}
+
+/// What stands in a run's folder, but for the clock: the column `wall`, and `run.json` and the
+/// checkpoints, which have it too.
+fn record(run: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut record = BTreeMap::new();
+    for folder in [run.to_owned(), run.join("fields")] {
+        for entry in fs::read_dir(&folder).expect("a folder").flatten() {
+            let path = entry.path();
+            let name = path
+                .file_name()
+                .expect("a name")
+                .to_string_lossy()
+                .into_owned();
+            if path.is_dir() || name == "run.json" || name.starts_with("checkpoint") {
+                continue;
+            }
+            let mut bytes = fs::read(&path).expect("a file");
+            if name == "history.csv" {
+                bytes = without_wall(&String::from_utf8(bytes).expect("text")).into_bytes();
+            }
+            let path = path.strip_prefix(run).expect("it is in the run's folder");
+            record.insert(path.to_owned(), bytes);
+        }
+    }
+    record
+}
+
+fn without_wall(history: &str) -> String {
+    let mut lines = history.lines();
+    let header: Vec<&str> = lines.next().expect("a header").split(',').collect();
+    let wall = header
+        .iter()
+        .position(|name| *name == "wall")
+        .expect("it is there");
+    let row = |line: &str| {
+        let mut cells: Vec<&str> = line.split(',').collect();
+        cells.remove(wall);
+        cells.join(",")
+    };
+    lines.map(row).collect::<Vec<String>>().join("\n")
+}
+
+#[track_caller]
+fn assert_same(run: &Path, wanted: &Path) {
+    let (found, wanted) = (record(run), record(wanted));
+    let names = |record: &BTreeMap<PathBuf, Vec<u8>>| record.keys().cloned().collect::<Vec<_>>();
+    assert_eq!(names(&found), names(&wanted));
+    for (name, bytes) in &wanted {
+        assert!(found[name] == *bytes, "{} differs", name.display());
+    }
+}
+
+fn summary(run: &Path) -> serde_json::Value {
+    let text = fs::read_to_string(run.join("run.json")).expect("run.json");
+    serde_json::from_str(&text).expect("JSON")
+}
+
+fn resumed(summary: &serde_json::Value) -> usize {
+    let events = summary["events"].as_array().expect("a list");
+    events
+        .iter()
+        .filter(|event| event["kind"] == "resumed")
+        .count()
+}
+
+/// Kills runs until `kills` have been killed, each time at a random moment, and takes each up again
+/// until it is done: it leaves what a run leaves that nobody disturbed.
+fn kill_test(seed: u64, kills: usize, settings: &[&str]) {
+    let folder = folder_with_scene();
+    let path = folder.path();
+    let mut arguments = vec![
+        "run",
+        "small.toml",
+        "--quiet",
+        "--checkpoint",
+        "0.01",
+        "--every",
+        "7",
+    ];
+    for setting in settings {
+        arguments.extend(["--set", setting]);
+    }
+    let begun = Instant::now();
+    vesica(path, &[&arguments[..], &["--out", "whole"]].concat(), 0);
+    // So that about one run is killed all those times.
+    let longest = begun.elapsed().mul_f64(2.0 / kills as f64);
+
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let (mut killed, mut runs) = (0, 0);
+    while killed < kills {
+        runs += 1;
+        let name = format!("run{runs}");
+        let arguments = [&arguments[..], &["--out", &name, "--resume"]].concat();
+        while killed < kills {
+            let mut child = command(path, &arguments).spawn().expect("vesica starts");
+            std::thread::sleep(longest.mul_f64(random.random::<f64>()));
+            // It may be done already.
+            if child.try_wait().expect("a child").is_some() {
+                check(child.wait_with_output().expect("it has ended"), 0);
+                break;
+            }
+            child.kill().expect("it is there to be killed");
+            check_killed(child);
+            killed += 1;
+        }
+        vesica(path, &arguments, 0);
+        assert_same(&path.join(&name), &path.join("whole"));
+    }
+    let run = summary(&path.join("run1"));
+    assert_eq!(run["status"], "done");
+    assert_eq!(run["newton"], summary(&path.join("whole"))["newton"]);
+    assert!(resumed(&run) > 0);
+}
+
+fn check_killed(child: Child) {
+    let output = child.wait_with_output().expect("it has ended");
+    let told = String::from_utf8(output.stderr).expect("text");
+    assert_eq!(told, "");
+}
+
+#[test]
+fn a_run_that_is_killed_fifty_times_is_the_same_run() {
+    kill_test(1, 50, &[]);
+}
+
+#[test]
+fn also_with_the_sparse_factor() {
+    kill_test(2, 8, &["solver.linear=factor", "time.end=5e-4"]);
+}
+
+#[test]
+fn a_run_that_a_signal_ends_goes_on_in_its_folder() {
+    let folder = folder_with_scene();
+    let path = folder.path();
+    vesica(path, &["run", "small.toml", "--out", "whole"], 0);
+    for (signal, status) in [("-INT", 130), ("-TERM", 143), ("-HUP", 129)] {
+        let run = path.join("runs/small");
+        let _ = fs::remove_dir_all(&run);
+        let child = command(path, &["run", "small.toml"])
+            .spawn()
+            .expect("vesica starts");
+        while !fs::read_to_string(run.join("run.json")).is_ok_and(|text| text.contains("nodes"))
+            || !run.join("checkpoint.bin").is_file()
+        {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        std::thread::sleep(Duration::from_millis(50));
+        send(&child, signal);
+        let told = check(child.wait_with_output().expect("it ends"), status);
+        assert!(told.contains("vesica run runs/small --resume"), "{told}");
+        assert_eq!(summary(&run)["status"], "interrupted");
+        let wall = summary(&run)["seconds"].as_f64().expect("a number");
+
+        let told = vesica(path, &["run", "runs/small", "--resume"], 0);
+        assert!(told.contains("goes on from step"), "{told}");
+        assert_same(&run, &path.join("whole"));
+        let seconds = summary(&run)["seconds"].as_f64().expect("a number");
+        assert!(seconds > wall, "{seconds} after {wall}");
+    }
+}
+
+#[test]
+fn a_run_that_is_done_goes_on_to_a_later_end() {
+    let folder = folder_with_scene();
+    let path = folder.path();
+    let every = ["--every", "8", "--snapshots", "0"];
+    let run = |more: &[&str]| vesica(path, &[&["run", "small.toml"], more].concat(), 0);
+    run(&[&every[..], &["--out", "whole", "--steps", "60"]].concat());
+    run(&[&every[..], &["--out", "a", "--steps", "20"]].concat());
+    let told = run(&["--out", "a", "--resume", "--steps", "20"]);
+    assert!(told.contains("at step 20 already"), "{told}");
+    assert_eq!(resumed(&summary(&path.join("a"))), 0);
+    run(&["--out", "a", "--resume", "--steps", "60"]);
+    assert_same(&path.join("a"), &path.join("whole"));
+    // Its settings were kept: every eighth step, no snapshots.
+    let history = fs::read_to_string(path.join("a/history.csv")).expect("history.csv");
+    assert_eq!(history.lines().count(), 1 + 8 + 1);
+}
+
+#[test]
+fn the_latest_run_of_the_scene_is_found_and_none_is_begun() {
+    let folder = folder_with_scene();
+    let path = folder.path();
+    let run = |more: &[&str]| vesica(path, &[&["run", "small.toml"], more].concat(), 0);
+    let told = run(&["--resume", "--steps", "5"]);
+    assert!(told.contains("no run to go on with"), "{told}");
+    run(&["--steps", "5", "--set", "anchoring.kind=homeotropic"]);
+    run(&["--steps", "6", "--set", "mesh.cells=10"]);
+    let told = run(&[
+        "--resume",
+        "--steps",
+        "8",
+        "--set",
+        "anchoring.kind=homeotropic",
+    ]);
+    assert!(told.contains("runs/small-2"), "{told}");
+    assert_eq!(summary(&path.join("runs/small-2"))["steps"], 8);
+    assert_eq!(summary(&path.join("runs/small"))["steps"], 5);
+    let foreign = ["run", "small.toml", "--resume", "--set", "mesh.cells=11"];
+    let told = vesica(path, &foreign, 2);
+    assert!(told.contains("in [mesh] it has cells = 10"), "{told}");
+}
+
+#[test]
+fn damage_is_recognised_and_the_older_checkpoint_taken() {
+    let folder = folder_with_scene();
+    let path = folder.path();
+    let arguments = ["run", "small.toml", "--out", "whole", "--steps", "40"];
+    vesica(path, &arguments, 0);
+    let [newest, older] =
+        ["a/checkpoint.bin", "a/checkpoint-older.bin"].map(|name| path.join(name));
+    let begin = [
+        "run",
+        "small.toml",
+        "--out",
+        "a",
+        "--force",
+        "--checkpoint",
+        "0",
+    ];
+    let go_on = [
+        "run",
+        "small.toml",
+        "--out",
+        "a",
+        "--resume",
+        "--steps",
+        "40",
+    ];
+    let flip: fn(&Path) = |path| {
+        let mut bytes = fs::read(path).expect("a checkpoint");
+        let middle = bytes.len() / 2;
+        bytes[middle] ^= 1;
+        fs::write(path, bytes).expect("it can be written");
+    };
+    let cut: fn(&Path) = |path| {
+        let bytes = fs::read(path).expect("a checkpoint");
+        fs::write(path, &bytes[..bytes.len() / 3]).expect("it can be written");
+    };
+    let remove: fn(&Path) = |path| fs::remove_file(path).expect("it can be removed");
+    for (damage, word) in [
+        (flip, "checksum"),
+        (cut, "cut short"),
+        (remove, "not there"),
+    ] {
+        vesica(path, &[&begin[..], &["--steps", "20"]].concat(), 0);
+        damage(&newest);
+        let told = vesica(path, &go_on, 0);
+        assert!(
+            told.contains(word) && told.contains("checkpoint.bin"),
+            "{told}"
+        );
+        assert_same(&path.join("a"), &path.join("whole"));
+        let event = summary(&path.join("a"))["events"][0]["text"].to_string();
+        assert!(
+            event.contains(word) && event.contains("checkpoint-older.bin"),
+            "{event}"
+        );
+    }
+
+    vesica(path, &[&begin[..], &["--steps", "20"]].concat(), 0);
+    flip(&newest);
+    cut(&older);
+    let before = record(&path.join("a"));
+    let told = vesica(path, &go_on, 1);
+    assert!(
+        told.contains("checksum") && told.contains("cut short"),
+        "{told}"
+    );
+    assert!(record(&path.join("a")) == before);
+
+    // Rows that are not there any more: no checkpoint fits.
+    vesica(path, &[&begin[..], &["--steps", "20"]].concat(), 0);
+    fs::write(path.join("a/history.csv"), "step,t\n0,0\n").expect("it can be written");
+    let told = vesica(path, &go_on, 1);
+    assert!(told.contains("history.csv has"), "{told}");
+
+    remove(&newest);
+    remove(&older);
+    fs::write(path.join("a/history.csv"), "step,t\n0,0\n1,1\n").expect("it can be written");
+    let told = vesica(path, &go_on, 2);
+    assert!(told.contains("no checkpoint"), "{told}");
+}
+
+#[test]
+fn two_processes_do_not_share_a_folder() {
+    let folder = folder_with_scene();
+    let path = folder.path();
+    let arguments = ["run", "small.toml", "--out", "a", "--steps", "100000000"];
+    let mut child = command(path, &arguments).spawn().expect("vesica starts");
+    while !path.join("a/checkpoint.bin").is_file() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    for option in ["--resume", "--force"] {
+        let told = vesica(
+            path,
+            &[&arguments[..], &[option]].concat(),
+            if option == "--force" { 2 } else { 1 },
+        );
+        assert!(told.contains("another process"), "{told}");
+    }
+    child.kill().expect("it is there to be killed");
+    child.wait().expect("it ends");
+}
+
+/// A limit on the size of files stands for a disk that is full: the system refuses what goes beyond.
+#[test]
+fn a_run_that_cannot_be_written_goes_on_and_tells_it() {
+    let folder = folder_with_scene();
+    let path = folder.path();
+    // In blocks of 512 or 1024 bytes: history.csv gets larger.
+    let shell = format!(
+        "trap '' XFSZ; ulimit -f 200; exec {} run small.toml --out a --steps 1500 --snapshots 0",
+        env!("CARGO_BIN_EXE_vesica")
+    );
+    let output = Command::new("sh")
+        .args(["-c", &shell])
+        .current_dir(path)
+        .stdin(Stdio::null())
+        .output()
+        .expect("a shell");
+    let told = check(output, 1);
+    assert!(
+        told.contains("not all of the run could be recorded"),
+        "{told}"
+    );
+    assert!(told.contains("a/") && told.contains("too large"), "{told}");
+    let history = fs::read_to_string(path.join("a/history.csv")).expect("history.csv");
+    assert!(history.ends_with('\n'), "whole lines only");
+}
+
+#[test]
+fn odd_paths_are_no_hindrance() {
+    use std::os::unix::ffi::OsStrExt;
+    let folder = folder_with_scene();
+    let path = folder.path();
+    for name in [
+        &b"two words"[..],
+        b"not \xff UTF-8",
+        b"-dash",
+        "\u{e9}\u{1f9ea}".as_bytes(),
+    ] {
+        let out = path.join("runs").join(std::ffi::OsStr::from_bytes(name));
+        let mut first = command(path, &["run", "small.toml", "--steps", "3", "--out"]);
+        check(first.arg(&out).output().expect("vesica starts"), 0);
+        let mut second = command(path, &["run", "--resume", "--steps", "6"]);
+        let told = check(second.arg(&out).output().expect("vesica starts"), 0);
+        assert!(told.contains("goes on from step 3"), "{told}");
+        assert_eq!(summary(&out)["steps"], 6);
+        // A folder that cannot be: the path and the reason are told.
+        let below = out.join("run.json/below");
+        let mut third = command(path, &["run", "small.toml", "--out"]);
+        let told = check(third.arg(&below).output().expect("vesica starts"), 2);
+        assert!(told.contains("run.json/below"), "{told}");
+    }
+}
+
+#[test]
+fn a_scene_that_needs_more_memory_than_there_is_is_refused() {
+    let folder = folder_with_scene();
+    let path = folder.path();
+    for (command, status) in [("run", 2), ("check", 2)] {
+        let told = vesica(
+            path,
+            &[command, "case3", "--set", "mesh.cells=20000"],
+            status,
+        );
+        assert!(
+            told.contains("888 GB") && told.contains("mesh.cells"),
+            "{told}"
+        );
+    }
+    assert!(!path.join("runs").exists());
+}
