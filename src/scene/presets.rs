@@ -5,7 +5,7 @@ use thiserror::Error;
 use super::error::{DidYouMean, Quoted};
 use super::near::nearest;
 
-const PRESETS: [(&str, &str); 10] = [
+const PRESETS: [(&str, &str); 14] = [
     ("case1", include_str!("../../presets/case1.toml")),
     ("case2", include_str!("../../presets/case2.toml")),
     ("case3", include_str!("../../presets/case3.toml")),

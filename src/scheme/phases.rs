@@ -68,6 +68,7 @@ impl Phases {
             (Some(step), Some(from), Some(to)) => {
                 let demand = Demand {
                     dt: self.dt,
+                    length: self.dt,
                     tolerance: director_tolerance(solver),
                     energy_scale: energy_scale(&report.energies),
                 };

@@ -141,6 +141,7 @@ fn substep_1_leaves_out_what_does_not_matter() {
         let energy_scale = energy_scale(&scheme.report.energies);
         let demand = Demand {
             dt,
+            length: dt,
             tolerance: 1e-14,
             energy_scale,
         };
