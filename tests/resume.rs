@@ -180,7 +180,10 @@ fn kill_test(seed: u64, kills: usize, settings: &[&str]) {
     }
     let run = summary(&path.join("run1"));
     assert_eq!(run["status"], "done");
-    assert_eq!(run["newton"], summary(&path.join("whole"))["newton"]);
+    let whole = summary(&path.join("whole"));
+    for name in ["newton", "refused", "errors"] {
+        assert_eq!(run[name], whole[name], "{name}");
+    }
     assert!(resumed(&run) > 0);
 }
 
@@ -198,6 +201,17 @@ fn a_run_that_is_killed_fifty_times_is_the_same_run() {
 #[test]
 fn also_with_the_sparse_factor() {
     kill_test(2, 8, &["solver.linear=factor", "time.end=5e-4"]);
+}
+
+#[test]
+fn also_with_chosen_steps() {
+    kill_test(3, 8, &["time.tolerance=1e-6"]);
+}
+
+#[test]
+fn also_with_noise_and_a_field_that_is_switched() {
+    let field = "field={ strength = 10, from = 1e-4, until = 3e-4 }";
+    kill_test(4, 8, &["noise.strength=1", field, "time.end=5e-4"]);
 }
 
 #[test]

@@ -138,7 +138,7 @@ fn take_up(
     if schedule.is_over(step, t) {
         if !arguments.quiet {
             output::note(format_args!(
-                "the run in {folder} is at step {step}, t = {}, already, and the end is {end}: nothing to \
+                "the run in {folder} is at step {step} already, t = {}, and the end is {end}: nothing to \
                  do (a later end: --until T or --steps N)",
                 Brief(t)
             ));

@@ -53,8 +53,8 @@ impl Recovery {
             }
             for node in triangle.map(|node| node as usize) {
                 self.weights[node] += area;
-                for axis in 0..2 {
-                    self.gradients[node][axis] += area * gradient[axis];
+                for (sum, slope) in self.gradients[node].iter_mut().zip(gradient) {
+                    *sum += area * slope;
                 }
             }
         }

@@ -128,21 +128,6 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Refuses a key that a later version will know.
-    pub(super) fn not_yet(&self, key: &str, instead: &'static str) -> Result<(), SceneError> {
-        match self.get(key) {
-            Some(field) => {
-                let what = if self.path.is_empty() {
-                    format!("[{key}]")
-                } else {
-                    field.path.clone()
-                };
-                Err(field.key_error(Problem::NotYet { what, instead }))
-            }
-            None => Ok(()),
-        }
-    }
-
     pub(super) fn number(&self, key: &str, default: f64, bound: Bound) -> Result<f64, SceneError> {
         self.get(key)
             .map_or(Ok(default), |field| field.number(bound))
