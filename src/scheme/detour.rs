@@ -35,7 +35,7 @@ impl Slowness {
     /// A solve took so many iterations; returns whether the factor is to take over.
     pub(super) fn is_proved_by(&mut self, iterations: u32) -> bool {
         self.slow = if iterations > self.break_even {
-            self.slow + 1
+            self.slow.saturating_add(1)
         } else {
             0
         };

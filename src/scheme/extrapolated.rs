@@ -30,6 +30,10 @@
 //! most E(yⁿ); where it is not, T_k itself is the new state, whose energy (3.26) bounds. ∫φ is the
 //! same for all results and so for the combination, whose weights have the sum 1; at a clamped wall φ is
 //! −1 for the same reason.
+//!
+//! **What depends on time.** A field is on or off for the whole step, and noise is the same force in
+//! all parts of it: else the results would belong to different equations. The work of noise may raise
+//! the energy; the combination is then compared with E(yⁿ) and that work.
 
 use super::{Phase, Scheme, State, StepError, StepReport, energy_scale, sweep};
 use crate::linalg::vector;
@@ -101,7 +105,8 @@ impl Learnt {
     pub(super) fn fits(&self, state: &State) -> bool {
         let nodes = state.phi.len();
         let turn = self.turn.iter().flatten();
-        (2..=MOST_CHAINS).contains(&self.errors.len())
+        self.dt.is_none_or(|dt| dt.is_finite() && dt > 0.0)
+            && (2..=MOST_CHAINS).contains(&self.errors.len())
             && self.turn.is_some() == state.director.is_some()
             && self.errors.iter().chain(turn).all(|it| it.len() == nodes)
     }

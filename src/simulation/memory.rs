@@ -169,6 +169,22 @@ mod tests {
     }
 
     #[test]
+    fn a_memory_of_steps_that_are_chosen_otherwise_is_refused() {
+        let chosen = ["time.tolerance=1e-4", "time.order=2"];
+        let first = simulation(&chosen);
+        let memory = over_bytes(&first);
+        assert_eq!(simulation(&chosen).recall(&memory), Ok(()));
+        for other in [
+            &[][..],
+            &["time.tolerance=1e-5", "time.order=2"],
+            &["time.tolerance=1e-4"],
+        ] {
+            let outcome = simulation(other).recall(&memory);
+            assert!(matches!(outcome, Err(RecallError::Foreign(_))), "{other:?}");
+        }
+    }
+
+    #[test]
     fn the_wall_is_reached_only_once() {
         let settings = [
             "mesh.cells=16",

@@ -169,7 +169,8 @@ impl Costs {
 
     /// Adds to what a part took.
     pub fn add(&mut self, phase: Phase, time: Duration) {
-        self.0[phase as usize] += time;
+        let sum = &mut self.0[phase as usize];
+        *sum = sum.saturating_add(time);
     }
 
     /// What all parts took together.

@@ -129,6 +129,17 @@ mod tests {
     }
 
     #[test]
+    fn steps_that_are_taken_in_several_ways_need_more() {
+        let held = |settings: &[&str]| memory_held(&scene(settings), false);
+        let more = held(&["time.tolerance=1e-4"]) - held(&[]);
+        // Three results, the state before and the combination, each of φ, ω, μ and d; three errors and a
+        // change of d, twice.
+        let vectors = 5 * 5 + 2 * (3 + 2);
+        assert!(more.abs_diff(8 * vectors * 121 * 121) <= 1, "{more}");
+        assert!(held(&["time.order=2"]) < held(&["time.order=3"]));
+    }
+
+    #[test]
     fn what_cannot_be_is_refused_with_the_figures() {
         let large = scene(&["mesh.cells=20000"]);
         let error = refuse(&large, Some(8_000_000_000)).unwrap_err().to_string();

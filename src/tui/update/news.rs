@@ -125,7 +125,8 @@ fn take(run: &mut Run, report: Report, law_tolerance: f64) {
     // With chosen steps, as many as there would be if all took as long as this one.
     let steps = run.steps().unwrap_or_else(|| {
         let end = run.setting.as_ref().map_or(0.0, |it| it.scene.time.end);
-        report.step + ((end - report.t) / report.dt).max(0.0).ceil() as u64
+        let left = ((end - report.t) / report.dt).max(0.0).ceil() as u64;
+        report.step.saturating_add(left)
     });
     if let Some(before) = run.before.take() {
         run.history = History::of(&before, &report);
