@@ -16,6 +16,8 @@
 //! effect alone, and the derivative against differences. (Bending is the one whose force acts
 //! through ω: see its file.)
 
+use serde::{Deserialize, Serialize};
+
 use super::Sample;
 use crate::fem::{Patch, SymmetricTensor};
 use crate::scene::Iteration;
@@ -54,7 +56,7 @@ impl Terms {
 }
 
 /// The time that a step covers.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Interval {
     /// When it begins, on the clock of the scheme, which starts at 0.
     pub begin: f64,

@@ -12,7 +12,7 @@ use super::history::History;
 use super::membrane::LinearMemory;
 use super::{Scheme, State};
 use crate::linalg::LinalgError;
-use crate::physics::NamedValue;
+use crate::physics::{Interval, NamedValue};
 use crate::scene::{Anchoring, AnchoringKind};
 
 /// What [`Scheme::remember`] has copied. It keeps its buffers: remembering again allocates nothing.
@@ -24,7 +24,9 @@ pub struct Memory {
     director: Option<[Vec<f64>; 2]>,
     /// The anchoring may be another than the scene's.
     anchoring: Option<Anchoring>,
-    /// Of the effects in their order. The energy law of the next step starts from them.
+    /// The time of the last step, as the effects were told it.
+    interval: Option<Interval>,
+    /// Of the effects that have one, in their order. The energy law of the next step starts from them.
     energies: Vec<f64>,
     total_energy: f64,
     phase_integral: f64,
@@ -73,7 +75,8 @@ impl Memory {
         let anchors = |anchoring: &Option<Anchoring>| {
             usize::from(anchoring.is_some_and(|anchoring| anchoring.kind != AnchoringKind::None))
         };
-        let others = scheme.effects.iter().count() - anchors(&scheme.anchoring);
+        let with_energy = scheme.effects.iter().filter(|effect| effect.has_energy());
+        let others = with_energy.count() - anchors(&scheme.anchoring);
         if self.energies.len() != others + anchors(&self.anchoring) {
             return Err(RecallError::Foreign("it has other effects"));
         }
@@ -97,6 +100,7 @@ impl Scheme {
         memory.mu.clone_from(&self.state.mu);
         copy_director(&mut memory.director, &self.state);
         memory.anchoring = self.anchoring;
+        memory.interval = self.interval;
         let energies = self.report.energies.iter().map(|energy| energy.value);
         memory.energies.clear();
         memory.energies.extend(energies);
@@ -135,9 +139,15 @@ impl Scheme {
             self.effects
                 .set_anchoring(memory.anchoring.as_ref(), &self.space);
         }
+        self.interval = memory.interval;
+        if let Some(interval) = memory.interval {
+            // The energies that belong to it are in the memory.
+            self.effects.set_interval(interval);
+        }
         let report = &mut self.report;
         report.energies.clear();
-        let energies = self.effects.iter().zip(&memory.energies);
+        let with_energy = self.effects.iter().filter(|effect| effect.has_energy());
+        let energies = with_energy.zip(&memory.energies);
         report
             .energies
             .extend(energies.map(|(effect, &value)| NamedValue {

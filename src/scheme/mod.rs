@@ -71,6 +71,8 @@ pub struct Scheme {
     next_report: StepReport,
     /// By how much the energy has jumped since the last step that was accepted.
     switched: Option<f64>,
+    /// The time of the last step, as the effects were told it.
+    interval: Option<Interval>,
 }
 
 impl Scheme {
@@ -128,6 +130,7 @@ impl Scheme {
             report: StepReport::default(),
             next_report: StepReport::default(),
             switched: None,
+            interval: None,
         };
         scheme.start();
         Ok(scheme)
@@ -247,6 +250,7 @@ impl Scheme {
             begin: self.t,
             length: dt,
         };
+        self.interval = Some(interval);
         if !self.effects.set_interval(interval) {
             return;
         }
