@@ -1,7 +1,7 @@
 //! Solving with the mass matrix.
 
 use super::{MassForm, Space};
-use crate::linalg::vector;
+use crate::linalg::{SparseMatrix, vector};
 
 /// M⁻¹: a division with the lumped rule, Chebyshev's iteration with the consistent one.
 ///
@@ -50,10 +50,12 @@ impl MassInverse {
         match space.mass() {
             MassForm::Nodal(_) => self.divide(b, x),
             MassForm::Sparse(matrix) => {
-                matrix.multiply(x, &mut self.product);
-                let triples = self.residual.iter_mut().zip(b).zip(&self.product);
-                triples.for_each(|((r, b), p)| *r = b - p);
-                let start = vector::weighted_square(&self.residual, &self.inverse_weights).sqrt();
+                let mut start = self.residual_of(matrix, b, x);
+                if !start.is_finite() {
+                    // What a failed step has left behind is no guess.
+                    x.fill(0.0);
+                    start = self.residual_of(matrix, b, x);
+                }
                 let goal = tolerance * vector::weighted_square(b, &self.inverse_weights).sqrt();
                 if start > goal {
                     // The error after k products is at most 1/T_k(5/3) ≤ 2/3^k of that before; the
@@ -63,6 +65,14 @@ impl MassInverse {
                 }
             }
         }
+    }
+
+    /// Takes the residual b − M x; its norm.
+    fn residual_of(&mut self, matrix: &SparseMatrix, b: &[f64], x: &[f64]) -> f64 {
+        matrix.multiply(x, &mut self.product);
+        let triples = self.residual.iter_mut().zip(b).zip(&self.product);
+        triples.for_each(|((r, b), p)| *r = b - p);
+        vector::weighted_square(&self.residual, &self.inverse_weights).sqrt()
     }
 
     /// x ← p(M) b with p the Chebyshev polynomial of `products` products: a fixed linear map, close

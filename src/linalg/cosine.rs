@@ -120,6 +120,13 @@ impl CosineTransform {
             }
         }
         self.unfold(y);
+        // Every value of y depends on every value of x. The padding, too, is no longer zero then, and
+        // would spoil whatever is transformed next.
+        if !y.first().is_none_or(|value| value.is_finite()) {
+            for part in self.parts.iter_mut().flatten() {
+                part.fill(0.0);
+            }
+        }
     }
 
     /// Splits x into parts that are even and odd about the middle, along both directions.
@@ -210,6 +217,27 @@ fn sandwich(
 mod tests {
     use super::*;
     use std::f64::consts::PI;
+
+    #[test]
+    fn what_is_not_finite_leaves_nothing_behind() {
+        for n in [8, 9, 20] {
+            let mut transform = CosineTransform::new(n);
+            let multiplier = transform.multiplier(|k, l| 1.0 / (1 + k + l) as f64);
+            let size = (n + 1) * (n + 1);
+            let good: Vec<f64> = (0..size).map(|i| (i as f64).sin()).collect();
+            let mut expected = vec![0.0; size];
+            transform.filter(&multiplier, &good, &mut expected);
+            for bad in [f64::NAN, f64::INFINITY] {
+                let mut y = good.clone();
+                y[size / 3] = bad;
+                let x = y.clone();
+                transform.filter(&multiplier, &x, &mut y);
+                assert!(!y[0].is_finite());
+                transform.filter(&multiplier, &good, &mut y);
+                assert_eq!(y, expected, "n = {n}");
+            }
+        }
+    }
 
     fn wave(n: usize, k: usize, j: usize) -> f64 {
         (PI * (k * j) as f64 / n as f64).cos()

@@ -16,10 +16,11 @@
 //! effect alone, and the derivative against differences. (Bending is the one whose force acts
 //! through ω: see its file.)
 
+use serde::{Deserialize, Serialize};
+
 use super::Sample;
 use crate::fem::{Patch, SymmetricTensor};
 use crate::scene::Iteration;
-use serde::{Deserialize, Serialize};
 
 /// A value with a name: an energy, or a term of the ledger.
 #[derive(Debug, Clone, Copy, PartialEq)]

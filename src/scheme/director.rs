@@ -233,7 +233,7 @@ impl DirectorStep {
         } else {
             self.guess();
         }
-        let criterion = self.criterion(effects, demand, from);
+        let criterion = self.criterion(space, effects, demand, from);
         let moved = self
             .region
             .follow(space, phi, &criterion)
@@ -295,7 +295,13 @@ impl DirectorStep {
     }
 
     /// Where substep 1 is to be solved.
-    fn criterion(&self, effects: &Effects, demand: Demand, from: &[Vec<f64>; 2]) -> Criterion {
+    fn criterion(
+        &self,
+        space: &Space,
+        effects: &Effects,
+        demand: Demand,
+        from: &[Vec<f64>; 2],
+    ) -> Criterion {
         let [x, y] = from;
         let squares = x.iter().zip(y).map(|(x, y)| x * x + y * y);
         let reach = effects.director_reach();
@@ -307,6 +313,7 @@ impl DirectorStep {
             length: squares.fold(0.0, f64::max).sqrt(),
             energy_scale: demand.energy_scale,
             inertia: self.mobility * demand.length,
+            coupled: matches!(space.mass(), MassForm::Sparse(_)),
         }
     }
 

@@ -25,15 +25,15 @@ pub struct Memory {
     director: Option<[Vec<f64>; 2]>,
     /// The anchoring may be another than the scene's.
     anchoring: Option<Anchoring>,
-    /// Of the effects in their order. The energy law of the next step starts from them.
+    /// The time of the last step, as the effects were told it.
+    interval: Option<Interval>,
+    /// Of the effects that have one, in their order. The energy law of the next step starts from them.
     energies: Vec<f64>,
     total_energy: f64,
     phase_integral: f64,
     surface_area: f64,
     /// The clock of the history.
     t: f64,
-    /// That of the last step: what is switched was on or off in it.
-    interval: Interval,
     /// Where the guesses of the next step come from.
     history: History,
     increments: Option<Increments>,
@@ -109,6 +109,7 @@ impl Scheme {
         memory.mu.clone_from(&self.state.mu);
         copy_director(&mut memory.director, &self.state);
         memory.anchoring = self.anchoring;
+        memory.interval = self.interval;
         let energies = self.report.energies.iter().map(|energy| energy.value);
         memory.energies.clear();
         memory.energies.extend(energies);
@@ -116,7 +117,6 @@ impl Scheme {
         memory.phase_integral = self.report.phase_integral;
         memory.surface_area = self.report.surface_area;
         memory.t = self.t;
-        memory.interval = self.interval;
         memory.history.copy(&self.history);
         match &self.director {
             Some(director) => director.remember(memory.increments.get_or_insert_default()),
@@ -150,10 +150,14 @@ impl Scheme {
             self.effects
                 .set_anchoring(memory.anchoring.as_ref(), &self.space);
         }
+        self.interval = memory.interval;
+        // The energies that belong to it are in the memory. Before the first step: the moment 0.
+        self.effects
+            .set_interval(memory.interval.unwrap_or_default());
         let report = &mut self.report;
         report.energies.clear();
-        let effects = self.effects.iter().filter(|effect| effect.has_energy());
-        let energies = effects.zip(&memory.energies);
+        let with_energy = self.effects.iter().filter(|effect| effect.has_energy());
+        let energies = with_energy.zip(&memory.energies);
         report
             .energies
             .extend(energies.map(|(effect, &value)| NamedValue {
@@ -172,8 +176,6 @@ impl Scheme {
         report.switched = None;
         report.last_change = 0.0;
         self.t = memory.t;
-        self.interval = memory.interval;
-        self.effects.set_interval(memory.interval);
         self.switched = None;
         self.history.copy(&memory.history);
         if let (Some(director), Some(increments)) = (&mut self.director, &memory.increments) {

@@ -77,8 +77,8 @@ pub struct Scheme {
     next_report: StepReport,
     /// By how much the energy has jumped since the last step that was accepted.
     switched: Option<f64>,
-    /// The last one that the effects were told.
-    interval: Interval,
+    /// The time of the last step, as the effects were told it.
+    interval: Option<Interval>,
     /// Made with the first step that is taken in several ways.
     trial: Option<Box<Trial>>,
 }
@@ -141,7 +141,7 @@ impl Scheme {
             report: StepReport::default(),
             next_report: StepReport::default(),
             switched: None,
-            interval: Interval::default(),
+            interval: None,
             trial: None,
         };
         scheme.start();
@@ -275,7 +275,7 @@ impl Scheme {
             begin: self.t,
             length: dt,
         };
-        self.interval = interval;
+        self.interval = Some(interval);
         if !self.effects.set_interval(interval) {
             return;
         }

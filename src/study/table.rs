@@ -11,8 +11,8 @@ const HEADER: [&str; COLUMNS] = [
 const LEGEND: &str = "\
 energy: of the effect, as in E_total. ms: the median of a step.
 saved: share of a step's time that is saved without the effect.
-Newton, Krylov, CG: iterations a step. CG is of the director, CG ms all of
-its substep.
+Newton, Krylov, CG: iterations a step. CG is of the director, CG ms all
+of its substep.
 ";
 
 /// The table: the scene, the membrane alone, and the scene without one effect after the other.
@@ -49,7 +49,7 @@ pub fn prices_table(prices: &Prices) -> String {
             // Writing to a String cannot fail.
             let _ = match column {
                 0 => write!(text, "{cell:width$}"),
-                _ => write!(text, "  {cell:>width$}"),
+                _ => write!(text, " {cell:>width$}"),
             };
         }
         text.push('\n');
@@ -115,7 +115,7 @@ mod tests {
             "{text}"
         );
         assert!(
-            text.lines().all(|line| line.chars().count() <= 76),
+            text.lines().all(|line| line.chars().count() <= 72),
             "{text}"
         );
     }

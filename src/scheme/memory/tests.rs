@@ -259,7 +259,7 @@ fn nothing_may_be_left_out() {
             memory.anchoring.as_mut().expect("an anchoring").weight *= 2.0;
         }),
         ("energies", &transform, |memory| memory.total_energy += 1e-9),
-        ("mu", &factor, |memory| memory.mu[30] += 1e-9),
+        ("phi", &factor, |memory| memory.phi[30] += 1e-9),
         ("factor", &factor, |memory| memory.linear.forget_factor()),
     ];
     for (name, scene, spoil) in controls {

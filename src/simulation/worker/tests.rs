@@ -409,13 +409,8 @@ fn check_life_cycle(news: &[News]) {
 
 #[test]
 fn a_set_up_that_fails_is_told() {
-    let mut scene = small(&[]);
-    let mesh = &mut scene.mesh;
-    *mesh = crate::scene::Mesh::Structured {
-        cells: 8,
-        jitter: 0.9,
-        seed: 1,
-    };
+    // More than any memory holds: refused before anything is allocated.
+    let scene = small(&["mesh.cells=20000"]);
     let expected = Simulation::new(&scene).unwrap_err().to_string();
     let watched = start(orders(), scene);
     assert_eq!(word(&watched.next()), format!("failed: {expected}"));

@@ -259,7 +259,7 @@ fn runs_of_an_earlier_time_are_offered_before_anything_begins() {
     let mut slots: Vec<Slot> = ["case1", "case2", "case3"].map(slot).into();
     slots[2].kept = Some(Default::default());
     let mut rig = Rig::asked(slots);
-    rig.keys("q");
+    rig.press_control('c');
     assert_eq!(rig.app.ending, Some(Ending::Quit));
 }
 
