@@ -453,12 +453,17 @@ impl Simulation {
     /// The next time after t at which a run with chosen steps must be: that of a snapshot, T, or when a
     /// field is switched.
     fn landing_after(&self, t: f64) -> f64 {
+        let landing = self.schedule.landing_after(t);
         let field = self.scene.field.as_ref();
         let switches = field.map(|field| [Some(field.from), field.until]);
-        let switches = switches.into_iter().flatten().flatten();
+        // Nearer to another landing than this they are the same time, but for rounding.
+        let close = 1e-9 * self.schedule.end;
         switches
-            .filter(|switch| *switch > t)
-            .fold(self.schedule.landing_after(t), f64::min)
+            .into_iter()
+            .flatten()
+            .flatten()
+            .filter(|switch| *switch > t + close && *switch < landing - close)
+            .fold(landing, f64::min)
     }
 
     /// What was tried in a step that was not solved.

@@ -128,6 +128,10 @@ pub fn prices(
     plan: Plan,
     watch: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<Option<Prices>, SimulationError> {
+    // Chosen steps would be of another length without an effect: all take the one that is tried first.
+    let mut scene = scene.clone();
+    scene.time.tolerance = None;
+    let scene = &scene;
     let removed: Vec<(&'static str, Scene)> = REMOVABLE
         .iter()
         .filter_map(|(name, remove)| Some((*name, without(scene, *remove)?)))
