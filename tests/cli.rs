@@ -336,10 +336,10 @@ fn a_check_tells_what_a_run_would_tell() {
         );
     }
 
-    let twisted = ["small.toml", "--set", "mesh.jitter=0.8"];
-    let says = ["signed area", "lower mesh.jitter"];
-    refused(path, &[&["check"][..], &twisted].concat(), &says);
-    refused(path, &[&["run"][..], &twisted].concat(), &says);
+    let huge = ["small.toml", "--set", "mesh.cells=20000"];
+    let says = ["would need about", "lower mesh.cells"];
+    refused(path, &[&["check"][..], &huge].concat(), &says);
+    refused(path, &[&["run"][..], &huge].concat(), &says);
     refused(
         path,
         &["check", "small.toml", "--set", "time.step=1"],
@@ -414,7 +414,7 @@ fn a_misspelt_command_is_told() {
         refused(
             folder.path(),
             arguments,
-            &["no command 'rnu'", "run, figures, presets"],
+            &["no command 'rnu'", "run, figures, effects, presets"],
         );
     }
 }

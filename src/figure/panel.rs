@@ -267,13 +267,13 @@ pub(super) struct Numbers {
     pub below: bool,
 }
 
-/// The ticks of a colour bar that is `height` high.
+/// The ticks of a colour bar that is `height` high: two at least, for one number is no scale.
 pub(super) fn bar_axis(scale: &Scale, height: f64, size: f64) -> Axis {
-    let most = (height / (2.2 * size)) as usize;
-    Axis::new(
-        scale.range(),
-        most.clamp(*BAR_TICKS.start(), *BAR_TICKS.end()),
-    )
+    let (least, most) = (*BAR_TICKS.start(), *BAR_TICKS.end());
+    let room = ((height / (2.2 * size)) as usize).clamp(least, most);
+    let axis = |ticks: usize| Axis::new(scale.range(), ticks);
+    let enough = (room..=most).map(axis).find(|axis| axis.ticks.len() > 1);
+    enough.unwrap_or_else(|| axis(room))
 }
 
 /// The room that a colour bar takes, from its left side to the end of its numbers.

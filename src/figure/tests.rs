@@ -664,6 +664,17 @@ fn what_is_no_number_does_no_harm() {
 }
 
 #[test]
+fn a_colour_bar_has_two_numbers_however_low_it_is() {
+    for bound in [0.013, 0.97, 1.0, 1.1, 3.7, 250.0] {
+        for height in [10.0, 40.0, 90.0, 400.0] {
+            let scale = Scale::signed(super::ColourMap::default(), bound);
+            let ticks = panel::bar_axis(&scale, height, 16.0).ticks;
+            assert!(ticks.len() > 1, "±{bound}, {height}: {ticks:?}");
+        }
+    }
+}
+
+#[test]
 fn a_switched_anchoring_is_named_and_marked() {
     let mut switched = run("a", "A", 3);
     let scene = Arc::make_mut(&mut switched.scene);

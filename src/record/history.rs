@@ -182,7 +182,15 @@ impl Tables {
             .get_or_insert_with(|| Table::new(self.ledger_path.clone(), owned(&LEDGER_COLUMNS)));
         let ladder = report.ladder.columns();
         let ladder = ladder.map(|(name, value)| NamedValue { name, value });
-        let all: Vec<NamedValue> = report.ledger.iter().chain(&ladder).copied().collect();
+        // The ledger of a run that never had to climb has the terms of the law and nothing else.
+        let is_told = ledger
+            .columns()
+            .iter()
+            .any(|column| column == ladder[0].name);
+        let ladder = ladder
+            .iter()
+            .filter(|_| is_told || report.ladder.is_climbed());
+        let all: Vec<NamedValue> = report.ledger.iter().chain(ladder).copied().collect();
         let late = missing(ledger.columns(), &all, str::to_owned);
         ledger.add_columns(late);
         let terms = &ledger.columns()[LEDGER_COLUMNS.len()..];
@@ -364,6 +372,34 @@ mod tests {
     }
 
     #[test]
+    fn the_ladder_is_told_from_the_first_step_that_climbs_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut tables = Tables::create(folder.path(), &report(0)).unwrap();
+        let climbed = crate::simulation::Ladder {
+            damping: 0.5,
+            parts: 2,
+            refused: 3,
+            ..Default::default()
+        };
+        for (step, ladder) in [
+            (1, Default::default()),
+            (2, climbed),
+            (3, Default::default()),
+        ] {
+            let mut report = report(step);
+            report.ledger = vec![named("rate", 0.5)];
+            report.ladder = ladder;
+            tables.append(&report, 0.0);
+        }
+        tables.finish().unwrap();
+        assert_eq!(
+            read(folder.path(), "ledger.csv"),
+            "step,t,rate,rung,damping,parts,refused\n\
+             1,1e-7,0.5,,,,\n2,2e-7,0.5,4,0.5,2,3\n3,3e-7,0.5,0,1,0,0\n"
+        );
+    }
+
+    #[test]
     fn an_effect_that_comes_late_gets_its_columns() {
         let folder = tempfile::tempdir().unwrap();
         let mut tables = Tables::create(folder.path(), &report(0)).unwrap();
@@ -386,8 +422,7 @@ mod tests {
         tables.finish().unwrap();
         assert_eq!(
             read(folder.path(), "ledger.csv"),
-            "step,t,rate,rung,damping,parts,refused,anchoring\n\
-             1,1e-7,0.5,0,1,0,0,\n2,2e-7,0.5,0,1,0,0,0.5\n"
+            "step,t,rate,anchoring\n1,1e-7,0.5,\n2,2e-7,0.5,0.5\n"
         );
         let history = read(folder.path(), "history.csv");
         let lines: Vec<_> = history.lines().collect();

@@ -60,6 +60,11 @@ impl Ladder {
         }
     }
 
+    /// Whether the step needed more than its first attempt, undamped and whole.
+    pub fn is_climbed(&self) -> bool {
+        self.refused > 0 || self.parts > 1 || self.damping < 1.0 || self.newton_took_over
+    }
+
     /// As columns of `ledger.csv`.
     pub fn columns(&self) -> [(&'static str, f64); 4] {
         [

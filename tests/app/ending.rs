@@ -205,9 +205,11 @@ fn a_stop_gives_the_terminal_back_and_a_return_draws_at_the_new_size() {
 
     // Another process may ask for the stop.
     let vesica = child_named(app.pid(), "vesica").expect("the app");
+    let prompts = app.seen().times(b"shell> ");
     send(vesica, Signal::SIGTSTP);
+    // What is typed before the shell has the terminal again may be lost.
     app.wait("the shell", |seen| {
-        !seen.terminal.screen().alternate_screen()
+        !seen.terminal.screen().alternate_screen() && seen.times(b"shell> ") > prompts
     });
     app.type_keys("fg\r");
     app.wait("the app", |seen| {
