@@ -435,6 +435,11 @@ impl Scheme {
             finest,
             ..
         } = trial;
+        // ω and μ of the finest result are the guesses from which those of the combination are solved for:
+        // what earlier steps have left there must not be, for a run that is taken up again has other.
+        if let Some(finest) = results.last() {
+            copy(combined, finest);
+        }
         combined.phi.fill(0.0);
         combined
             .director

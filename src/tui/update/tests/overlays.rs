@@ -153,9 +153,9 @@ fn a_preset_is_chosen_or_completed() {
     rig.press(KeyCode::Up);
     assert_eq!(typed(&rig).1, None);
     rig.press(KeyCode::Up);
-    assert_eq!(typed(&rig).1, Some(3));
+    assert_eq!(typed(&rig).1, Some(7));
     rig.press(KeyCode::Tab);
-    assert_eq!(typed(&rig), ("case4", None, None));
+    assert_eq!(typed(&rig), ("case4-draft", None, None));
     rig.press_control('u');
     rig.keys("nothing like it");
     rig.press(KeyCode::Down);
