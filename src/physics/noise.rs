@@ -35,7 +35,7 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// T and the seed of a scene, with γ_nem of its [nematic].
+    /// T and the seed of a scene, with γ_nem of its `[nematic]`.
     pub fn new(noise: &scene::Noise, mobility: f64) -> Self {
         Self {
             temperature: noise.strength,
