@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 /// Bytes of a scene, which is text by hand, at most.
 const LARGEST_SCENE: u64 = 4 << 20;
-/// Bytes of a file of nodal values at most: enough for twenty million nodes.
+/// Bytes of a file of nodal values or of a mesh at most: enough for twenty million nodes.
 const LARGEST_INPUT: u64 = 1 << 30;
 
 /// A scene and what to call its runs.
@@ -72,7 +72,7 @@ pub fn load_scene(source: &OsStr, overrides: &[String]) -> Result<LoadedScene, L
     if let Some((name, text)) = found {
         let origin = format!("preset {name}");
         let scene = Scene::parse(text, &origin, overrides, &mut |path| {
-            read_text(Path::new(path), LARGEST_INPUT)
+            read_bytes(Path::new(path), LARGEST_INPUT)
         })?;
         let name = source.to_owned();
         return Ok(LoadedScene { scene, name });
@@ -85,7 +85,7 @@ pub fn load_scene(source: &OsStr, overrides: &[String]) -> Result<LoadedScene, L
     let folder = path.parent().unwrap_or(Path::new(""));
     let origin = path.display().to_string();
     let scene = Scene::parse(&text, &origin, overrides, &mut |relative| {
-        read_text(&folder.join(relative), LARGEST_INPUT)
+        read_bytes(&folder.join(relative), LARGEST_INPUT)
     })?;
     let name = path.file_stem().unwrap_or(OsStr::new("scene")).to_owned();
     Ok(LoadedScene { scene, name })
@@ -115,16 +115,19 @@ fn read_scene(path: &Path) -> Result<String, LoadError> {
 }
 
 /// A whole file, unless it is larger than `limit` bytes: some, such as /dev/zero, have no end.
-fn read_text(path: &Path, limit: u64) -> io::Result<String> {
-    let mut text = String::new();
-    File::open(path)?
-        .take(limit + 1)
-        .read_to_string(&mut text)?;
-    if text.len() as u64 > limit {
+fn read_bytes(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    File::open(path)?.take(limit + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > limit {
         let message = format!("it is larger than {} MB", limit >> 20);
         return Err(io::Error::new(io::ErrorKind::FileTooLarge, message));
     }
-    Ok(text)
+    Ok(bytes)
+}
+
+fn read_text(path: &Path, limit: u64) -> io::Result<String> {
+    String::from_utf8(read_bytes(path, limit)?)
+        .map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is no text in UTF-8"))
 }
 
 #[cfg(test)]

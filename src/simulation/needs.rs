@@ -3,7 +3,7 @@
 use sysinfo::{MemoryRefreshKind, RefreshKind, System};
 
 use super::SimulationError;
-use crate::scene::{Boundary, LinearMethod, Mesh, Order, Quadrature, Scene};
+use crate::scene::{Boundary, LinearMethod, Mesh, MeshSize, Order, Quadrature, Scene};
 
 /// Bytes that a run needs on any mesh.
 const ANY_RUN: f64 = 6e6;
@@ -23,8 +23,7 @@ const FACTOR_GROWTH: f64 = 296.0;
 /// The memory that the run of a scene will take from its start, in bytes; where it turns to the sparse
 /// factor on the way, more: see [`memory_held`].
 pub fn memory_needed(scene: &Scene) -> u64 {
-    let Mesh::Structured { jitter, .. } = scene.mesh;
-    let is_grid = jitter == 0.0 && scene.boundary == Boundary::Natural;
+    let is_grid = scene.mesh.is_grid() && scene.boundary == Boundary::Natural;
     memory_held(
         scene,
         !is_grid || scene.solver.linear == LinearMethod::Factor,
@@ -34,8 +33,7 @@ pub fn memory_needed(scene: &Scene) -> u64 {
 /// The memory that the run of a scene takes, in bytes, with the sparse factor or without. Within 6 % of what case 3 takes at 60, 120, 240 and 400 cells (up to
 /// 17 % above with both the factor and lumped quadrature), the largest resident size by `wait4`.
 pub fn memory_held(scene: &Scene, with_factor: bool) -> u64 {
-    let Mesh::Structured { cells, .. } = scene.mesh;
-    let nodes = (cells as f64 + 1.0).powi(2);
+    let nodes = node_count(scene);
     let mut per_node = match scene.solver.quadrature {
         Quadrature::Lumped => LUMPED,
         Quadrature::Consistent => CONSISTENT,
@@ -51,6 +49,18 @@ pub fn memory_held(scene: &Scene, with_factor: bool) -> u64 {
     }
     // Saturates.
     (ANY_RUN + per_node * nodes) as u64
+}
+
+/// The nodes of a scene's mesh: how many, or about how many where they are still to be scattered.
+pub fn node_count(scene: &Scene) -> f64 {
+    match &scene.mesh {
+        Mesh::Structured { cells, .. } => (*cells as f64 + 1.0).powi(2),
+        Mesh::Delaunay { size, .. } => match MeshSize::of(scene) {
+            Some(wanted) => wanted.nodes(),
+            None => (1.0 / size).powi(2),
+        },
+        Mesh::File(file) => file.triangulation.nodes.len() as f64,
+    }
 }
 
 /// Bytes a node more where steps are taken in several ways: a state for each, one before them and one
@@ -85,11 +95,25 @@ fn refuse(scene: &Scene, available: Option<u64>) -> Result<(), SimulationError> 
     let needed = memory_needed(scene);
     match available {
         Some(available) if needed > available => {
-            let Mesh::Structured { cells, .. } = scene.mesh;
+            let (mesh, remedy) = match &scene.mesh {
+                Mesh::Structured { cells, .. } => (
+                    format!("of {cells} \u{d7} {cells} cells"),
+                    "lower mesh.cells",
+                ),
+                Mesh::Delaunay { .. } => (
+                    format!("of about {:.0} nodes", node_count(scene)),
+                    "raise mesh.size",
+                ),
+                Mesh::File(file) => (
+                    format!("of {} nodes", file.triangulation.nodes.len()),
+                    "take a coarser one",
+                ),
+            };
             Err(SimulationError::Memory {
-                cells,
+                mesh,
                 needed,
                 available,
+                remedy,
             })
         }
         _ => Ok(()),
