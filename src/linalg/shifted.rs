@@ -2,10 +2,13 @@
 //! that every sum is positive definite: what a rational function of B⁻¹A is applied with.
 //!
 //! The structure is analysed once (faer, simplicial, AMD ordering). A factor is computed in double
-//! precision and kept in single precision beside its row numbers, eight bytes an entry: to solve is to
-//! read it twice, and half the bytes take half the time. The arithmetic of a solve is in double
-//! precision, so that it stays a linear map to that precision: the inverse of a matrix that differs from
-//! A + s B by some 1e-7. That is good for a preconditioner and for nothing else.
+//! precision and kept in single precision: to solve is to read it twice, and half the bytes take half
+//! the time. The arithmetic of a solve is in double precision, so that it stays a linear map to that
+//! precision: the inverse of a matrix that differs from A + s B by some 1e-7. That is good for a
+//! preconditioner and for nothing else.
+//!
+//! Columns that follow each other and have the same rows below them are a *supernode*: in a solve they
+//! work on contiguous numbers, and what they do to those rows is gathered first.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
@@ -32,21 +35,28 @@ pub struct ShiftedFactors {
     memory: MemBuffer,
     /// The factor in double precision, while it is made.
     scratch: Vec<f64>,
-    /// For each column of the factors where its entries begin; one more at the end.
+    /// For each column of the factors where its entries begin, the diagonal first and the rows
+    /// ascending; one more at the end.
     start: Vec<u32>,
+    /// The first column of each supernode; one more at the end.
+    supernodes: Vec<u32>,
+    /// The rows below each supernode, one after the other, and where they begin; one more at the end.
+    below: Vec<u32>,
+    below_start: Vec<u32>,
     /// For each row of the factors the row of the matrix.
     order: Vec<u32>,
     /// The last used last.
     kept: Vec<Factor>,
     most_kept: usize,
     permuted: Vec<f64>,
+    gathered: Vec<f64>,
 }
 
 /// One factor L D Lᵀ, L's diagonal being 1.
 struct Factor {
     shift: f64,
-    /// Row and value of the entries of L below the diagonal, by columns.
-    entries: Vec<(u32, f32)>,
+    /// The entries of L by columns, the diagonal's places unused.
+    entries: Vec<f32>,
     /// D⁻¹.
     inverse_diagonal: Vec<f64>,
 }
@@ -95,6 +105,23 @@ impl ShiftedFactors {
             return Err(failed("the factor is not simplicial".to_owned()));
         };
         let start = simplicial.col_ptr().to_vec();
+        let rows_of = |column: usize| {
+            &simplicial.row_idx()[start[column] as usize..start[column + 1] as usize]
+        };
+        let mut supernodes = vec![0];
+        let (mut below, mut below_start) = (Vec::new(), vec![0]);
+        let mut most_below = 0;
+        for column in 0..size {
+            let rows = rows_of(column);
+            debug_assert!(rows.is_sorted() && rows.first() == Some(&(column as u32)));
+            if column + 1 < size && rows[1..] == *rows_of(column + 1) {
+                continue;
+            }
+            supernodes.push(column as u32 + 1);
+            below.extend_from_slice(&rows[1..]);
+            below_start.push(below.len() as u32);
+            most_below = most_below.max(rows.len() - 1);
+        }
         let order = match symbolic.perm() {
             Some(permutation) => permutation.arrays().0.to_vec(),
             None => (0..size as u32).collect(),
@@ -112,6 +139,10 @@ impl ShiftedFactors {
             symbolic,
             memory,
             start,
+            supernodes,
+            below,
+            below_start,
+            gathered: vec![0.0; most_below],
             order,
             kept: Vec::with_capacity(most_kept.max(1)),
             most_kept: most_kept.max(1),
@@ -159,23 +190,19 @@ impl ShiftedFactors {
                 Default::default(),
             )
             .map_err(|error| failed(error.to_string()))?;
-        let SymbolicCholeskyRaw::Simplicial(simplicial) = self.symbolic.raw() else {
-            return Err(failed("the factor is not simplicial".to_owned()));
-        };
         // The memory of the one that was not used for the longest time.
         let mut factor = if self.kept.len() >= self.most_kept {
             self.kept.remove(0)
         } else {
             Factor {
                 shift,
-                entries: vec![(0, 0.0); self.scratch.len()],
+                entries: vec![0.0; self.scratch.len()],
                 inverse_diagonal: vec![0.0; size],
             }
         };
         factor.shift = shift;
-        let stored = simplicial.row_idx().iter().zip(&self.scratch);
-        for (entry, (row, value)) in factor.entries.iter_mut().zip(stored) {
-            *entry = (*row, *value as f32);
+        for (entry, value) in factor.entries.iter_mut().zip(&self.scratch) {
+            *entry = *value as f32;
         }
         for (inverse, start) in factor.inverse_diagonal.iter_mut().zip(&self.start) {
             let pivot = self.scratch[*start as usize];
@@ -197,30 +224,70 @@ impl ShiftedFactors {
         for (value, row) in permuted.iter_mut().zip(&self.order) {
             *value = x[*row as usize];
         }
-        let mut first = 0;
-        for (column, end) in self.start[1..].iter().enumerate() {
-            let end = *end as usize;
-            let value = permuted[column];
-            // The first entry of a column is the diagonal.
-            for (row, entry) in &factor.entries[first + 1..end] {
-                permuted[*row as usize] -= f64::from(*entry) * value;
+        let entries_of = |column: usize| {
+            &factor.entries[self.start[column] as usize + 1..self.start[column + 1] as usize]
+        };
+        let below_of = |number: usize| {
+            &self.below[self.below_start[number] as usize..self.below_start[number + 1] as usize]
+        };
+        let columns_of =
+            |number: usize| self.supernodes[number] as usize..self.supernodes[number + 1] as usize;
+        let count = self.supernodes.len() - 1;
+        for number in 0..count {
+            let (columns, below) = (columns_of(number), below_of(number));
+            let gathered = &mut self.gathered[..below.len()];
+            gathered.fill(0.0);
+            for column in columns.clone() {
+                let (inner, outer) = entries_of(column).split_at(columns.end - 1 - column);
+                let value = permuted[column];
+                subtract(&mut permuted[column + 1..columns.end], inner, value);
+                subtract(gathered, outer, value);
             }
-            first = end;
+            for (row, sum) in below.iter().zip(gathered) {
+                permuted[*row as usize] += *sum;
+            }
         }
-        let mut end = first;
-        for column in (0..self.size).rev() {
-            let first = self.start[column] as usize;
-            let sum: f64 = factor.entries[first + 1..end]
-                .iter()
-                .map(|(row, entry)| f64::from(*entry) * permuted[*row as usize])
-                .sum();
-            permuted[column] = permuted[column] * factor.inverse_diagonal[column] - sum;
-            end = first;
+        for number in (0..count).rev() {
+            let (columns, below) = (columns_of(number), below_of(number));
+            let gathered = &mut self.gathered[..below.len()];
+            for (row, value) in below.iter().zip(&mut *gathered) {
+                *value = permuted[*row as usize];
+            }
+            for column in columns.clone().rev() {
+                let (inner, outer) = entries_of(column).split_at(columns.end - 1 - column);
+                let sum = dot(inner, &permuted[column + 1..columns.end]) + dot(outer, gathered);
+                permuted[column] = permuted[column] * factor.inverse_diagonal[column] - sum;
+            }
         }
         for (value, row) in permuted.iter().zip(&self.order) {
             x[*row as usize] = *value;
         }
     }
+}
+
+/// x ← x − s a.
+#[inline(always)]
+fn subtract(x: &mut [f64], a: &[f32], s: f64) {
+    for (x, a) in x.iter_mut().zip(a) {
+        *x -= f64::from(*a) * s;
+    }
+}
+
+/// Numbers that are added up side by side.
+const LANES: usize = 8;
+
+/// aᵀx, in lanes.
+#[inline(always)]
+fn dot(a: &[f32], x: &[f64]) -> f64 {
+    let ((a, a_rest), (x, x_rest)) = (a.as_chunks::<LANES>(), x.as_chunks::<LANES>());
+    let mut sums = [0.0; LANES];
+    for (a, x) in a.iter().zip(x) {
+        for lane in 0..LANES {
+            sums[lane] += f64::from(a[lane]) * x[lane];
+        }
+    }
+    let rest = a_rest.iter().zip(x_rest).map(|(a, x)| f64::from(*a) * x);
+    sums.iter().sum::<f64>() + rest.sum::<f64>()
 }
 
 #[cfg(test)]

@@ -164,6 +164,24 @@ mod tests {
     }
 
     #[test]
+    fn the_nodes_of_a_generated_mesh_are_known_beforehand() {
+        for settings in [
+            &["mesh.size=0.05"][..],
+            &["mesh.size=0.02"],
+            &[
+                "mesh.size=0.06",
+                "mesh.refine={ band = 0.05, size = 0.015 }",
+            ],
+        ] {
+            let settings = [&["mesh.kind=delaunay"][..], settings].concat();
+            let scene = scene(&settings);
+            let mesh = crate::fem::Mesh::of(&scene).expect("a mesh");
+            let ratio = node_count(&scene) / mesh.nodes().len() as f64;
+            assert!((0.9..1.2).contains(&ratio), "{settings:?}: {ratio}");
+        }
+    }
+
+    #[test]
     fn what_cannot_be_is_refused_with_the_figures() {
         let large = scene(&["mesh.cells=20000"]);
         let error = refuse(&large, Some(8_000_000_000)).unwrap_err().to_string();

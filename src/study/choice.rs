@@ -126,3 +126,30 @@ fn fineness(scene: &Scene) -> usize {
 fn cells_of(size: f64) -> usize {
     size.recip().round() as usize
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_generated_mesh_is_refined_as_a_whole() {
+        let text =
+            "mesh = { kind = 'delaunay', size = 0.03, refine = { band = 0.1, size = 0.01 } }";
+        let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+        let scene = Scene::parse(text, "a study", &[], &mut no_files).expect("a scene");
+        assert!(can_change_mesh(&scene));
+        let own = Choice::of(&scene);
+        assert_eq!(
+            (own.cells, own.applied_to(&scene).mesh),
+            (33, scene.mesh.clone())
+        );
+        let Mesh::Delaunay { size, refine, .. } =
+            (Choice { cells: 66, ..own }).applied_to(&scene).mesh
+        else {
+            panic!("a mesh of another kind");
+        };
+        let refined = refine.expect("it stays refined");
+        let close = |a: f64, b: f64| (a - b).abs() < 1e-15;
+        assert!(close(size, 0.015) && close(refined.size, 0.005) && refined.band == 0.1);
+    }
+}
