@@ -68,11 +68,15 @@ pub struct Slot {
     pub name: String,
     /// The file that the scene came from, if it is not a preset.
     pub file: Option<PathBuf>,
+    /// The folder of the run that it came from.
+    pub folder: Option<PathBuf>,
+    /// What is to be said when it is looked at first.
+    pub remark: Option<String>,
     /// The scene as loaded, with the anchoring that is in force at present.
     pub scene: Arc<Scene>,
     /// The scene as loaded: by it a kept run is known again.
     pub loaded: Arc<Scene>,
-    /// The run of an earlier time, from which the next one goes on.
+    /// The run of an earlier time, from which the first one goes on.
     pub kept: Option<Arc<KeptRun>>,
     /// The run; `None` until the slot is looked at for the first time.
     pub run: Option<Run>,

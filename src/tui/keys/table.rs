@@ -145,7 +145,7 @@ pub static BINDINGS: &[Binding] = &[
         keys: &[key('S', Action::SaveSet)],
         label: "S",
         plain_label: "S",
-        brief: |_| "save all",
+        brief: |_| "save set",
         words: "save the report's whole set of this run, up to now",
         when: with_picture,
     },

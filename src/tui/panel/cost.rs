@@ -49,7 +49,12 @@ pub fn draw(shown: &Shown<'_>, look: Look, theme: &Theme, area: Rect, buffer: &m
     let widths = Widths::of(area.width);
     let marks = shown.marks();
     let curves = shown.curves(&marks, look.view.logarithmic);
-    let total = report.costs.total();
+    // Of an older picture, what that step took; now, what steps take.
+    let costs = match shown.back {
+        None => run.pace.cost(),
+        Some(_) => report.costs,
+    };
+    let total = costs.total();
     let at = |row: u16| {
         let row = Rect {
             y: area.y + row,
@@ -72,15 +77,7 @@ pub fn draw(shown: &Shown<'_>, look: Look, theme: &Theme, area: Rect, buffer: &m
     let parts = if area.height >= all + 3 { all } else { 0 };
     for (index, phase) in Phase::ALL.into_iter().enumerate().take(usize::from(parts)) {
         let area = at(1 + index as u16);
-        phase_row(
-            phase,
-            index,
-            report.costs.of(phase),
-            total,
-            theme,
-            area,
-            buffer,
-        );
+        phase_row(phase, index, costs.of(phase), total, theme, area, buffer);
     }
     text::line(
         buffer,

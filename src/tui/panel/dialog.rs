@@ -22,7 +22,7 @@ pub fn confirm(app: &App, question: Question, theme: &Theme, screen: Rect, buffe
     let title = question.title();
     let words = match question {
         Question::Restart => {
-            format!("Begin {name} anew? It is at step {step}, and not saved: S saves it.")
+            format!("Begin {name} anew? It is at step {step}, and not saved: n, then S saves it.")
         }
         Question::Reload => format!(
             "Begin {name} anew with the scene as it stands in its file now? \
@@ -76,7 +76,11 @@ fn quit_words(app: &App) -> String {
         .collect();
     match lost.len() {
         0 => "Leave vesica?".to_owned(),
-        _ => format!("Leave vesica? Not saved: {}.", lost.join(", ")),
+        _ => format!(
+            "Leave vesica? No figures are saved of {}. The states are kept: you can go on with them \
+             another time.",
+            lost.join(", ")
+        ),
     }
 }
 

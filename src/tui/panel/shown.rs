@@ -45,6 +45,27 @@ impl<'a> Shown<'a> {
         }
     }
 
+    /// A slot's run at a time that it shares with others: as it was then, where it is further and that is
+    /// stored.
+    pub fn at(slot: &'a Slot, t: Option<f64>) -> Self {
+        let live = Self::live(slot);
+        let stored = live.run.zip(t).and_then(|(run, t)| {
+            let latest = run.picture.as_ref()?.report.t;
+            let nearest = run.past.nearest(t)?;
+            let is_nearer = (nearest.report.t - t).abs() < (latest - t).abs();
+            is_nearer.then_some(nearest.as_ref())
+        });
+        match stored {
+            None => live,
+            Some(picture) => Self {
+                picture: Some(picture),
+                report: Some(&picture.report),
+                anchoring: picture.anchoring,
+                ..live
+            },
+        }
+    }
+
     /// The active run, at the time that is looked at.
     pub fn active(app: &'a App) -> Option<Self> {
         let live = Self::live(app.slots.get(app.active)?);

@@ -184,6 +184,8 @@ fn pause_or_resume(app: &mut App) {
 }
 
 fn step(app: &mut App, effects: &mut Vec<Effect>) {
+    // A step is taken from the present, and looked at.
+    look_back(app, None);
     if let Some(run) = app.active_run_mut() {
         let command = run.reins.step();
         effects.push(Effect::Tell(run.id, command));

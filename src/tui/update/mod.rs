@@ -15,6 +15,7 @@ use super::message::{Effect, Message};
 use super::state::{App, Ending};
 
 pub use overlays::offered;
+pub(super) use stage::SNAPSHOTS;
 
 /// Takes a message into the state; what is to be done about it is the caller's.
 ///

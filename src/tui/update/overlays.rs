@@ -1,5 +1,7 @@
 //! What lies over the screen and takes the keys first, and scenes that come from there.
 
+use std::path::Path;
+
 use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
 
 use super::super::keys::{self, Action};
@@ -19,10 +21,6 @@ pub fn offered(text: &str) -> Vec<&'static str> {
 pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
     match (action, &mut app.overlay) {
         (Action::Quit, Some(Overlay::Confirm(Question::Quit))) => {
-            leave(app, Ending::Quit, effects);
-        }
-        // Nothing has begun.
-        (Action::Quit, Some(Overlay::Confirm(Question::GoOn))) => {
             leave(app, Ending::Quit, effects);
         }
         (Action::Quit, _) => {
@@ -143,8 +141,11 @@ pub(super) fn loaded(app: &mut App, slot: Box<Slot>, effects: &mut Vec<Effect>) 
         None => other.file.is_none() && other.name == slot.name,
     });
     let Some(index) = known else {
-        app.slots.push(*slot);
+        let mut slot = *slot;
+        slot.name = own_name(app, slot.name, slot.file.as_deref());
+        app.slots.push(slot);
         look_at(app, app.slots.len() - 1);
+        app.offer_to_go_on();
         return;
     };
     look_at(app, index);
@@ -157,6 +158,18 @@ pub(super) fn loaded(app: &mut App, slot: Box<Slot>, effects: &mut Vec<Effect>) 
         app.reloaded = Some((index, slot));
         ask(app, Question::Reload, effects);
     }
+}
+
+/// What no other slot is called by: a file that is called as another scene is keeps its ending.
+fn own_name(app: &App, name: String, file: Option<&Path>) -> String {
+    let is_taken = |name: &str| app.slots.iter().any(|slot| slot.name == name);
+    let whole = file
+        .and_then(Path::file_name)
+        .map(|it| it.to_string_lossy());
+    let whole = whole.map_or(name.clone(), |whole| whole.into_owned());
+    let numbered = (2..).map(|number: u64| format!("{name}-{number}"));
+    let mut names = [name.clone(), whole].into_iter().chain(numbered);
+    names.find(|name| !is_taken(name)).unwrap_or(name)
 }
 
 /// Whether a scene is that of a slot, but for the anchoring that was chosen since it was loaded.
