@@ -6,7 +6,7 @@ use super::run::some_step;
 use crate::record::{load_scene, step_count};
 use crate::scene::{self, Mesh, Scene, Warning};
 use crate::simulation;
-use crate::study::{RunPrice, run_price};
+use crate::study::run_price;
 use std::ffi::{OsStr, OsString};
 
 /// The initial state, which tells most, is computed on meshes of up to so many nodes: within about
@@ -43,7 +43,7 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
                 if !arguments.quick && nodes(&scene) <= MOST_NODES {
                     // Its first steps may fail where a run divides them: then there is no price.
                     if let Ok(price) = run_price(&scene) {
-                        output::line(format_args!("{name}: {}", expected(&price)))?;
+                        output::line(format_args!("{name}: on this machine {price}"))?;
                     }
                 }
             }
@@ -77,22 +77,6 @@ fn examine(source: &OsStr, overrides: &[String]) -> Result<(Scene, Vec<Warning>)
         scene::warnings(&scene)
     };
     Ok((scene, warnings))
-}
-
-/// The time and the memory that a run would take, in words.
-fn expected(price: &RunPrice) -> String {
-    let seconds = price.seconds;
-    let time = match seconds {
-        s if s < 1.0 => "less than a second".to_owned(),
-        s if s < 120.0 => format!("{s:.0} s"),
-        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
-        s => format!("{:.1} h", s / 3600.0),
-    };
-    format!(
-        "on this machine about {time} and {:.0} MB, {} steps",
-        price.memory as f64 / 1e6,
-        price.steps
-    )
 }
 
 fn nodes(scene: &Scene) -> usize {

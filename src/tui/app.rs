@@ -10,8 +10,8 @@ use super::pace::Pace;
 use super::past::{self, Past};
 use super::reins::Reins;
 use super::state::{
-    App, DirectorStyle, Field, Notice, Overlay, Panel, Question, Run, Saving, Screen, Slot, Status,
-    View,
+    App, DirectorStyle, Expectation, Field, Notice, Overlay, Panel, Question, Run, Saving, Screen,
+    Slot, Status, View,
 };
 use super::update::SNAPSHOTS;
 use crate::scene::{AnchoringKind, Scene};
@@ -65,6 +65,8 @@ impl App {
             memory: past::BUDGET,
             editing: None,
             reloaded: None,
+            improved: None,
+            expectation: Expectation::default(),
             ending: None,
         }
     }

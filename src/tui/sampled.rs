@@ -1,5 +1,6 @@
 //! A field as a picture needs it: sampled on a grid, with its name and the range of its colours.
 
+use super::colour_map::LEVELS;
 use super::numbers::round_up;
 use super::state::Field;
 use super::theme::Theme;
@@ -49,6 +50,16 @@ impl Sampled {
             },
         }
         let range = range(field, &values, &phase);
+        if field == Field::DirectorLength {
+            // What is 1 but for the scheme's own errors lies in the middle, where two colours meet, and
+            // would be speckled with both.
+            let nearly = (range[1] - range[0]) / (2 * LEVELS) as f64;
+            for length in values.iter_mut().flatten() {
+                if (*length - 1.0).abs() < nearly {
+                    *length = 1.0;
+                }
+            }
+        }
         Self {
             values,
             phase,

@@ -272,6 +272,7 @@ impl Session {
                 self.load(move || opening::open(source.as_os_str(), &[]))?;
             }
             Effect::Price(scene) => self.price(scene)?,
+            Effect::Expect(name, scene) => self.expect(name, scene)?,
             Effect::Edit(slot) => return self.edit(slot),
             Effect::SaveView(picture, slot) => return self.save_view(picture, slot),
             Effect::SaveSet(slot) => return self.save_set(slot),
@@ -358,6 +359,21 @@ impl Session {
             pricing::measure(&scene, &end, &mut |text| {
                 let _ = incoming.send(Incoming::Message(Message::Prices(text)));
             });
+        })
+    }
+
+    /// Measures what a scene would take.
+    fn expect(&mut self, name: String, scene: Option<Arc<Scene>>) -> Result<(), AppError> {
+        let incoming = self.incoming.clone();
+        let home = std::env::var_os("HOME").map(PathBuf::from);
+        self.aside("expectation", move || {
+            let words = pricing::expected(scene, || {
+                let source = opening::typed_path(&name, home);
+                let slot = opening::open(source.as_os_str(), &[]).ok()?;
+                Some(slot.scene)
+            });
+            // If the loop has ended, nobody wants it.
+            let _ = incoming.send(Incoming::Message(Message::Expected(name, words)));
         })
     }
 

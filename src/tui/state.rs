@@ -57,8 +57,29 @@ pub struct App {
     pub editing: Option<usize>,
     /// A slot and the scene that waits to replace it, while that is asked.
     pub reloaded: Option<(usize, Box<Slot>)>,
+    /// The scene that is offered in place of the active one, while that is asked.
+    pub improved: Option<Box<Slot>>,
+    /// What a scene in a dialog would take.
+    pub expectation: Expectation,
     /// Where the app ends.
     pub ending: Option<Ending>,
+}
+
+/// What a scene would take on this machine.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Expectation {
+    /// The name of the scene that is being measured.
+    pub asked: Option<String>,
+    /// The name of the one that was measured last, and what came out, in words.
+    pub known: Option<(String, String)>,
+}
+
+impl Expectation {
+    /// What is known of a scene.
+    pub fn words(&self, name: &str) -> Option<&str> {
+        let (known, words) = self.known.as_ref()?;
+        (known == name).then_some(words)
+    }
 }
 
 /// A scene and its run.
@@ -217,6 +238,8 @@ pub enum Question {
     Reload,
     /// Go on with the runs of an earlier time?
     GoOn,
+    /// Begin another run, with the change that the estimated errors suggest?
+    Improve,
 }
 
 impl Question {
@@ -227,6 +250,7 @@ impl Question {
             Self::Quit => "Quit",
             Self::Reload => "Reload",
             Self::GoOn => "Go on",
+            Self::Improve => "Improve",
         }
     }
 }

@@ -250,6 +250,15 @@ pub static BINDINGS: &[Binding] = &[
     },
     Binding {
         place: Place::Main,
+        keys: &[key('i', Action::Improve)],
+        label: "i",
+        plain_label: "i",
+        brief: |_| "improve",
+        words: "improve: a new run with what the estimated errors suggest; asks, and tells its price",
+        when: on_one_run,
+    },
+    Binding {
+        place: Place::Main,
         keys: &[key('e', Action::Edit)],
         label: "e",
         plain_label: "e",

@@ -10,7 +10,7 @@ use crate::scene::preset_description;
 use crate::tui::layout::centred;
 use crate::tui::state::{App, Question};
 use crate::tui::theme::{Role, Theme};
-use crate::tui::update::offered;
+use crate::tui::update::{expectation_wanted, offered};
 
 /// Draws a question.
 pub fn confirm(app: &App, question: Question, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
@@ -30,6 +30,7 @@ pub fn confirm(app: &App, question: Question, theme: &Theme, screen: Rect, buffe
         ),
         Question::Quit => quit_words(app),
         Question::GoOn => kept_words(app),
+        Question::Improve => improve_words(app),
     };
     let width = 56.min(screen.width.saturating_sub(4));
     let words = text::wrap(&words, usize::from(width).saturating_sub(4));
@@ -64,6 +65,16 @@ fn kept_words(app: &App) -> String {
     )
 }
 
+/// What would be changed, why, and what the run would take.
+fn improve_words(app: &App) -> String {
+    let (Some(slot), Some(name)) = (&app.improved, expectation_wanted(app)) else {
+        return String::new();
+    };
+    let why = slot.remark.as_deref().unwrap_or_default();
+    let price = app.expectation.words(&name).unwrap_or("being measured");
+    format!("{why} A new run of {name}? It takes {price}.")
+}
+
 /// Which runs would be lost.
 fn quit_words(app: &App) -> String {
     let lost: Vec<String> = app
@@ -86,9 +97,8 @@ fn quit_words(app: &App) -> String {
 
 /// Draws the dialog in which a scene's name is typed.
 pub fn open(
-    typed: &str,
-    chosen: Option<usize>,
-    error: Option<&str>,
+    app: &App,
+    (typed, chosen, error): (&str, Option<usize>, Option<&str>),
     theme: &Theme,
     screen: Rect,
     buffer: &mut Buffer,
@@ -97,7 +107,7 @@ pub fn open(
     let inner = usize::from(width).saturating_sub(4);
     let errors = error.map_or_else(Vec::new, |error| text::wrap(error, inner));
     let names = offered(typed);
-    let height = names.len().max(1) + errors.len() + 5;
+    let height = names.len().max(1) + errors.len() + 7;
     let area = centred(screen, width, height.min(usize::from(u16::MAX)) as u16);
     let inside = text::frame(
         buffer,
@@ -126,10 +136,10 @@ pub fn open(
             style = theme.pill(Role::Accent);
         }
         let line = Line::from(vec![
-            Span::styled(format!(" {name:<10}"), style),
+            Span::styled(format!(" {name:<12}"), style),
             Span::raw(" "),
             Span::styled(
-                text::shorten(description, inner.saturating_sub(13)),
+                text::shorten(description, inner.saturating_sub(15)),
                 theme.muted(),
             ),
         ]);
@@ -144,6 +154,15 @@ pub fn open(
             Span::styled(error, theme.style(Role::Bad)),
         );
         row += 1;
+    }
+    if let Some(name) = expectation_wanted(app) {
+        let words = match app.expectation.words(&name) {
+            Some(words) => format!("{name}: {words}"),
+            None => format!("{name}: what it takes is being measured"),
+        };
+        let last = inside.height.saturating_sub(1);
+        let words = text::shorten(&words, inner);
+        text::line(buffer, inside, last, Span::raw(words));
     }
 }
 

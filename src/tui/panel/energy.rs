@@ -48,7 +48,7 @@ pub fn draw(shown: &Shown<'_>, look: Look, theme: &Theme, area: Rect, buffer: &m
         name: "total",
         colour: Some(theme.colour(Role::Total)),
         value: Some(report.total_energy),
-        start: history.total_energy.first(),
+        start: shown.energy_at_start(),
         digits: None,
         // What has a curve of its own below needs none in its row.
         series: (area.height < 2).then_some(&history.total_energy),

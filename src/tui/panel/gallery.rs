@@ -196,7 +196,7 @@ fn energy_curve(
 
 /// The scalars of a run, the most telling first.
 fn scalars<'a>(shown: &Shown<'_>, theme: &Theme) -> Vec<Line<'a>> {
-    let Some((run, report)) = shown.run.zip(shown.report) else {
+    let Some(report) = shown.report else {
         return Vec::new();
     };
     let entry = |name: &str, value: String, note: String| {
@@ -208,9 +208,11 @@ fn scalars<'a>(shown: &Shown<'_>, theme: &Theme) -> Vec<Line<'a>> {
     };
     let mut lines = vec![entry("t", format!("{:.3e}", report.t), String::new())];
     let energy = report.total_energy;
-    let start = run.history.baseline.unwrap_or(energy);
-    let change = percent(energy - start, start);
-    lines.push(entry("E", significant(energy, 5), format!(" {change}")));
+    let change = shown
+        .energy_at_start()
+        .map(|start| percent(energy - start, start));
+    let change = change.map_or(String::new(), |change| format!(" {change}"));
+    lines.push(entry("E", significant(energy, 5), change));
     if let Some(outline) = report.outline {
         let ratio = outline.waist / outline.width;
         lines.push(entry("waist/width", significant(ratio, 3), String::new()));

@@ -95,6 +95,18 @@ impl<'a> Shown<'a> {
         self.run?.history.surface_area.first()
     }
 
+    /// What the change of E_total is counted from: the start, or the last switch of the anchoring, where
+    /// the energy became another one. `None` at a time between switches, of which that is not stored.
+    pub fn energy_at_start(&self) -> Option<f64> {
+        let history = &self.run?.history;
+        let step = self.report?.step;
+        match (history.marks.first(), history.marks.last()) {
+            (_, Some((last, _))) if step >= *last => history.baseline,
+            (Some((first, _)), _) if step >= *first => None,
+            _ => history.total_energy.first(),
+        }
+    }
+
     /// The target β of the surface area, if the scene has one.
     pub fn target(&self) -> Option<f64> {
         let area = self.scene().area?;

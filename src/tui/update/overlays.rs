@@ -18,6 +18,16 @@ pub fn offered(text: &str) -> Vec<&'static str> {
         .collect()
 }
 
+/// The scene that would be opened for what was typed and chosen, if that is a scene's name.
+pub(super) fn candidate(text: &str, chosen: Option<usize>) -> Option<String> {
+    let names = offered(text);
+    if let Some(name) = chosen.and_then(|index| names.get(index)) {
+        return Some((*name).to_owned());
+    }
+    let text = text.trim();
+    (names.contains(&text) || text.ends_with(".toml")).then(|| text.to_owned())
+}
+
 pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
     match (action, &mut app.overlay) {
         (Action::Quit, Some(Overlay::Confirm(Question::Quit))) => {
@@ -25,6 +35,7 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
         }
         (Action::Quit, _) => {
             app.reloaded = None;
+            app.improved = None;
             app.overlay = None;
             ask(app, Question::Quit, effects);
         }
@@ -39,6 +50,9 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
             app.overlay = None;
             if question == Question::GoOn {
                 app.slots.iter_mut().for_each(|slot| slot.kept = None);
+            }
+            if question == Question::Improve {
+                app.improved = None;
             }
             if question == Question::Reload {
                 app.reloaded = None;
@@ -141,10 +155,7 @@ pub(super) fn loaded(app: &mut App, slot: Box<Slot>, effects: &mut Vec<Effect>) 
         None => other.file.is_none() && other.name == slot.name,
     });
     let Some(index) = known else {
-        let mut slot = *slot;
-        slot.name = own_name(app, slot.name, slot.file.as_deref());
-        app.slots.push(slot);
-        look_at(app, app.slots.len() - 1);
+        add(app, *slot);
         app.offer_to_go_on();
         return;
     };
@@ -158,6 +169,13 @@ pub(super) fn loaded(app: &mut App, slot: Box<Slot>, effects: &mut Vec<Effect>) 
         app.reloaded = Some((index, slot));
         ask(app, Question::Reload, effects);
     }
+}
+
+/// Gives a scene a slot of its own and looks at it.
+pub(super) fn add(app: &mut App, mut slot: Slot) {
+    slot.name = own_name(app, slot.name, slot.file.as_deref());
+    app.slots.push(slot);
+    look_at(app, app.slots.len() - 1);
 }
 
 /// What no other slot is called by: a file that is called as another scene is keeps its ending.
