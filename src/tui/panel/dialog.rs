@@ -71,8 +71,11 @@ fn improve_words(app: &App) -> String {
         return String::new();
     };
     let why = slot.remark.as_deref().unwrap_or_default();
-    let price = app.expectation.words(&name).unwrap_or("being measured");
-    format!("{why} A new run of {name}? It takes {price}.")
+    let price = match app.expectation.words(&name) {
+        Some(words) => format!("It takes {words}."),
+        None => "What it takes is being measured.".to_owned(),
+    };
+    format!("{why} A new run of {name}? {price}")
 }
 
 /// Which runs would be lost.
