@@ -7,7 +7,7 @@ use crate::fem::Quality;
 use crate::record::{load_scene, step_count};
 use crate::scene::{self, Mesh, Scene, Warning};
 use crate::simulation::{self, Examination};
-use crate::study::{RunPrice, run_price};
+use crate::study::run_price;
 use std::ffi::{OsStr, OsString};
 
 /// The initial state, which tells most, is computed on meshes of up to so many nodes: within about
@@ -47,7 +47,7 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
                 if !arguments.quick && nodes(&scene) <= MOST_NODES {
                     // Its first steps may fail where a run divides them: then there is no price.
                     if let Ok(price) = run_price(&scene) {
-                        output::line(format_args!("{name}: {}", expected(&price)))?;
+                        output::line(format_args!("{name}: on this machine {price}"))?;
                     }
                 }
             }
@@ -128,22 +128,6 @@ fn triangles(scene: &Scene, found: &Found) -> Option<String> {
         words += &format!("; {turned} were turned round in the file");
     }
     Some(words)
-}
-
-/// The time and the memory that a run would take, in words.
-fn expected(price: &RunPrice) -> String {
-    let seconds = price.seconds;
-    let time = match seconds {
-        s if s < 1.0 => "less than a second".to_owned(),
-        s if s < 120.0 => format!("{s:.0} s"),
-        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
-        s => format!("{:.1} h", s / 3600.0),
-    };
-    format!(
-        "on this machine about {time} and {:.0} MB, {} steps",
-        price.memory as f64 / 1e6,
-        price.steps
-    )
 }
 
 /// How many nodes there are, or will be about.

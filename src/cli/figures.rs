@@ -180,7 +180,7 @@ impl Source {
             let name = whole.file_name().unwrap_or(OsStr::new("run"));
             return Ok(Source::Run {
                 name: name.to_string_lossy().into_owned(),
-                run: Box::new(read_run(path)?),
+                run: Box::new(read_run(path).inspect(|run| tell_missing(path, run))?),
             });
         }
         let loaded = load_scene(source, overrides)?;
@@ -202,6 +202,20 @@ impl Source {
             Source::Scene { scene, .. } => scene,
             Source::Run { run, .. } => &run.scene,
         }
+    }
+}
+
+/// Tells of figures that there cannot be, for a run has not left what they show.
+fn tell_missing(folder: &Path, run: &RecordedRun) {
+    let folder = folder.display();
+    if run.fields.is_empty() {
+        output::warning(format_args!(
+            "{folder} has no fields (fields/*.vtu, final.vtu): nothing of this run is drawn"
+        ));
+    } else if run.history.known("length").is_none() {
+        output::warning(format_args!(
+            "{folder} has no shape.csv: there is no figure of the vesicle's size"
+        ));
     }
 }
 

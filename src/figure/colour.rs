@@ -21,15 +21,21 @@ pub(super) const LINE_COLOURS: [Colour; 6] = [
     Colour([230, 159, 0]),
 ];
 
-/// How the values of a field become colours: perceptually uniform to both sides of zero, which is
-/// nearly white, and with two hues that the colour-blind tell apart.
+/// How the values of a field become colours, perceptually uniform. All are bright enough for black
+/// lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ColourMap {
-    /// Blue below, red above.
+    /// Blue below zero and red above, nearly white between: hues that the colour-blind tell apart.
     #[default]
     BlueRed,
-    /// Purple below, orange above.
+    /// As that, in purple and orange.
     PurpleOrange,
+    /// From green-blue to yellow (viridis without its dark end).
+    Viridis,
+    /// Without hue, growing brighter.
+    Grey,
+    /// Without hue, growing darker: ink on paper.
+    Ink,
 }
 
 /// The middle of a diverging map.
@@ -41,13 +47,28 @@ const END_CHROMA: f64 = 0.105;
 const STEPS: usize = 256;
 
 impl ColourMap {
-    /// The hues below and above zero, in degrees.
-    fn hues(self) -> [f64; 2] {
+    /// The colour at a share of the way from the middle to an end, from −1 to 1.
+    fn at(self, share: f64) -> Colour {
+        let lightness = |share: f64| MIDDLE_LIGHTNESS + share * (END_LIGHTNESS - MIDDLE_LIGHTNESS);
+        // Below and above zero, in degrees.
+        let diverging = |[below, above]: [f64; 2]| {
+            let hue = if share < 0.0 { below } else { above };
+            perceptual(lightness(share.abs()), END_CHROMA * share.abs(), hue)
+        };
         match self {
-            ColourMap::BlueRed => [245.0, 35.0],
-            ColourMap::PurpleOrange => [305.0, 65.0],
+            ColourMap::BlueRed => diverging([245.0, 35.0]),
+            ColourMap::PurpleOrange => diverging([305.0, 65.0]),
+            ColourMap::Viridis => viridis(0.5 * (1.0 + share)),
+            ColourMap::Grey => perceptual(lightness(0.5 * (1.0 - share)), 0.0, 0.0),
+            ColourMap::Ink => perceptual(lightness(0.5 * (1.0 + share)), 0.0, 0.0),
         }
     }
+}
+
+/// Viridis from 0 to 1, but not from its dark end, on which black lines are lost.
+fn viridis(share: f64) -> Colour {
+    let Color { r, g, b } = colorous::VIRIDIS.eval_continuous(0.25 + 0.75 * share);
+    Colour([r, g, b])
 }
 
 /// The colour of a lightness, a strength and a hue in Oklab, where equal steps look equal
@@ -83,18 +104,17 @@ pub(super) struct Scale {
 impl Scale {
     /// Diverging, its middle at 0.
     pub fn signed(map: ColourMap, bound: f64) -> Scale {
-        let [below, above] = map.hues();
+        Scale::around(0.0, map, bound)
+    }
+
+    /// Diverging, from `middle` − `bound` to `middle` + `bound`.
+    pub fn around(middle: f64, map: ColourMap, bound: f64) -> Scale {
         let colours = (0..=2 * STEPS)
-            .map(|step| {
-                let share = step as f64 / STEPS as f64 - 1.0;
-                let hue = if share < 0.0 { below } else { above };
-                let lightness = MIDDLE_LIGHTNESS + share.abs() * (END_LIGHTNESS - MIDDLE_LIGHTNESS);
-                perceptual(lightness, END_CHROMA * share.abs(), hue)
-            })
+            .map(|step| map.at(step as f64 / STEPS as f64 - 1.0))
             .collect();
         Scale {
-            low: -bound,
-            high: bound,
+            low: middle - bound,
+            high: middle + bound,
             colours,
         }
     }
@@ -102,12 +122,7 @@ impl Scale {
     /// From 0 up, growing brighter.
     pub fn unsigned(bound: f64) -> Scale {
         let colours = (0..=2 * STEPS)
-            .map(|step| {
-                let share = step as f64 / (2 * STEPS) as f64;
-                // Not from its dark end, on which black lines are lost.
-                let Color { r, g, b } = colorous::VIRIDIS.eval_continuous(0.25 + 0.75 * share);
-                Colour([r, g, b])
-            })
+            .map(|step| viridis(step as f64 / (2 * STEPS) as f64))
             .collect();
         Scale {
             low: 0.0,
@@ -163,6 +178,24 @@ mod tests {
             for end in [-2.0, 2.0] {
                 assert!((at(end) + 0.05) / 0.05 > 4.5, "{}", at(end));
             }
+        }
+    }
+
+    #[test]
+    fn the_others_grow_brighter_or_darker_and_bear_black_lines() {
+        for (map, sign) in [
+            (ColourMap::Viridis, 1.0),
+            (ColourMap::Grey, 1.0),
+            (ColourMap::Ink, -1.0),
+        ] {
+            let scale = Scale::around(1.0, map, 0.5);
+            assert_eq!(scale.range(), [0.5, 1.5]);
+            let at = |step: i32| luminance(scale.at(1.0 + 0.05 * f64::from(step)));
+            for step in -10..10 {
+                assert!(sign * (at(step + 1) - at(step)) > 0.0, "{map:?} {step}");
+            }
+            let darkest = at(-10).min(at(10));
+            assert!((darkest + 0.05) / 0.05 > 2.0, "{map:?} {darkest}");
         }
     }
 

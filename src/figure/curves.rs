@@ -22,8 +22,49 @@ const NUMBER_GAP: f64 = 0.42;
 pub(super) struct Curve {
     /// t and the value, in the order of t.
     pub points: Vec<[f64; 2]>,
+    pub look: Look,
+}
+
+/// How a line looks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Look {
     pub colour: Colour,
-    pub is_dashed: bool,
+    pub pattern: Pattern,
+}
+
+/// How a line is broken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Pattern {
+    Solid,
+    /// For what is no run: a target, a mark.
+    Short,
+    Long,
+    DashDot,
+}
+
+impl Pattern {
+    /// What is drawn and what is left out in turn, in sizes of the text; empty: all is drawn.
+    fn lengths(self) -> &'static [f64] {
+        match self {
+            Pattern::Solid => &[],
+            Pattern::Short => &[0.5, 0.35],
+            Pattern::Long => &[1.2, 0.5],
+            Pattern::DashDot => &[0.9, 0.3, 0.15, 0.3],
+        }
+    }
+}
+
+/// Draws a line as it is to look.
+fn draw_line(drawing: &mut Drawing, points: Vec<[f64; 2]>, look: Look, size: f64) {
+    let width = 1.6 * stroke(size);
+    let lengths: Vec<f64> = look.pattern.lengths().iter().map(|it| it * size).collect();
+    if lengths.is_empty() {
+        drawing.line(points, width, look.colour);
+    } else {
+        for dash in dashes(&points, &lengths) {
+            drawing.line(dash, width, look.colour);
+        }
+    }
 }
 
 /// A plot of curves against t.
@@ -35,8 +76,8 @@ pub(super) struct Plot {
     pub curves: Vec<Curve>,
 }
 
-/// An entry above the plots: what a colour stands for.
-pub(super) type Key = (Label, Colour);
+/// An entry above the plots: what a line stands for.
+pub(super) type Key = (Label, Look);
 
 /// Draws the plots under `title`, with `keys` if there are several.
 pub(super) fn draw(
@@ -122,12 +163,13 @@ pub(super) fn draw(
     drawing
 }
 
-/// Draws what the colours stand for, and gives where it ends.
+/// Draws what the lines stand for, and gives where it ends.
 fn draw_keys(drawing: &mut Drawing, keys: &[Key], top: f64, margin: f64, size: f64) -> f64 {
-    let (sample, space) = (1.8 * size, 0.5 * size);
+    // Two long dashes and more.
+    let (sample, space) = (3.0 * size, 0.5 * size);
     let width = f64::from(drawing.width);
     let (mut x, mut y) = (margin, top);
-    for (label, colour) in keys {
+    for (label, look) in keys {
         let most = width - 2.0 * margin - sample - space;
         let lines = label.wrapped(size, most);
         let widest = lines
@@ -139,11 +181,8 @@ fn draw_keys(drawing: &mut Drawing, keys: &[Key], top: f64, margin: f64, size: f
             y += line_height(size);
         }
         let middle = y + 0.56 * size;
-        drawing.line(
-            vec![[x, middle], [x + sample, middle]],
-            1.6 * stroke(size),
-            *colour,
-        );
+        let ends = vec![[x, middle], [x + sample, middle]];
+        draw_line(drawing, ends, *look, size);
         for (number, line) in lines.iter().enumerate() {
             if number > 0 {
                 y += line_height(size);
@@ -257,15 +296,7 @@ fn draw_plot(
             .split(|point| point.iter().any(|x| !x.is_finite()))
         {
             let points: Vec<_> = piece.iter().copied().map(on_picture).collect();
-            let points = thinned(&points);
-            let width = 1.6 * stroke(size);
-            if curve.is_dashed {
-                for dash in dashes(&points, 0.5 * size, 0.35 * size) {
-                    drawing.line(dash, width, curve.colour);
-                }
-            } else {
-                drawing.line(points, width, curve.colour);
-            }
+            draw_line(drawing, thinned(&points), curve.look, size);
         }
     }
     drawing.line(place.corners().to_vec(), thin, Colour::BLACK);
@@ -291,11 +322,13 @@ fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     kept
 }
 
-/// Pieces of a line, `on` long with gaps of `off`.
-pub(super) fn dashes(points: &[[f64; 2]], on: f64, off: f64) -> Vec<Vec<[f64; 2]>> {
+/// Pieces of a line: of `lengths` the first is drawn, the second left out, the third drawn, and so on
+/// for ever.
+pub(super) fn dashes(points: &[[f64; 2]], lengths: &[f64]) -> Vec<Vec<[f64; 2]>> {
     let mut pieces = Vec::new();
     let mut piece: Vec<[f64; 2]> = points.first().copied().into_iter().collect();
-    let (mut is_on, mut left) = (true, on);
+    let mut turns = lengths.iter().copied().cycle();
+    let (mut is_on, mut left) = (true, turns.next().unwrap_or(f64::INFINITY));
     for pair in points.windows(2) {
         let mut from = pair[0];
         loop {
@@ -316,7 +349,7 @@ pub(super) fn dashes(points: &[[f64; 2]], on: f64, off: f64) -> Vec<Vec<[f64; 2]
                 piece = vec![from];
             }
             is_on = !is_on;
-            left = if is_on { on } else { off };
+            left = turns.next().unwrap_or(f64::INFINITY);
         }
     }
     if is_on && piece.len() > 1 {
@@ -347,7 +380,7 @@ mod tests {
 
     #[test]
     fn dashes_cover_their_share_of_the_line() {
-        let pieces = dashes(&[[0.0, 0.0], [30.0, 40.0], [30.0, 90.0]], 3.0, 2.0);
+        let pieces = dashes(&[[0.0, 0.0], [30.0, 40.0], [30.0, 90.0]], &[3.0, 2.0]);
         let length: f64 = pieces
             .iter()
             .flat_map(|piece| piece.windows(2))
@@ -355,5 +388,12 @@ mod tests {
             .sum();
         assert!((length - 60.0).abs() < 1e-9, "{length}");
         assert_eq!(pieces.len(), 20);
+        // A dash and a dot: 6 of 10 and twice as many pieces.
+        let pieces = dashes(&[[0.0, 0.0], [100.0, 0.0]], &[5.0, 2.0, 1.0, 2.0]);
+        let lengths: Vec<f64> = pieces
+            .iter()
+            .map(|it| it[it.len() - 1][0] - it[0][0])
+            .collect();
+        assert_eq!(lengths, [5.0, 1.0].repeat(10));
     }
 }

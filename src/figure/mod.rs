@@ -45,6 +45,10 @@ pub const LEAST_WIDTH: u32 = 400;
 /// The largest width of a figure, in pixels.
 pub const LARGEST_WIDTH: u32 = 10_000;
 
+/// The colours of |d| reach at least so far to both sides of 1: what the scheme itself leaves of a
+/// departure is no pattern to look at.
+pub const LEAST_DEPARTURE: f64 = 0.1;
+
 const MILLIMETRES_AN_INCH: f64 = 25.4;
 
 /// The width of a set's figures, in sizes of their text: at 170 mm, two columns of a journal, the

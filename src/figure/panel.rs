@@ -374,23 +374,29 @@ pub(super) fn scale<'a>(
     map: super::ColourMap,
 ) -> Scale {
     let mut bound = 0.0_f64;
-    let mut is_signed = !matches!(field, Field::DirectorLength | Field::BendingDensity { .. });
+    // Of |d| − 1 inside; without a director |d| is not there, and φ is shown.
+    let mut departure = None;
     for state in states {
-        // Without a director |d| is not there, and φ is shown.
-        is_signed |= field == Field::DirectorLength && state.director.is_none();
-        for value in values(state, field)
-            .iter()
-            .filter(|value| value.is_finite())
-        {
-            bound = bound.max(value.abs());
+        let values = values(state, field);
+        let finite = values.iter().filter(|value| value.is_finite());
+        bound = finite.fold(bound, |bound, value| bound.max(value.abs()));
+        if field == Field::DirectorLength && state.director.is_some() {
+            let inside = values.iter().zip(&state.phi).filter(|(_, phi)| **phi > 0.0);
+            let departures = inside.map(|(length, _)| (length - 1.0).abs());
+            let finite = departures.filter(|departure| departure.is_finite());
+            let least = departure.unwrap_or(super::LEAST_DEPARTURE);
+            departure = Some(finite.fold(least, f64::max));
         }
+    }
+    if let Some(departure) = departure {
+        return Scale::around(1.0, map, departure.min(1.0));
     }
     if bound == 0.0 || (field == Field::Phase && (0.5..1.0).contains(&bound)) {
         // φ is about ±1 in a vesicle and around it: the bar reaches there.
         bound = 1.0;
     }
-    match is_signed {
-        true => Scale::signed(map, bound),
-        false => Scale::unsigned(bound),
+    match field {
+        Field::BendingDensity { .. } => Scale::unsigned(bound),
+        _ => Scale::signed(map, bound),
     }
 }

@@ -1,7 +1,7 @@
 //! Which scalars of a run are plotted, and how they are called.
 
-use super::colour::{Colour, LINE_COLOURS};
-use super::curves::{Curve, Key, Plot};
+use super::colour::LINE_COLOURS;
+use super::curves::{Curve, Key, Look, Pattern, Plot};
 use super::data::{RunData, RunLabel};
 use super::table::Table;
 use super::text::Label;
@@ -44,14 +44,26 @@ impl Scalar {
     }
 }
 
-/// What the colours of several runs stand for.
+/// What the lines of several runs stand for.
 pub(super) fn keys(labels: &[RunLabel]) -> Vec<Key> {
-    let key = |(label, colour): (&RunLabel, Colour)| (Label::text(&label.title), colour);
-    labels.iter().zip(colours()).map(key).collect()
+    let key = |(label, look): (&RunLabel, Look)| (Label::text(&label.title), look);
+    labels.iter().zip(looks(labels.len())).map(key).collect()
 }
 
-fn colours() -> impl Iterator<Item = Colour> {
-    LINE_COLOURS.into_iter().cycle()
+/// How the lines of the runs are broken, group by group.
+const PATTERNS: [Pattern; 3] = [Pattern::Solid, Pattern::DashDot, Pattern::Long];
+
+/// How the lines of so many runs look. Where there are more than colours, they make groups that are
+/// equal but for the dashes: the paper's four cases with one anchoring and then with the other have the
+/// colours in pairs, and where a line of the second group covers one of the first, both are seen.
+fn looks(count: usize) -> impl Iterator<Item = Look> {
+    let groups = count.div_ceil(LINE_COLOURS.len()).clamp(1, PATTERNS.len());
+    let in_a_group = count.div_ceil(groups).clamp(1, LINE_COLOURS.len());
+    let colours = &LINE_COLOURS[..in_a_group];
+    PATTERNS
+        .into_iter()
+        .flat_map(move |pattern| colours.iter().map(move |&colour| Look { colour, pattern }))
+        .cycle()
 }
 
 /// What the files of these figures are called by.
@@ -163,24 +175,26 @@ fn plot(scalar: Scalar, runs: &[RunData]) -> Plot {
         Some((_, targets)) => targets,
         None => &empty,
     };
-    for (number, (run, colour)) in runs.iter().zip(colours()).enumerate() {
+    for (number, (run, look)) in runs.iter().zip(looks(runs.len())).enumerate() {
+        let aside = Look {
+            pattern: Pattern::Short,
+            ..look
+        };
         let times = run.history.column("t").unwrap_or_default();
         let ends = [times.first(), times.last()].into_iter().flatten();
         if let Some(&Some(target)) = targets.get(number) {
             curves.push(Curve {
                 points: ends.map(|t| [*t, target]).collect(),
-                colour,
-                is_dashed: true,
+                look: aside,
             });
         }
         if let Some(values) = &scalar.values[number] {
             let points = times.iter().zip(values).map(|(t, value)| [*t, *value]);
             curves.push(Curve {
                 points: points.collect(),
-                colour,
-                is_dashed: false,
+                look,
             });
-            curves.extend(marks(run, times, values, colour));
+            curves.extend(marks(run, times, values, aside));
         }
     }
     Plot {
@@ -191,7 +205,7 @@ fn plot(scalar: Scalar, runs: &[RunData]) -> Plot {
 }
 
 /// An upright dashed line wherever the anchoring of a run was switched, as high as the run's curve.
-fn marks(run: &RunData, times: &[f64], values: &[f64], colour: Colour) -> Vec<Curve> {
+fn marks(run: &RunData, times: &[f64], values: &[f64], look: Look) -> Vec<Curve> {
     let finite = || values.iter().copied().filter(|value| value.is_finite());
     let (low, high) = (
         finite().fold(f64::INFINITY, f64::min),
@@ -205,8 +219,7 @@ fn marks(run: &RunData, times: &[f64], values: &[f64], colour: Colour) -> Vec<Cu
     switched
         .map(|t| Curve {
             points: vec![[*t, low], [*t, high]],
-            colour,
-            is_dashed: true,
+            look,
         })
         .collect()
 }
@@ -235,4 +248,25 @@ fn table(scalars: &[Scalar], runs: &[RunData], labels: &[RunLabel]) -> Table {
         }
     }
     table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_two_runs_look_alike() {
+        for count in 1..=18 {
+            let looks: Vec<Look> = looks(count).take(count).collect();
+            for (number, look) in looks.iter().enumerate() {
+                assert!(!looks[..number].contains(look), "{count}: {look:?}");
+            }
+        }
+        // The paper's eight runs: a colour a case, a dash an anchoring.
+        let eight: Vec<Look> = looks(8).take(8).collect();
+        for case in 0..4 {
+            assert_eq!(eight[case].colour, eight[case + 4].colour);
+            assert_ne!(eight[case].pattern, eight[case + 4].pattern);
+        }
+    }
 }

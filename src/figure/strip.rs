@@ -40,7 +40,7 @@ pub(super) fn draw(strips: &[Strip], options: &FigureOptions) -> Drawing {
         size,
     };
     let name = Label::symbol("φ");
-    let (width, margin, gap) = (f64::from(options.width), 0.7 * size, 1.3 * size);
+    let (width, margin, gap) = (f64::from(options.width), 0.7 * size, 1.7 * size);
     let bar = panel::bar_room(&scale, size, &name);
     let left = margin + panel::left_room(size);
     let room = width - left - gap - bar - margin;

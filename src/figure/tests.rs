@@ -281,7 +281,11 @@ fn beta_is_the_target_times_the_first_area() {
     let labels = [RunLabel::new("a", &runs[0].scene, &[])];
     let figure = &scalars::figures(&runs, &labels)[1];
     let plot = &figure.plots[1];
-    let dashed = plot.curves.iter().find(|curve| curve.is_dashed).expect("β");
+    let dashed = plot
+        .curves
+        .iter()
+        .find(|curve| curve.look.pattern == curves::Pattern::Short)
+        .expect("β");
     assert_eq!(
         dashed.points,
         [[0.0, 1.25 * 1.5], [report(1000).t, 1.25 * 1.5]]
@@ -692,7 +696,9 @@ fn a_switched_anchoring_is_named_and_marked() {
     let runs = [switched];
     let figures = scalars::figures(&runs, &[label]);
     let upright = |plot: &curves::Plot| {
-        (plot.curves.iter()).any(|curve| curve.is_dashed && curve.points.iter().all(|p| p[0] == t))
+        (plot.curves.iter()).any(|curve| {
+            curve.look.pattern == curves::Pattern::Short && curve.points.iter().all(|p| p[0] == t)
+        })
     };
     assert!(
         figures

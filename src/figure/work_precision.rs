@@ -232,7 +232,7 @@ impl Axes {
             if let Some((_, floor)) = floor {
                 let [_, y] = self.at(1.0, *floor);
                 let line = [[self.place.left, y], [self.place.right, y]];
-                for dash in dashes(&line, 0.5 * size, 0.5 * size) {
+                for dash in dashes(&line, &[0.5 * size, 0.5 * size]) {
                     drawing.line(dash, 0.8 * stroke(size), colour(cells));
                 }
             }

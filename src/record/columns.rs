@@ -127,6 +127,18 @@ impl Columns {
         }
     }
 
+    /// Keeps the rows up to a step. Where there is none of the step itself there is one with nothing
+    /// else in it.
+    pub(super) fn end_at(&mut self, step: u64) {
+        let steps = self.column("step").unwrap_or_default();
+        let rows = steps.partition_point(|other| *other <= step as f64);
+        let is_there = rows > 0 && steps[rows - 1] == step as f64;
+        self.truncate(rows);
+        if !is_there {
+            self.append(vec![("step".to_owned(), step as f64)]);
+        }
+    }
+
     /// How many rows there are.
     pub fn rows(&self) -> usize {
         self.rows

@@ -2,7 +2,7 @@
 
 use super::checkpoint::{APP, Keeper, Problem};
 use super::scene_file::identity;
-use super::{Columns, RecordError};
+use super::{Columns, Found, RecordError, Resumption};
 use crate::scene::{AnchoringKind, Scene};
 use crate::simulation::Memory;
 use serde::{Deserialize, Serialize};
@@ -49,6 +49,22 @@ impl KeptRun {
         }
     }
 
+    /// The run of a scene that was recorded in a folder of its own, up to its latest checkpoint: nothing
+    /// where none can be used.
+    pub fn of_folder(folder: &Path, scene: &Scene) -> Option<KeptRun> {
+        let Ok(Found::Run(found)) = Resumption::find(folder, scene) else {
+            return None;
+        };
+        let memory = found.memory()?.clone();
+        let mut rows = Columns::read(folder).ok()?;
+        rows.end_at(memory.step());
+        Some(KeptRun {
+            memory,
+            rows,
+            ..KeptRun::new(scene)
+        })
+    }
+
     /// The run of a scene of this name that is kept in a folder: of what is damaged, the one before.
     pub fn find(folder: &Path, name: &str, scene: &Scene) -> Option<KeptRun> {
         let wanted = identity(scene);
@@ -69,8 +85,38 @@ fn paths(folder: &Path, name: &str, scene: &Scene) -> [PathBuf; 2] {
 mod tests {
     use super::super::scene_file::tests::scene;
     use super::*;
+    use crate::record::{Ending, IfOccupied, Preparation, RunFolder, Settings};
     use crate::simulation::Simulation;
     use std::fs;
+    use std::time::Duration;
+
+    #[test]
+    fn the_run_of_a_folder_is_found_up_to_its_checkpoint() {
+        let folder = tempfile::tempdir().unwrap();
+        let scene = scene("[nematic]\n");
+        assert!(KeptRun::of_folder(folder.path(), &scene).is_none());
+        let settings = Settings {
+            every: 2,
+            ..Settings::default()
+        };
+        let run = RunFolder::at(folder.path(), IfOccupied::Refuse).unwrap();
+        let preparation = Preparation::begin(run, &scene, settings).unwrap();
+        let mut simulation = Simulation::new(&scene).unwrap();
+        let mut recorder = preparation.start(&simulation, Duration::ZERO).unwrap();
+        for _ in 0..3 {
+            simulation.advance().unwrap();
+            recorder.step(&mut simulation, Duration::ZERO).unwrap();
+        }
+        recorder
+            .finish(&mut simulation, Ending::Interrupted)
+            .unwrap();
+        let kept = KeptRun::of_folder(folder.path(), &scene).expect("it has a checkpoint");
+        assert_eq!(kept.memory.step(), 3);
+        // The last row is that of the state, however far apart the rows are.
+        assert_eq!(kept.rows.column("step"), Some(&[0.0, 2.0, 3.0][..]));
+        let other = self::scene("");
+        assert!(KeptRun::of_folder(folder.path(), &other).is_none());
+    }
 
     #[test]
     fn a_run_is_found_again_and_of_a_damaged_one_the_one_before() {

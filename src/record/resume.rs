@@ -8,7 +8,7 @@ use super::scene_file::{identity, write_scene};
 use super::summary::EventRecord;
 use super::{RecordError, Recorder, RunFolder, RunSummary, Settings, vtu};
 use crate::scene::Scene;
-use crate::simulation::Simulation;
+use crate::simulation::{Memory, Simulation};
 use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -133,16 +133,20 @@ impl Resumption {
         self.folder.path()
     }
 
+    /// What the run goes on from, if it can be used.
+    pub(super) fn memory(&self) -> Option<&Memory> {
+        let (_, newest) = self.candidates.first()?;
+        Some(&newest.simulation)
+    }
+
     /// The step that the run has come to.
     pub fn step(&self) -> u64 {
-        let newest = self.candidates.first();
-        newest.map_or(0, |(_, content)| content.simulation.step())
+        self.memory().map_or(0, Memory::step)
     }
 
     /// The time that it has come to.
     pub fn t(&self) -> f64 {
-        let newest = self.candidates.first();
-        newest.map_or(0.0, |(_, content)| content.simulation.t())
+        self.memory().map_or(0.0, Memory::t)
     }
 
     /// What the run had recorded, but for how often it is saved.

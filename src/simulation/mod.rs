@@ -178,6 +178,32 @@ impl Costs {
         *sum = sum.saturating_add(time);
     }
 
+    /// Part by part: what it took here and there together.
+    pub fn plus(&self, other: &Self) -> Self {
+        self.with(other, Duration::saturating_add)
+    }
+
+    /// Part by part: what it took here less what it took there.
+    pub fn minus(&self, other: &Self) -> Self {
+        self.with(other, Duration::saturating_sub)
+    }
+
+    fn with(&self, other: &Self, both: impl Fn(Duration, Duration) -> Duration) -> Self {
+        let mut result = *self;
+        for (one, other) in result.0.iter_mut().zip(other.0) {
+            *one = both(*one, other);
+        }
+        result
+    }
+
+    /// Part by part: a share of so many. Nothing of none.
+    pub fn divided(&self, count: u32) -> Self {
+        Self(
+            self.0
+                .map(|part| part.checked_div(count).unwrap_or_default()),
+        )
+    }
+
     /// What all parts took together.
     pub fn total(&self) -> Duration {
         self.0.iter().sum()

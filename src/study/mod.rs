@@ -12,6 +12,7 @@ mod measure;
 mod memory;
 mod price;
 mod report;
+mod suggestion;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -25,4 +26,5 @@ pub use ladder::{Budget, StudyError, study};
 pub use memory::CountingAllocator;
 pub use price::{RunPrice, run_price};
 pub use report::{ObservedOrder, Point, Reference, Study};
+pub use suggestion::Suggestion;
 pub use table::prices_table;

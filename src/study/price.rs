@@ -14,6 +14,7 @@ use super::choice::{Choice, can_change_mesh};
 use super::clock::Stopwatch;
 use crate::scene::{Order, Scene};
 use crate::simulation::{Schedule, Simulation, SimulationError, memory_held, step_count};
+use std::fmt;
 use std::time::Duration;
 
 /// What a run will take.
@@ -25,6 +26,20 @@ pub struct RunPrice {
     pub seconds: f64,
     /// Memory, in bytes.
     pub memory: u64,
+}
+
+impl fmt::Display for RunPrice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("about ")?;
+        match self.seconds {
+            s if s < 1.0 => f.write_str("a second")?,
+            s if s < 120.0 => write!(f, "{s:.0} s")?,
+            s if s < 7200.0 => write!(f, "{:.0} min", s / 60.0)?,
+            s => write!(f, "{:.1} h", s / 3600.0)?,
+        }
+        let megabytes = self.memory as f64 / 1e6;
+        write!(f, " and {megabytes:.0} MB, {} steps", self.steps)
+    }
 }
 
 /// The calibration takes about so long.

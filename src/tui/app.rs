@@ -10,9 +10,10 @@ use super::pace::Pace;
 use super::past::{self, Past};
 use super::reins::Reins;
 use super::state::{
-    App, DirectorStyle, Field, Notice, Overlay, Panel, Question, Run, Saving, Screen, Slot, Status,
-    View,
+    App, DirectorStyle, Expectation, Field, Notice, Overlay, Panel, Question, Run, Saving, Screen,
+    Slot, Status, View,
 };
+use super::update::SNAPSHOTS;
 use crate::scene::{AnchoringKind, Scene};
 use crate::simulation::{Picture, Report, RunId};
 
@@ -20,6 +21,9 @@ impl App {
     /// Asks whether to go on with the runs of an earlier time, where there are any; no run starts before
     /// that is answered.
     pub(super) fn offer_to_go_on(&mut self) {
+        if let Some(slot) = self.slots.get_mut(self.active) {
+            self.remark = slot.remark.take().or(self.remark.take());
+        }
         if self.slots.iter().any(|slot| slot.kept.is_some()) {
             self.overlay = Some(Overlay::Confirm(Question::GoOn));
         }
@@ -61,6 +65,8 @@ impl App {
             memory: past::BUDGET,
             editing: None,
             reloaded: None,
+            improved: None,
+            expectation: Expectation::default(),
             ending: None,
         }
     }
@@ -125,6 +131,8 @@ impl Slot {
         Self {
             name: name.into(),
             file,
+            folder: None,
+            remark: None,
             loaded: scene.clone(),
             scene,
             kept: None,
@@ -163,6 +171,28 @@ impl Run {
             unsaved: false,
             rising: false,
         }
+    }
+
+    /// The pictures of its report, in the order of time: those at the report's times and the latest; while
+    /// they are few, such from the past that divide the time up to now as the report's divide T.
+    pub fn pictures_of_set(&self) -> Vec<Arc<Picture>> {
+        let mut pictures = self.snapshots.clone();
+        let last = pictures.last().map(|picture| picture.report.step);
+        let is_later = |now: &&Arc<Picture>| last.is_none_or(|last| last < now.report.step);
+        pictures.extend(self.picture.iter().filter(is_later).cloned());
+        let now = pictures.last().map_or(0.0, |picture| picture.report.t);
+        let parts = SNAPSHOTS - 1;
+        for part in 1..parts {
+            let t = now * part as f64 / parts as f64;
+            let is_there =
+                |picture: &Arc<Picture>| (picture.report.t - t).abs() <= now / (2 * parts) as f64;
+            if !pictures.iter().any(is_there) {
+                pictures.extend(self.past.nearest(t).filter(|it| is_there(it)).cloned());
+            }
+        }
+        pictures.sort_by_key(|picture| picture.report.step);
+        pictures.dedup_by_key(|picture| picture.report.step);
+        pictures
     }
 
     /// Whether no more steps will be taken.

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
+use super::colour_map::COLOUR_MAPS;
 use super::saving::{Job, What, save_states};
 use super::state::{DirectorStyle, Field, View};
-use crate::figure::{self, Director, FigureOptions, RunData, Snapshot};
+use crate::figure::{self, ColourMap, Director, FigureOptions, RunData, Snapshot};
 use crate::record::RunFolder;
 use crate::simulation::Picture;
 
@@ -72,6 +73,13 @@ fn save_view(
             DirectorStyle::Arrows => Director::Arrows,
             DirectorStyle::Strokes => Director::Strokes,
             DirectorStyle::Off => Director::Off,
+        },
+        // In the order in which a key goes through those of the screen.
+        colours: match view.colour_map % COLOUR_MAPS.len() {
+            1 => ColourMap::Viridis,
+            2 => ColourMap::Grey,
+            3 => ColourMap::Ink,
+            _ => ColourMap::BlueRed,
         },
         ..FigureOptions::view()
     };

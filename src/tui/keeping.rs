@@ -2,12 +2,14 @@
 //! thread, and written whenever it tells its state.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use crate::record::{KeptRun, RunKeeper};
 use crate::scene::Scene;
 use crate::simulation::News;
 
 use super::saving::PARENT;
+use super::state::Slot;
 
 /// The folder of the runs that can be gone on with, beside what was saved.
 const UNFINISHED: &str = "unfinished";
@@ -18,9 +20,21 @@ pub(super) fn find(parent: &Path, name: &str, scene: &Scene) -> Option<KeptRun> 
     (kept.memory.step() > 0).then_some(kept)
 }
 
-/// [`find`] where the app keeps them.
-pub(super) fn find_here(name: &str, scene: &Scene) -> Option<KeptRun> {
-    find(Path::new(PARENT), name, scene)
+/// Looks for a run that a slot can go on with: one that the app has kept, or the one that its folder
+/// holds, whichever has come further. Where a folder has none that is to be said.
+pub(super) fn look_for(slot: &mut Slot) {
+    let here = find(Path::new(PARENT), &slot.name, &slot.loaded);
+    let folder = slot.folder.as_deref();
+    let there = folder.and_then(|folder| KeptRun::of_folder(folder, &slot.loaded));
+    if let (Some(folder), None, None) = (folder, &here, &there) {
+        slot.remark = Some(format!(
+            "{} has no checkpoint to go on from: the run begins anew",
+            folder.display()
+        ));
+    }
+    let furthest = [here, there].into_iter().flatten();
+    let furthest = furthest.max_by_key(|kept| kept.memory.step());
+    slot.kept = furthest.map(Arc::new);
 }
 
 /// What is known of a run, noted down as its worker tells it.

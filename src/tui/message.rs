@@ -29,6 +29,8 @@ pub enum Message {
     Loaded(Result<Box<Slot>, String>),
     /// The prices of effects as a table, or how far measuring them is, or why they cannot be had.
     Prices(String),
+    /// What a scene of this name would take, in words.
+    Expected(String, String),
     /// What was to be saved is saved, or why not.
     Saved(Result<PathBuf, String>),
     /// A signal asks the process to end.
@@ -54,6 +56,8 @@ pub enum Effect {
     Load(String),
     /// Measure what each effect of a scene costs, in the background, as long as that is looked at.
     Price(Arc<Scene>),
+    /// Measure what a scene would take on this machine: a given one, or that of the name; in the background.
+    Expect(String, Option<Arc<Scene>>),
     /// Edit the scene of the slot in $EDITOR and load it anew. A preset is written to a file first.
     Edit(usize),
     /// Save one view: PNG, SVG, CSV, VTU.

@@ -53,6 +53,7 @@ pub fn open(source: &OsStr, overrides: &[String]) -> Result<Slot, LoadError> {
         if let Some(name) = whole.file_name() {
             slot.name = name.to_string_lossy().into_owned();
         }
+        slot.folder = Some(path.to_owned());
         return Ok(slot);
     }
     if is_preset {

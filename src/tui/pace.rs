@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use crate::simulation::Report;
+use crate::simulation::{Costs, Report};
 
 /// How fast a run is, pauses left out.
 #[derive(Debug, Clone, Default)]
@@ -15,9 +15,9 @@ pub struct Pace {
     /// Computing to T at this pace.
     pub left: Option<Duration>,
     /// What each of the last steps took.
-    recent: VecDeque<Duration>,
+    recent: VecDeque<Costs>,
     /// Their sum.
-    sum: Duration,
+    sum: Costs,
 }
 
 /// The pace is that of the steps of so much computing.
@@ -28,18 +28,24 @@ const STEPS: usize = 4096;
 impl Pace {
     /// Takes a step of a run of so many.
     pub fn take(&mut self, report: &Report, steps: u64) {
-        let cost = report.costs.total();
-        if report.step == 0 || cost.is_zero() {
+        if report.step == 0 || report.costs.total().is_zero() {
             return;
         }
-        self.recent.push_back(cost);
-        self.sum += cost;
-        while self.recent.len() > STEPS || self.recent.len() > 1 && self.sum > WINDOW {
-            self.sum -= self.recent.pop_front().unwrap_or_default();
+        self.recent.push_back(report.costs);
+        self.sum = self.sum.plus(&report.costs);
+        while self.recent.len() > STEPS || self.recent.len() > 1 && self.sum.total() > WINDOW {
+            let oldest = self.recent.pop_front().unwrap_or_default();
+            self.sum = self.sum.minus(&oldest);
         }
-        self.steps_per_second = self.recent.len() as f64 / self.sum.as_secs_f64();
+        self.steps_per_second = self.recent.len() as f64 / self.sum.total().as_secs_f64();
         let seconds = steps.saturating_sub(report.step) as f64 / self.steps_per_second;
         self.left = Duration::try_from_secs_f64(seconds).ok();
+    }
+
+    /// What a step costs: the mean of the steps of the last seconds, for a single one may be held up by
+    /// anything. Nothing before the first step.
+    pub fn cost(&self) -> Costs {
+        self.sum.divided(self.recent.len() as u32)
     }
 }
 
@@ -47,7 +53,6 @@ impl Pace {
 mod tests {
     use super::*;
     use crate::scheme::Phase;
-    use crate::simulation::Costs;
 
     fn step(step: u64, milliseconds: u64) -> Report {
         let mut costs = Costs::default();
@@ -68,6 +73,7 @@ mod tests {
             pace.take(&step(n, 100), 1000);
         }
         assert_eq!(pace.steps_per_second, 10.0);
+        assert_eq!(pace.cost().of(Phase::Krylov), Duration::from_millis(100));
         assert_eq!(pace.left, Some(Duration::from_secs(90)));
         for n in 101..=400 {
             pace.take(&step(n, 10), 1000);

@@ -56,6 +56,14 @@ impl Past {
         self.pictures.get(index)
     }
 
+    /// The picture whose time is nearest to this.
+    pub fn nearest(&self, t: f64) -> Option<&Arc<Picture>> {
+        let after = self.pictures.partition_point(|it| it.report.t < t);
+        let around = &self.pictures[after.saturating_sub(1)..self.pictures.len().min(after + 1)];
+        let distance = |picture: &Arc<Picture>| (picture.report.t - t).abs();
+        (around.iter()).min_by(|one, other| distance(one).total_cmp(&distance(other)))
+    }
+
     /// The index of the picture of a step, if it is stored.
     pub fn position(&self, step: u64) -> Option<usize> {
         self.pictures

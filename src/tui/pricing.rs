@@ -1,9 +1,24 @@
-//! What the effects of a scene cost, for the screen: measured beside the run that is looked at.
+//! What a scene and its effects cost, for the screen: measured beside the run that is looked at.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::scene::Scene;
-use crate::study::{Plan, prices, prices_table};
+use crate::study::{Plan, prices, prices_table, run_price};
+
+/// What the run of a scene would take on this machine, in words; `load` gets it where it is not given.
+pub(super) fn expected(
+    scene: Option<Arc<Scene>>,
+    load: impl FnOnce() -> Option<Arc<Scene>>,
+) -> String {
+    let Some(scene) = scene.or_else(load) else {
+        return "there is no such scene".to_owned();
+    };
+    match run_price(&scene) {
+        Ok(price) => price.to_string(),
+        Err(_) => "more than can be foreseen: its first steps are hard".to_owned(),
+    }
+}
 
 /// Measures until it is done or `end` is set; tells how far it is, and at last the table.
 pub(super) fn measure(scene: &Scene, end: &AtomicBool, tell: &mut dyn FnMut(String)) {

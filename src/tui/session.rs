@@ -86,7 +86,7 @@ pub fn run(options: Options) -> Result<Ending, AppError> {
     let input = Input::start(incoming.clone()).map_err(AppError::Threads)?;
     let mut slots = options.slots;
     for slot in &mut slots {
-        slot.kept = keeping::find_here(&slot.name, &slot.loaded).map(Arc::new);
+        keeping::look_for(slot);
     }
     let mut app = App::new(
         slots,
@@ -272,6 +272,7 @@ impl Session {
                 self.load(move || opening::open(source.as_os_str(), &[]))?;
             }
             Effect::Price(scene) => self.price(scene)?,
+            Effect::Expect(name, scene) => self.expect(name, scene)?,
             Effect::Edit(slot) => return self.edit(slot),
             Effect::SaveView(picture, slot) => return self.save_view(picture, slot),
             Effect::SaveSet(slot) => return self.save_set(slot),
@@ -292,7 +293,7 @@ impl Session {
         let slot = slots
             .iter()
             .find(|slot| slot.run.as_ref().is_some_and(|known| known.id == run));
-        let kept = slot.and_then(|slot| slot.kept.as_deref());
+        let kept = slot.and_then(|slot| slot.run.as_ref()?.before.as_deref());
         let logbook = slot.map(|slot| {
             Mutex::new(Logbook::new(
                 Path::new(PARENT),
@@ -337,7 +338,11 @@ impl Session {
     ) -> Result<(), AppError> {
         let incoming = self.incoming.clone();
         self.aside("loading", move || {
-            let loaded = open().map(Box::new).map_err(|error| error.to_string());
+            let loaded = open().map(|mut slot| {
+                keeping::look_for(&mut slot);
+                Box::new(slot)
+            });
+            let loaded = loaded.map_err(|error| error.to_string());
             // If the loop has ended, nobody wants it.
             let _ = incoming.send(Incoming::Message(Message::Loaded(loaded)));
         })
@@ -357,6 +362,21 @@ impl Session {
         })
     }
 
+    /// Measures what a scene would take.
+    fn expect(&mut self, name: String, scene: Option<Arc<Scene>>) -> Result<(), AppError> {
+        let incoming = self.incoming.clone();
+        let home = std::env::var_os("HOME").map(PathBuf::from);
+        self.aside("expectation", move || {
+            let words = pricing::expected(scene, || {
+                let source = opening::typed_path(&name, home);
+                let slot = opening::open(source.as_os_str(), &[]).ok()?;
+                Some(slot.scene)
+            });
+            // If the loop has ended, nobody wants it.
+            let _ = incoming.send(Incoming::Message(Message::Expected(name, words)));
+        })
+    }
+
     fn end_pricing(&mut self) {
         if let Some(end) = self.pricing.take() {
             end.store(true, Ordering::Relaxed);
@@ -368,14 +388,10 @@ impl Session {
         self.save(slot, |_| What::View(picture, view))
     }
 
-    /// Saves what the run has shown at the report's times, and what it shows now.
+    /// Saves the run's pictures and curves.
     fn save_set(&mut self, slot: usize) -> Result<(), AppError> {
         self.save(slot, |run| {
-            let mut pictures = run.snapshots.clone();
-            let last = pictures.last().map(|picture| picture.report.step);
-            let is_later = |now: &&Arc<Picture>| last.is_none_or(|last| last < now.report.step);
-            pictures.extend(run.picture.iter().filter(is_later).cloned());
-            What::Set(pictures, Box::new(run.history.clone()))
+            What::Set(run.pictures_of_set(), Box::new(run.history.clone()))
         })
     }
 

@@ -57,8 +57,29 @@ pub struct App {
     pub editing: Option<usize>,
     /// A slot and the scene that waits to replace it, while that is asked.
     pub reloaded: Option<(usize, Box<Slot>)>,
+    /// The scene that is offered in place of the active one, while that is asked.
+    pub improved: Option<Box<Slot>>,
+    /// What a scene in a dialog would take.
+    pub expectation: Expectation,
     /// Where the app ends.
     pub ending: Option<Ending>,
+}
+
+/// What a scene would take on this machine.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Expectation {
+    /// The name of the scene that is being measured.
+    pub asked: Option<String>,
+    /// The name of the one that was measured last, and what came out, in words.
+    pub known: Option<(String, String)>,
+}
+
+impl Expectation {
+    /// What is known of a scene.
+    pub fn words(&self, name: &str) -> Option<&str> {
+        let (known, words) = self.known.as_ref()?;
+        (known == name).then_some(words)
+    }
 }
 
 /// A scene and its run.
@@ -68,11 +89,15 @@ pub struct Slot {
     pub name: String,
     /// The file that the scene came from, if it is not a preset.
     pub file: Option<PathBuf>,
+    /// The folder of the run that it came from.
+    pub folder: Option<PathBuf>,
+    /// What is to be said when it is looked at first.
+    pub remark: Option<String>,
     /// The scene as loaded, with the anchoring that is in force at present.
     pub scene: Arc<Scene>,
     /// The scene as loaded: by it a kept run is known again.
     pub loaded: Arc<Scene>,
-    /// The run of an earlier time, from which the next one goes on.
+    /// The run of an earlier time, from which the first one goes on.
     pub kept: Option<Arc<KeptRun>>,
     /// The run; `None` until the slot is looked at for the first time.
     pub run: Option<Run>,
@@ -213,6 +238,8 @@ pub enum Question {
     Reload,
     /// Go on with the runs of an earlier time?
     GoOn,
+    /// Begin another run, with the change that the estimated errors suggest?
+    Improve,
 }
 
 impl Question {
@@ -223,6 +250,7 @@ impl Question {
             Self::Quit => "Quit",
             Self::Reload => "Reload",
             Self::GoOn => "Go on",
+            Self::Improve => "Improve",
         }
     }
 }

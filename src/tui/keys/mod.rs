@@ -57,6 +57,8 @@ pub enum Action {
     Slower,
     /// Edit the scene and load it anew.
     Edit,
+    /// Offer a run that is more accurate or cheaper.
+    Improve,
     /// Tell what each effect costs.
     Prices,
     /// Open another scene.

@@ -13,8 +13,10 @@ use super::Look;
 use super::rows::{self, Row, Widths};
 use super::shown::Shown;
 use super::text;
-use crate::simulation::{ErrorPart, Phase, Report};
+use crate::simulation::{Costs, ErrorPart, Phase, Report};
+use crate::study::Suggestion;
 use crate::tui::curve;
+use crate::tui::keys::{self, Action};
 use crate::tui::layout::{Step, Wish};
 use crate::tui::numbers::{brief, milliseconds, significant};
 use crate::tui::theme::{Role, Theme};
@@ -23,7 +25,7 @@ use crate::tui::theme::{Role, Theme};
 pub fn wish(_: Step) -> Wish {
     Wish {
         least: 4,
-        full: 5 + Phase::ALL.len() as u16,
+        full: 6 + Phase::ALL.len() as u16,
     }
 }
 
@@ -49,7 +51,12 @@ pub fn draw(shown: &Shown<'_>, look: Look, theme: &Theme, area: Rect, buffer: &m
     let widths = Widths::of(area.width);
     let marks = shown.marks();
     let curves = shown.curves(&marks, look.view.logarithmic);
-    let total = report.costs.total();
+    // Of an older picture, what that step took; now, what steps take.
+    let costs = match shown.back {
+        None => run.pace.cost(),
+        Some(_) => report.costs,
+    };
+    let total = costs.total();
     let at = |row: u16| {
         let row = Rect {
             y: area.y + row,
@@ -72,15 +79,7 @@ pub fn draw(shown: &Shown<'_>, look: Look, theme: &Theme, area: Rect, buffer: &m
     let parts = if area.height >= all + 3 { all } else { 0 };
     for (index, phase) in Phase::ALL.into_iter().enumerate().take(usize::from(parts)) {
         let area = at(1 + index as u16);
-        phase_row(
-            phase,
-            index,
-            report.costs.of(phase),
-            total,
-            theme,
-            area,
-            buffer,
-        );
+        phase_row(phase, index, costs.of(phase), total, theme, area, buffer);
     }
     text::line(
         buffer,
@@ -91,9 +90,21 @@ pub fn draw(shown: &Shown<'_>, look: Look, theme: &Theme, area: Rect, buffer: &m
     let law = law_line(shown, report, theme);
     let used = law.width() as u16;
     if area.height > 3 + parts
-        && let Some(budget) = budget(report, theme)
+        && let Some(budget) = budget(report, &costs, area.width, theme)
     {
         text::line(buffer, area, 3 + parts, budget);
+    }
+    if area.height > 4 + parts
+        && let Some(suggestion) = Suggestion::of(shown.scene(), &report.budget)
+    {
+        let words = Line::from(vec![
+            Span::styled(
+                format!(" {} ", keys::label(Action::Improve)),
+                theme.style(Role::Accent),
+            ),
+            Span::styled(suggestion.what().to_owned(), theme.muted()),
+        ]);
+        text::line(buffer, area, 4 + parts, words);
     }
     text::line(buffer, area, 2 + parts, law);
     let beside = widths.beside(at(2 + parts));
@@ -103,15 +114,16 @@ pub fn draw(shown: &Shown<'_>, look: Look, theme: &Theme, area: Rect, buffer: &m
     }
 }
 
-/// The estimated errors of φ, and which of them is the largest.
-fn budget<'a>(report: &Report, theme: &Theme) -> Option<Line<'a>> {
+/// The estimated errors of φ, the largest in colour, with what is spent on them where there is room.
+fn budget<'a>(report: &Report, costs: &Costs, width: u16, theme: &Theme) -> Option<Line<'a>> {
     let budget = report.budget;
     let (largest, _) = budget.largest()?;
+    let algebra = if width >= 46 { "algebra" } else { "alg." };
     let mut spans = vec![Span::styled(" error", theme.muted())];
     for (part, name, error) in [
         (ErrorPart::Time, "time", budget.time),
         (ErrorPart::Space, "space", budget.space),
-        (ErrorPart::Algebra, "algebra", budget.algebra),
+        (ErrorPart::Algebra, algebra, budget.algebra),
     ] {
         spans.push(Span::styled(format!(" {name} "), theme.muted()));
         let value = error.map_or("-".to_owned(), |error| brief(error, 2));
@@ -119,6 +131,11 @@ fn budget<'a>(report: &Report, theme: &Theme) -> Option<Line<'a>> {
             true => Span::styled(value, theme.style(Role::Warning)),
             false => Span::raw(value),
         });
+        if width >= 74 && !costs.total().is_zero() {
+            let spent: Duration = part.phases().iter().map(|phase| costs.of(*phase)).sum();
+            let words = format!(" ({} ms)", milliseconds(spent));
+            spans.push(Span::styled(words, theme.muted()));
+        }
     }
     Some(Line::from(spans))
 }

@@ -10,7 +10,7 @@ use crate::scene::preset_description;
 use crate::tui::layout::centred;
 use crate::tui::state::{App, Question};
 use crate::tui::theme::{Role, Theme};
-use crate::tui::update::offered;
+use crate::tui::update::{expectation_wanted, offered};
 
 /// Draws a question.
 pub fn confirm(app: &App, question: Question, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
@@ -22,7 +22,7 @@ pub fn confirm(app: &App, question: Question, theme: &Theme, screen: Rect, buffe
     let title = question.title();
     let words = match question {
         Question::Restart => {
-            format!("Begin {name} anew? It is at step {step}, and not saved: S saves it.")
+            format!("Begin {name} anew? It is at step {step}, and not saved: n, then S saves it.")
         }
         Question::Reload => format!(
             "Begin {name} anew with the scene as it stands in its file now? \
@@ -30,6 +30,7 @@ pub fn confirm(app: &App, question: Question, theme: &Theme, screen: Rect, buffe
         ),
         Question::Quit => quit_words(app),
         Question::GoOn => kept_words(app),
+        Question::Improve => improve_words(app),
     };
     let width = 56.min(screen.width.saturating_sub(4));
     let words = text::wrap(&words, usize::from(width).saturating_sub(4));
@@ -64,6 +65,19 @@ fn kept_words(app: &App) -> String {
     )
 }
 
+/// What would be changed, why, and what the run would take.
+fn improve_words(app: &App) -> String {
+    let (Some(slot), Some(name)) = (&app.improved, expectation_wanted(app)) else {
+        return String::new();
+    };
+    let why = slot.remark.as_deref().unwrap_or_default();
+    let price = match app.expectation.words(&name) {
+        Some(words) => format!("It takes {words}."),
+        None => "What it takes is being measured.".to_owned(),
+    };
+    format!("{why} A new run of {name}? {price}")
+}
+
 /// Which runs would be lost.
 fn quit_words(app: &App) -> String {
     let lost: Vec<String> = app
@@ -76,15 +90,18 @@ fn quit_words(app: &App) -> String {
         .collect();
     match lost.len() {
         0 => "Leave vesica?".to_owned(),
-        _ => format!("Leave vesica? Not saved: {}.", lost.join(", ")),
+        _ => format!(
+            "Leave vesica? No figures are saved of {}. The states are kept: you can go on with them \
+             another time.",
+            lost.join(", ")
+        ),
     }
 }
 
 /// Draws the dialog in which a scene's name is typed.
 pub fn open(
-    typed: &str,
-    chosen: Option<usize>,
-    error: Option<&str>,
+    app: &App,
+    (typed, chosen, error): (&str, Option<usize>, Option<&str>),
     theme: &Theme,
     screen: Rect,
     buffer: &mut Buffer,
@@ -93,7 +110,7 @@ pub fn open(
     let inner = usize::from(width).saturating_sub(4);
     let errors = error.map_or_else(Vec::new, |error| text::wrap(error, inner));
     let names = offered(typed);
-    let height = names.len().max(1) + errors.len() + 5;
+    let height = names.len().max(1) + errors.len() + 7;
     let area = centred(screen, width, height.min(usize::from(u16::MAX)) as u16);
     let inside = text::frame(
         buffer,
@@ -122,10 +139,10 @@ pub fn open(
             style = theme.pill(Role::Accent);
         }
         let line = Line::from(vec![
-            Span::styled(format!(" {name:<10}"), style),
+            Span::styled(format!(" {name:<12}"), style),
             Span::raw(" "),
             Span::styled(
-                text::shorten(description, inner.saturating_sub(13)),
+                text::shorten(description, inner.saturating_sub(15)),
                 theme.muted(),
             ),
         ]);
@@ -140,6 +157,15 @@ pub fn open(
             Span::styled(error, theme.style(Role::Bad)),
         );
         row += 1;
+    }
+    if let Some(name) = expectation_wanted(app) {
+        let words = match app.expectation.words(&name) {
+            Some(words) => format!("{name}: {words}"),
+            None => format!("{name}: what it takes is being measured"),
+        };
+        let last = inside.height.saturating_sub(1);
+        let words = text::shorten(&words, inner);
+        text::line(buffer, inside, last, Span::raw(words));
     }
 }
 

@@ -48,7 +48,7 @@ pub fn draw(shown: &Shown<'_>, look: Look, theme: &Theme, area: Rect, buffer: &m
         name: "total",
         colour: Some(theme.colour(Role::Total)),
         value: Some(report.total_energy),
-        start: history.total_energy.first(),
+        start: shown.energy_at_start(),
         digits: None,
         // What has a curve of its own below needs none in its row.
         series: (area.height < 2).then_some(&history.total_energy),
@@ -106,14 +106,18 @@ fn tall_curve(
         text::line_right(buffer, labels, 0, label(greatest));
         text::line_right(buffer, labels, area.height - 1, label(least));
     }
-    for (step, kind) in &run.history.marks {
+    // From the last one back: the name of a switch ends before the line of the next, or is left out.
+    let mut end = plot.width;
+    for (step, kind) in run.history.marks.iter().rev() {
         let share = *step as f64 / (curves.horizon as f64 + 1.0);
-        let offset = (share * f64::from(plot.width)) as u16 + 1;
-        let name = kind.name();
-        if offset + name.len() as u16 <= plot.width {
+        let line = (share * f64::from(plot.width)) as u16;
+        let (offset, name) = (line + 1, kind.name());
+        let room = end.saturating_sub(offset);
+        end = line;
+        if name.len() as u16 <= room {
             let area = Rect {
                 x: plot.x + offset,
-                width: plot.width - offset,
+                width: room,
                 ..plot
             };
             text::line(

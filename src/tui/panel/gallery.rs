@@ -25,24 +25,31 @@ pub fn draw(app: &App, theme: &Theme, canvas: &mut Canvas, area: Rect, buffer: &
     if slots.is_empty() || area.is_empty() {
         return;
     }
+    let common = reached(slots);
     for (index, tile) in tiles(area, slots.len()).into_iter().enumerate() {
         let focused = index == app.active;
         if let Some(slot) = slots.get(index) {
-            draw_tile(app, slot, focused, theme, canvas, tile, buffer);
+            let shown = Shown::at(slot, common);
+            draw_tile(app, &shown, focused, theme, canvas, tile, buffer);
         }
     }
 }
 
 /// The time that every run has reached.
+fn reached(slots: &[Slot]) -> Option<f64> {
+    let runs = slots.iter().filter_map(|slot| slot.run.as_ref());
+    runs.map(|run| run.report.t).reduce(f64::min)
+}
+
+/// The common clock, and how fast the runs are together.
 fn clock(slots: &[Slot], theme: &Theme, area: Rect, buffer: &mut Buffer) {
     let runs = slots.iter().filter_map(|slot| slot.run.as_ref());
-    let reached = runs.clone().map(|run| run.report.t).reduce(f64::min);
     let rate: f64 = runs.map(|run| run.pace.steps_per_second).sum();
     let mut spans = vec![
         Span::styled(" vesica ", theme.style(Role::Accent)),
         Span::styled("gallery", theme.strong()),
     ];
-    if let Some(t) = reached {
+    if let Some(t) = reached(slots) {
         spans.push(Span::styled("   all have reached t ", theme.muted()));
         spans.push(Span::raw(format!("{t:.3e}")));
     }
@@ -83,22 +90,21 @@ fn tiles(area: Rect, count: usize) -> Vec<Rect> {
 /// A picture, its name above it, its scalars beside or below it.
 fn draw_tile(
     app: &App,
-    slot: &Slot,
+    shown: &Shown<'_>,
     focused: bool,
     theme: &Theme,
     canvas: &mut Canvas,
     area: Rect,
     buffer: &mut Buffer,
 ) {
-    let shown = Shown::live(slot);
     let (word, role) = shown.status();
-    let mut title = Line::from(Span::styled(slot.name.as_str(), theme.strong()));
+    let mut title = Line::from(Span::styled(shown.slot.name.as_str(), theme.strong()));
     if let Some(kind) = shown.anchoring {
         title.push_span(Span::raw(format!(" {}", kind.name())));
     }
     let state = Line::styled(word, theme.style(role));
     let area = text::title(buffer, area, theme, focused, title, state);
-    let scalars = scalars(&shown, theme);
+    let scalars = scalars(shown, theme);
     let beside = scalars.iter().map(Line::width).max().unwrap_or(0) as u16 + 2;
     // Beside the picture if it does not become smaller by that.
     let with = fit(
@@ -157,7 +163,7 @@ fn draw_tile(
     for (row, scalar) in scalars.into_iter().enumerate() {
         text::line(buffer, list, row as u16, scalar);
     }
-    energy_curve(&shown, rows, app.view.logarithmic, theme, list, buffer);
+    energy_curve(shown, rows, app.view.logarithmic, theme, list, buffer);
 }
 
 /// The curve of the energy, where there is room for it below the scalars.
@@ -190,7 +196,7 @@ fn energy_curve(
 
 /// The scalars of a run, the most telling first.
 fn scalars<'a>(shown: &Shown<'_>, theme: &Theme) -> Vec<Line<'a>> {
-    let Some((run, report)) = shown.run.zip(shown.report) else {
+    let Some(report) = shown.report else {
         return Vec::new();
     };
     let entry = |name: &str, value: String, note: String| {
@@ -202,9 +208,11 @@ fn scalars<'a>(shown: &Shown<'_>, theme: &Theme) -> Vec<Line<'a>> {
     };
     let mut lines = vec![entry("t", format!("{:.3e}", report.t), String::new())];
     let energy = report.total_energy;
-    let start = run.history.baseline.unwrap_or(energy);
-    let change = percent(energy - start, start);
-    lines.push(entry("E", significant(energy, 5), format!(" {change}")));
+    let change = shown
+        .energy_at_start()
+        .map(|start| percent(energy - start, start));
+    let change = change.map_or(String::new(), |change| format!(" {change}"));
+    lines.push(entry("E", significant(energy, 5), change));
     if let Some(outline) = report.outline {
         let ratio = outline.waist / outline.width;
         lines.push(entry("waist/width", significant(ratio, 3), String::new()));

@@ -116,7 +116,10 @@ fn overlay(app: &App, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
             text,
             chosen,
             error,
-        }) => dialog::open(text, *chosen, error.as_deref(), theme, screen, buffer),
+        }) => {
+            let typed = (text.as_str(), *chosen, error.as_deref());
+            dialog::open(app, typed, theme, screen, buffer);
+        }
         Some(Overlay::Prices { text }) => dialog::prices(text, theme, screen, buffer),
         Some(Overlay::Message { title, text }) => {
             dialog::message(title, text, theme, screen, buffer);

@@ -45,6 +45,27 @@ impl<'a> Shown<'a> {
         }
     }
 
+    /// A slot's run at a time that it shares with others: as it was then, where it is further and that is
+    /// stored.
+    pub fn at(slot: &'a Slot, t: Option<f64>) -> Self {
+        let live = Self::live(slot);
+        let stored = live.run.zip(t).and_then(|(run, t)| {
+            let latest = run.picture.as_ref()?.report.t;
+            let nearest = run.past.nearest(t)?;
+            let is_nearer = (nearest.report.t - t).abs() < (latest - t).abs();
+            is_nearer.then_some(nearest.as_ref())
+        });
+        match stored {
+            None => live,
+            Some(picture) => Self {
+                picture: Some(picture),
+                report: Some(&picture.report),
+                anchoring: picture.anchoring,
+                ..live
+            },
+        }
+    }
+
     /// The active run, at the time that is looked at.
     pub fn active(app: &'a App) -> Option<Self> {
         let live = Self::live(app.slots.get(app.active)?);
@@ -72,6 +93,18 @@ impl<'a> Shown<'a> {
     /// The first value of B, from which β is measured.
     pub fn initial_surface_area(&self) -> Option<f64> {
         self.run?.history.surface_area.first()
+    }
+
+    /// What the change of E_total is counted from: the start, or the last switch of the anchoring, where
+    /// the energy became another one. `None` at a time between switches, of which that is not stored.
+    pub fn energy_at_start(&self) -> Option<f64> {
+        let history = &self.run?.history;
+        let step = self.report?.step;
+        match (history.marks.first(), history.marks.last()) {
+            (_, Some((last, _))) if step >= *last => history.baseline,
+            (Some((first, _)), _) if step >= *first => None,
+            _ => history.total_energy.first(),
+        }
     }
 
     /// The target β of the surface area, if the scene has one.

@@ -7,9 +7,10 @@ use super::super::message::Effect;
 use super::super::state::{
     App, DirectorStyle, Ending, Field, Notice, Overlay, Panel, Question, Save, Screen, Slot, Status,
 };
-use super::{leave, remark, saving};
+use super::{leave, overlays, remark, saving};
 use crate::scene::AnchoringKind;
 use crate::simulation::Command;
+use crate::study::Suggestion;
 
 /// The frame rates that the keys go through.
 const FRAME_RATES: [u32; 7] = [1, 2, 5, 10, 15, 20, 30];
@@ -54,6 +55,7 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
                 app.overlay = Some(Overlay::Prices { text });
             }
         }
+        Action::Improve => improve(app),
         Action::Notices => show_notices(app),
         Action::Help => app.overlay = Some(Overlay::Help { scroll: 0 }),
         Action::Suspend => effects.push(Effect::Suspend),
@@ -68,6 +70,31 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
         | Action::Load
         | Action::Erase
         | Action::Clear => {}
+    }
+}
+
+/// Offers a run with the change that the estimated errors of the active one suggest.
+fn improve(app: &mut App) {
+    let suggestion = app.active_slot().and_then(|slot| {
+        let run = slot.run.as_ref()?;
+        let suggestion = Suggestion::of(&slot.scene, &run.report.budget)?;
+        let mut improved = Slot::new(
+            format!("{}-improved", slot.name),
+            None,
+            suggestion.applied_to(&slot.scene),
+        );
+        improved.remark = Some(suggestion.to_string());
+        Some(improved)
+    });
+    match suggestion {
+        Some(improved) => {
+            app.improved = Some(Box::new(improved));
+            app.overlay = Some(Overlay::Confirm(Question::Improve));
+        }
+        None => remark(
+            app,
+            "the errors are not known yet, or the scene's own data allow no other mesh",
+        ),
     }
 }
 
@@ -88,7 +115,7 @@ pub(super) fn ask(app: &mut App, question: Question, effects: &mut Vec<Effect>) 
     let loses = match question {
         Question::Quit => app.has_unsaved(),
         Question::Restart => app.active_run().is_some_and(|run| run.unsaved),
-        Question::GoOn => true,
+        Question::GoOn | Question::Improve => true,
         Question::Reload => app.reloaded.as_ref().is_some_and(|(index, _)| {
             let run = app.slots.get(*index).and_then(|slot| slot.run.as_ref());
             run.is_some_and(|run| run.unsaved)
@@ -108,6 +135,11 @@ pub(super) fn consent(app: &mut App, question: Question, effects: &mut Vec<Effec
         Question::Restart => begin_anew(app, app.active, effects),
         // They are where the next runs begin.
         Question::GoOn => {}
+        Question::Improve => {
+            if let Some(slot) = app.improved.take() {
+                overlays::add(app, *slot);
+            }
+        }
         Question::Reload => {
             if let Some((index, slot)) = app.reloaded.take() {
                 begin_anew(app, index, effects);
@@ -184,6 +216,8 @@ fn pause_or_resume(app: &mut App) {
 }
 
 fn step(app: &mut App, effects: &mut Vec<Effect>) {
+    // A step is taken from the present, and looked at.
+    look_back(app, None);
     if let Some(run) = app.active_run_mut() {
         let command = run.reins.step();
         effects.push(Effect::Tell(run.id, command));

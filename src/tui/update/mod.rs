@@ -1,6 +1,7 @@
 //! What happens to the state: one pure function.
 
 mod actions;
+mod expecting;
 mod news;
 mod overlays;
 mod saving;
@@ -14,7 +15,9 @@ use super::keys::{self, Place};
 use super::message::{Effect, Message};
 use super::state::{App, Ending};
 
+pub use expecting::wanted as expectation_wanted;
 pub use overlays::offered;
+pub(super) use stage::SNAPSHOTS;
 
 /// Takes a message into the state; what is to be done about it is the caller's.
 ///
@@ -45,6 +48,7 @@ pub fn update(app: &mut App, message: Message) -> Vec<Effect> {
         Message::Loaded(Ok(slot)) => overlays::loaded(app, slot, &mut effects),
         Message::Loaded(Err(reason)) => overlays::not_loaded(app, reason),
         Message::Prices(text) => overlays::priced(app, text),
+        Message::Expected(name, words) => expecting::expected(app, name, words),
         Message::Saved(outcome) => saving::saved(app, outcome, &mut effects),
         Message::Signal(number) => end(app, Ending::Signal(number), &mut effects),
         Message::HungUp => end(app, Ending::HungUp, &mut effects),
@@ -52,6 +56,7 @@ pub fn update(app: &mut App, message: Message) -> Vec<Effect> {
         Message::Tick => {}
     }
     if app.ending.is_none() {
+        expecting::follow(app, &mut effects);
         stage::direct(app, &mut effects);
     }
     effects

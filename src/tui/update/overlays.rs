@@ -1,5 +1,7 @@
 //! What lies over the screen and takes the keys first, and scenes that come from there.
 
+use std::path::Path;
+
 use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
 
 use super::super::keys::{self, Action};
@@ -16,17 +18,24 @@ pub fn offered(text: &str) -> Vec<&'static str> {
         .collect()
 }
 
+/// The scene that would be opened for what was typed and chosen, if that is a scene's name.
+pub(super) fn candidate(text: &str, chosen: Option<usize>) -> Option<String> {
+    let names = offered(text);
+    if let Some(name) = chosen.and_then(|index| names.get(index)) {
+        return Some((*name).to_owned());
+    }
+    let text = text.trim();
+    (names.contains(&text) || text.ends_with(".toml")).then(|| text.to_owned())
+}
+
 pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
     match (action, &mut app.overlay) {
         (Action::Quit, Some(Overlay::Confirm(Question::Quit))) => {
             leave(app, Ending::Quit, effects);
         }
-        // Nothing has begun.
-        (Action::Quit, Some(Overlay::Confirm(Question::GoOn))) => {
-            leave(app, Ending::Quit, effects);
-        }
         (Action::Quit, _) => {
             app.reloaded = None;
+            app.improved = None;
             app.overlay = None;
             ask(app, Question::Quit, effects);
         }
@@ -41,6 +50,9 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
             app.overlay = None;
             if question == Question::GoOn {
                 app.slots.iter_mut().for_each(|slot| slot.kept = None);
+            }
+            if question == Question::Improve {
+                app.improved = None;
             }
             if question == Question::Reload {
                 app.reloaded = None;
@@ -143,8 +155,8 @@ pub(super) fn loaded(app: &mut App, slot: Box<Slot>, effects: &mut Vec<Effect>) 
         None => other.file.is_none() && other.name == slot.name,
     });
     let Some(index) = known else {
-        app.slots.push(*slot);
-        look_at(app, app.slots.len() - 1);
+        add(app, *slot);
+        app.offer_to_go_on();
         return;
     };
     look_at(app, index);
@@ -157,6 +169,25 @@ pub(super) fn loaded(app: &mut App, slot: Box<Slot>, effects: &mut Vec<Effect>) 
         app.reloaded = Some((index, slot));
         ask(app, Question::Reload, effects);
     }
+}
+
+/// Gives a scene a slot of its own and looks at it.
+pub(super) fn add(app: &mut App, mut slot: Slot) {
+    slot.name = own_name(app, slot.name, slot.file.as_deref());
+    app.slots.push(slot);
+    look_at(app, app.slots.len() - 1);
+}
+
+/// What no other slot is called by: a file that is called as another scene is keeps its ending.
+fn own_name(app: &App, name: String, file: Option<&Path>) -> String {
+    let is_taken = |name: &str| app.slots.iter().any(|slot| slot.name == name);
+    let whole = file
+        .and_then(Path::file_name)
+        .map(|it| it.to_string_lossy());
+    let whole = whole.map_or(name.clone(), |whole| whole.into_owned());
+    let numbered = (2..).map(|number: u64| format!("{name}-{number}"));
+    let mut names = [name.clone(), whole].into_iter().chain(numbered);
+    names.find(|name| !is_taken(name)).unwrap_or(name)
 }
 
 /// Whether a scene is that of a slot, but for the anchoring that was chosen since it was loaded.

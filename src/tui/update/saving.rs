@@ -35,6 +35,8 @@ pub(super) fn saved(app: &mut App, outcome: Result<PathBuf, String>, effects: &m
                 run.unsaved = false;
             }
             effects.push(Effect::Copy(path.display().to_string()));
+            // Over what a failed run has to say, until the next key.
+            remark(app, format!("saved {}", path.display()));
             app.saving = Saving::Saved(path);
         }
         Err(reason) => app.saving = Saving::Failed(reason),

@@ -11,7 +11,7 @@ use crate::simulation::{Orders, RunId};
 /// Reports are gathered for so long: shorter than the 50 ms in which a key is to be answered.
 const GATHERING: Duration = Duration::from_millis(40);
 /// The report's set shows φ at t = 0, T/4, T/2, 3T/4 and T.
-const SNAPSHOTS: u64 = 5;
+pub(in crate::tui) const SNAPSHOTS: u64 = 5;
 /// No run of the gallery is ahead of another by more than this part of T (and a step).
 const CLOCK_PARTS: f64 = 500.0;
 /// A time that misses the clock's tick by rounding is on it; in ticks.
@@ -147,11 +147,12 @@ fn guide(
     } else if going {
         let run = app.next_run;
         app.next_run = RunId(run.0 + 1);
-        if let Some(kept) = &slot.kept {
+        let kept = slot.kept.take();
+        if let Some(kept) = &kept {
             Arc::make_mut(&mut slot.scene).anchoring = kept.memory.anchoring();
         }
         slot.run = Some(Run {
-            before: slot.kept.clone(),
+            before: kept,
             ..Run::new(run, slot.anchoring(), horizon)
         });
         let orders = Orders {

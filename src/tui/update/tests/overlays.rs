@@ -8,6 +8,7 @@ use super::super::super::message::{Effect, Message};
 use super::super::super::state::{Ending, Overlay, Question, Slot, Status};
 use super::super::offered;
 use super::rig::{Rig, scene, slot};
+use crate::simulation::ErrorBudget;
 
 fn typed(rig: &Rig) -> (&str, Option<usize>, Option<&str>) {
     let Some(Overlay::Open {
@@ -275,4 +276,93 @@ fn the_prices_are_shown_while_they_are_looked_at() {
     assert_eq!(rig.app.overlay, None);
     rig.tell(Message::Prices("too late".to_owned()));
     assert_eq!(rig.app.overlay, None);
+}
+
+/// The names of scenes whose price the app wants measured.
+fn asked_prices(rig: &mut Rig) -> Vec<String> {
+    let asked = rig.effects.drain(..).filter_map(|effect| match effect {
+        Effect::Expect(name, _) => Some(name),
+        _ => None,
+    });
+    asked.collect()
+}
+
+#[test]
+fn the_dialog_tells_what_the_chosen_scene_would_take() {
+    let mut rig = Rig::new();
+    rig.keys("ocircl");
+    assert!(asked_prices(&mut rig).is_empty(), "that is no scene's name");
+    rig.keys("e");
+    assert_eq!(asked_prices(&mut rig), ["circle"]);
+    // Something else is looked at before that is known: one at a time.
+    rig.press_control('u');
+    rig.keys("case1");
+    assert!(asked_prices(&mut rig).is_empty());
+    rig.tell(Message::Expected("circle".into(), "about 3 s".into()));
+    assert_eq!(asked_prices(&mut rig), ["case1"]);
+    rig.tell(Message::Expected("case1".into(), "about 9 min".into()));
+    assert!(asked_prices(&mut rig).is_empty());
+    assert_eq!(rig.app.expectation.words("case1"), Some("about 9 min"));
+    rig.press(KeyCode::Esc);
+    assert!(asked_prices(&mut rig).is_empty());
+}
+
+#[test]
+fn what_the_errors_suggest_begins_as_another_run() {
+    let mut rig = Rig::new();
+    rig.keys("i");
+    assert!(
+        rig.app
+            .remark
+            .as_deref()
+            .is_some_and(|it| it.contains("not known yet"))
+    );
+    rig.work(3);
+    let run = rig.app.slots[2].run.as_mut().expect("it runs");
+    run.report.budget = ErrorBudget {
+        time: Some(1e-4),
+        space: Some(1e-2),
+        algebra: Some(1e-9),
+    };
+    rig.keys("i");
+    let question = Overlay::Confirm(Question::Improve);
+    assert_eq!(rig.app.overlay, Some(question.clone()));
+    assert_eq!(asked_prices(&mut rig).len(), 1);
+    rig.keys("n");
+    assert_eq!((rig.app.slots.len(), rig.app.active), (4, 2));
+    rig.keys("i");
+    assert_eq!(rig.app.overlay, Some(question));
+    rig.keys("y");
+    assert_eq!((rig.app.slots.len(), rig.app.active), (5, 4));
+    let slot = &rig.app.slots[4];
+    assert_eq!(slot.name, "case3-improved");
+    assert_eq!(slot.scene.time.tolerance, Some(5e-4));
+    assert!(slot.run.is_some(), "it has begun");
+    assert!(rig.app.slots[2].run.is_some(), "the other waits");
+}
+
+#[test]
+fn a_file_that_is_called_as_a_preset_has_another_name() {
+    let mut rig = Rig::new();
+    let mut slot = slot("case3");
+    slot.file = Some("case3.toml".into());
+    rig.tell(Message::Loaded(Ok(Box::new(slot))));
+    assert_eq!(rig.app.slots[4].name, "case3.toml");
+}
+
+#[test]
+fn a_kept_run_of_an_opened_scene_is_offered_too() {
+    let mut rig = Rig::new();
+    let mut slot = slot("mine");
+    slot.kept = Some(Default::default());
+    rig.tell(Message::Loaded(Ok(Box::new(slot))));
+    assert_eq!(rig.app.overlay, Some(Overlay::Confirm(Question::GoOn)));
+    assert!(rig.app.slots[4].run.is_none());
+    rig.keys("y");
+    assert!(
+        rig.app.slots[4]
+            .run
+            .as_ref()
+            .is_some_and(|run| run.before.is_some())
+    );
 }

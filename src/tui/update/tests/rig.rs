@@ -343,8 +343,10 @@ impl Rig {
         self.workers.get_mut(&run).expect("a worker")
     }
 
-    /// The only effect since the last call that concerns no worker.
+    /// The only effect since the last call that concerns no worker; what a scene would take does not count.
     pub(super) fn effect(&mut self) -> Effect {
+        self.effects
+            .retain(|effect| !matches!(effect, Effect::Expect(..)));
         assert_eq!(self.effects.len(), 1, "{:?}", self.effects);
         self.effects.remove(0)
     }

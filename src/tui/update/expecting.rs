@@ -1,0 +1,48 @@
+//! What a scene would take that could be opened: measured in the background, one at a time, for the one
+//! that is looked at.
+
+use std::sync::Arc;
+
+use super::super::message::Effect;
+use super::super::state::{App, Expectation, Overlay, Question};
+use super::overlays::candidate;
+
+/// Asks for what the dialog that is open would show, unless that is known or something else is being
+/// measured.
+pub(super) fn follow(app: &mut App, effects: &mut Vec<Effect>) {
+    let Some(name) = wanted(app) else {
+        return;
+    };
+    let expectation = &app.expectation;
+    if expectation.asked.is_some() || expectation.words(&name).is_some() {
+        return;
+    }
+    let scene = match &app.overlay {
+        Some(Overlay::Confirm(Question::Improve)) => {
+            app.improved.as_ref().map(|slot| Arc::clone(&slot.scene))
+        }
+        _ => None,
+    };
+    app.expectation.asked = Some(name.clone());
+    effects.push(Effect::Expect(name, scene));
+}
+
+/// The name of the scene whose price is to be shown.
+pub fn wanted(app: &App) -> Option<String> {
+    match &app.overlay {
+        Some(Overlay::Open { text, chosen, .. }) => candidate(text, *chosen),
+        Some(Overlay::Confirm(Question::Improve)) => {
+            app.improved.as_ref().map(|slot| slot.scene.name.clone())
+        }
+        _ => None,
+    }
+}
+
+/// Takes what was measured.
+pub(super) fn expected(app: &mut App, name: String, words: String) {
+    app.stale |= wanted(app).as_ref() == Some(&name);
+    app.expectation = Expectation {
+        asked: None,
+        known: Some((name, words)),
+    };
+}
