@@ -89,14 +89,17 @@ pub(super) fn draw(
         place.width() as usize * finer,
         place.height() as usize * finer,
     ];
-    let sampled = sample(mesh, [&values], size[0], size[1]);
+    // Where this is no number, there is no domain.
+    let everywhere = vec![1.0; mesh.nodes().len()];
+    let sampled = sample(mesh, [&values, &everywhere], size[0], size[1]);
+    let colour = |[value, domain]: &[f64; 2]| match domain.is_nan() {
+        true => Colour::WHITE,
+        false => style.scale.at(*value),
+    };
     drawing.images.push(Image {
         place,
         size,
-        cells: sampled
-            .iter()
-            .map(|[value]| style.scale.at(*value))
-            .collect(),
+        cells: sampled.iter().map(colour).collect(),
     });
 
     let frame = Frame::around(mesh);
@@ -220,6 +223,9 @@ const TICK_GAP: f64 = 0.25;
 /// Between a tick and its number below.
 const NUMBER_GAP: f64 = 0.1;
 
+/// A number that is wider than this, in sizes of the text, would meet that of the next picture.
+const LONG_NUMBER: f64 = 0.9;
+
 /// The room that the numbers of the y axis take at the left of a picture.
 pub(super) fn left_room(size: f64) -> f64 {
     Label::text("0.5").width(size) + (TICK + TICK_GAP) * size
@@ -257,7 +263,15 @@ pub(super) fn draw_axes(
         );
         if numbers.below {
             let at = [x, place.bottom + tick + NUMBER_GAP * size];
-            drawing.label(&Label::text(&across), size, at, Across::Middle, Along::Top);
+            let label = Label::text(&across);
+            // Long numbers at the ends keep out of the next picture.
+            let anchor = match share {
+                _ if label.width(size) < LONG_NUMBER * size => Across::Middle,
+                0.0 => Across::Left,
+                1.0 => Across::Right,
+                _ => Across::Middle,
+            };
+            drawing.label(&label, size, at, anchor, Along::Top);
         }
         if numbers.left {
             let at = [place.left - tick - TICK_GAP * size, y];
