@@ -61,8 +61,12 @@ pub fn memory_held(scene: &Scene, with_factor: bool) -> u64 {
         per_node += extrapolation(scene);
     }
     if is_shifted(scene) {
-        let is_fixed = scene.time.tolerance.is_none() && scene.time.order == Order::First;
-        let more_factors = if is_fixed { 0.0 } else { 6.0 };
+        // In halves and in thirds one shift is another; with chosen steps as many are kept as can be.
+        let more_factors = match (scene.time.tolerance, scene.time.order) {
+            (Some(_), _) => 6.0,
+            (None, Order::First) => 0.0,
+            (None, _) => 2.0,
+        };
         per_node += SHIFTED + (SHIFTED_GROWTH + more_factors * SHIFTED_FACTOR) * nodes.log2();
     }
     if with_factor {
@@ -184,7 +188,8 @@ mod tests {
         assert!(held(&["time.order=2"]) < held(&["time.order=3"]));
     }
 
-    /// About as much as was measured: 14 MB more than with the cosine transform.
+    /// About as much as was measured: 12.1 MB (2²⁰ bytes) more than with the cosine transform, and 16.0 where
+    /// steps are taken in thirds as well.
     #[test]
     fn shifted_laplacians_need_less_than_the_factor() {
         let needed = |settings: &[&str]| memory_needed(&scene(settings)) as f64 / 1e6;
@@ -195,8 +200,8 @@ mod tests {
             needed(&["solver.linear=shifted"])
         );
         assert!(needed(&["solver.linear=factor"]) > needed(&[]) + 4.0 * more);
-        let chosen = needed(&["solver.linear=shifted", "time.order=3"]) - needed(&["time.order=3"]);
-        assert!(chosen > more + 5.0, "{chosen}");
+        let thirds = needed(&["solver.linear=shifted", "time.order=3"]) - needed(&["time.order=3"]);
+        assert!((14.0..18.0).contains(&thirds), "{thirds}");
     }
 
     #[test]
