@@ -9,7 +9,6 @@
 //! command line leaves out cost nothing.
 
 use std::hint::black_box;
-use std::sync::Arc;
 use std::time::Duration;
 
 use criterion::measurement::WallTime;
@@ -42,9 +41,24 @@ fn case3(cells: usize, quadrature: &str, linear: &str) -> Scene {
     Scene::parse(text, "preset case3", &overrides, &mut no_files).expect("a sound scene")
 }
 
+/// Edges of Delaunay meshes with about as many nodes as the structured ones of 60, 120 and 240 cells.
+const EDGES: [(f64, usize); 3] = [(0.0178, 60), (0.00888, 120), (0.00445, 240)];
+
+/// Case 3 on a Delaunay mesh.
+fn case3_on_triangles(edge: f64, quadrature: &str) -> Scene {
+    let text = find_preset("case3").expect("it is built in");
+    let overrides = [
+        "mesh.kind=delaunay".to_owned(),
+        format!("mesh.size={edge}"),
+        format!("solver.quadrature={quadrature}"),
+        "solver.linear=shifted".to_owned(),
+    ];
+    let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+    Scene::parse(text, "preset case3", &overrides, &mut no_files).expect("a sound scene")
+}
+
 fn scheme(scene: &Scene) -> Scheme {
-    let vesica::scene::Mesh::Structured { cells, .. } = scene.mesh;
-    let mesh = Arc::new(Mesh::structured(cells, 0.0, 1).expect("a fair mesh"));
+    let mesh = Mesh::of(scene).expect("a fair mesh");
     let initial = initial_fields(scene, &mesh).expect("φ⁰ and d⁰ exist");
     Scheme::new(scene, mesh, initial.phi, initial.director).expect("the factor can be analysed")
 }
@@ -84,6 +98,29 @@ fn whole_steps(criterion: &mut Criterion) {
                     bencher.iter(|| scheme.step(dt).expect("a solvable step").krylov);
                 });
             }
+        }
+    }
+}
+
+/// Whole steps on meshes that are no grid, to be compared with step/transform of the same number.
+fn steps_on_triangles(criterion: &mut Criterion) {
+    let mut group = group(criterion, "step/shifted");
+    for quadrature in QUADRATURES {
+        for (edge, cells) in EDGES {
+            let scene = case3_on_triangles(edge, quadrature);
+            let dt = scene.time.step;
+            let mut ready = None;
+            group.throughput(nodes(cells));
+            group.bench_function(BenchmarkId::new(quadrature, cells), |bencher| {
+                let scheme = ready.get_or_insert_with(|| {
+                    let mut scheme = scheme(&scene);
+                    for _ in 0..WARM_UP {
+                        scheme.step(dt).expect("a solvable step");
+                    }
+                    scheme
+                });
+                bencher.iter(|| scheme.step(dt).expect("a solvable step").krylov);
+            });
         }
     }
 }
@@ -183,5 +220,12 @@ fn phases(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, whole_steps, factor, phases, director_everywhere);
+criterion_group!(
+    benches,
+    whole_steps,
+    steps_on_triangles,
+    factor,
+    phases,
+    director_everywhere
+);
 criterion_main!(benches);

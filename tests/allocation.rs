@@ -205,6 +205,8 @@ fn a_step_allocates_nothing() {
     for quadrature in ["solver.quadrature=consistent", "solver.quadrature=lumped"] {
         for path in [
             "solver.linear=transform",
+            "solver.linear=shifted",
+            "mesh.jitter=0.2",
             "solver.linear=factor",
             "domain.boundary=clamped",
             "solver.iteration=lagged",
@@ -224,7 +226,11 @@ fn a_step_allocates_nothing() {
 
 #[test]
 fn a_state_is_remembered_and_recalled_without_allocation() {
-    for path in ["solver.linear=transform", "solver.linear=factor"] {
+    for path in [
+        "solver.linear=transform",
+        "solver.linear=shifted",
+        "solver.linear=factor",
+    ] {
         let scene = scene(SMALL, &[path]);
         let mut scheme = scheme(&scene);
         let mut memory = Memory::default();

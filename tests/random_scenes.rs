@@ -22,18 +22,15 @@ fn between(from: f64, to: f64) -> impl Strategy<Value = f64> {
 
 fn domain_and_mesh() -> impl Strategy<Value = String> {
     let jitter = prop_oneof![Just(0.0), 0.0..0.89];
-    (
-        one_of(&["natural", "clamped"]),
-        4_usize..=9,
-        jitter,
-        any::<u8>(),
-    )
-        .prop_map(|(boundary, cells, jitter, seed)| {
-            format!(
-                "domain.boundary = '{boundary}'\n\
-                 mesh = {{ cells = {cells}, jitter = {jitter:?}, seed = {seed} }}\n"
-            )
-        })
+    let structured = (4_usize..=9, jitter, any::<u8>()).prop_map(|(cells, jitter, seed)| {
+        format!("mesh = {{ cells = {cells}, jitter = {jitter:?}, seed = {seed} }}\n")
+    });
+    let delaunay = (0.12..0.25, any::<u8>()).prop_map(|(size, seed): (f64, u8)| {
+        format!("mesh = {{ kind = 'delaunay', size = {size:?}, seed = {seed} }}\n")
+    });
+    let mesh = prop_oneof![3 => structured, 1 => delaunay];
+    (one_of(&["natural", "clamped"]), mesh)
+        .prop_map(|(boundary, mesh)| format!("domain.boundary = '{boundary}'\n{mesh}"))
 }
 
 fn outline() -> impl Strategy<Value = String> {

@@ -89,8 +89,18 @@ pub(super) fn accuracy(arguments: &Arguments) -> Result<(), CliError> {
 
 fn print(study: &Study) -> Result<(), CliError> {
     output::line(format_args!(
-        "{:>5}  {:<18} {:<10} {:>9} {:>7} {:>7} {:>9} {:>9} {:>9} {:>9}",
-        "cells", "steps", "", "seconds", "MB", "steps", "φ", "membrane", "E_total", "of steps"
+        "{:>5}  {:>6} {:<18} {:<10} {:>9} {:>7} {:>7} {:>9} {:>9} {:>9} {:>9}",
+        "cells",
+        "nodes",
+        "steps",
+        "",
+        "seconds",
+        "MB",
+        "steps",
+        "φ",
+        "membrane",
+        "E_total",
+        "of steps"
     ))?;
     for point in &study.points {
         output::line(row(point))?;
@@ -149,9 +159,10 @@ fn row(point: &Point) -> String {
     };
     let errors = point.errors;
     let mut row = format!(
-        "{:>5}{} {:<18} {how:<10} {:>9} {memory:>7} {:>7} {:>9} {:>9} {:>9} {:>9}",
+        "{:>5}{} {:>6} {:<18} {how:<10} {:>9} {memory:>7} {:>7} {:>9} {:>9} {:>9} {:>9}",
         point.cells,
         if point.is_own { "*" } else { " " },
+        point.nodes,
         point.pace.to_string(),
         format!("{:.2}", point.seconds),
         point.steps,

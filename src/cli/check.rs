@@ -3,9 +3,10 @@
 use super::error::CliError;
 use super::output;
 use super::run::some_step;
+use crate::fem::Quality;
 use crate::record::{load_scene, step_count};
 use crate::scene::{self, Mesh, Scene, Warning};
-use crate::simulation;
+use crate::simulation::{self, Examination};
 use crate::study::run_price;
 use std::ffi::{OsStr, OsString};
 
@@ -35,9 +36,12 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
     for source in &arguments.scenes {
         let name = source.display();
         match examine(source, &arguments.set) {
-            Ok((scene, warnings)) => {
-                output::line(format_args!("{name}: ok, {}", describe(&scene)))?;
-                for warning in warnings {
+            Ok((scene, found)) => {
+                output::line(format_args!("{name}: ok, {}", describe(&scene, &found)))?;
+                if let Some(triangles) = triangles(&scene, &found) {
+                    output::line(format_args!("{name}: {triangles}"))?;
+                }
+                for warning in found.warnings {
                     output::warning(format_args!("{name}: {warning}"));
                 }
                 if !arguments.quick && nodes(&scene) <= MOST_NODES {
@@ -67,26 +71,73 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
 }
 
 /// Loads a scene and goes as far as a run would before its first step.
-fn examine(source: &OsStr, overrides: &[String]) -> Result<(Scene, Vec<Warning>), CliError> {
+fn examine(source: &OsStr, overrides: &[String]) -> Result<(Scene, Found), CliError> {
     let scene = load_scene(source, overrides)?.scene;
     some_step(&scene.time)?;
     simulation::check_memory(&scene).map_err(CliError::SetUp)?;
-    let warnings = if nodes(&scene) <= MOST_NODES {
-        simulation::examine(&scene).map_err(CliError::SetUp)?
+    let found = if nodes(&scene) <= MOST_NODES {
+        let Examination {
+            warnings,
+            nodes,
+            quality,
+        } = simulation::examine(&scene).map_err(CliError::SetUp)?;
+        Found {
+            warnings,
+            nodes: nodes.to_string(),
+            quality: Some(quality),
+        }
     } else {
-        scene::warnings(&scene)
+        let is_estimate = matches!(scene.mesh, Mesh::Delaunay { .. });
+        Found {
+            warnings: scene::warnings(&scene),
+            nodes: format!(
+                "{}{}",
+                if is_estimate { "about " } else { "" },
+                nodes(&scene)
+            ),
+            quality: None,
+        }
     };
-    Ok((scene, warnings))
+    Ok((scene, found))
 }
 
+/// What is told of a scene.
+struct Found {
+    warnings: Vec<Warning>,
+    /// How many there are, in words.
+    nodes: String,
+    /// Of the mesh, if it was made.
+    quality: Option<Quality>,
+}
+
+/// How good the triangles are, of meshes where that does not follow from the scene.
+fn triangles(scene: &Scene, found: &Found) -> Option<String> {
+    let quality = found.quality?;
+    let turned = match &scene.mesh {
+        Mesh::Structured { .. } => return None,
+        Mesh::Delaunay { .. } => 0,
+        Mesh::File(file) => file.triangulation.turned,
+    };
+    let [shortest, mean, longest] = quality.edges;
+    let mut words = format!(
+        "triangles with angles from {:.1}° to {:.1}°, edges from {shortest:.3e} to {longest:.3e}, \
+         {mean:.3e} in the mean",
+        quality.least_angle, quality.greatest_angle,
+    );
+    if turned > 0 {
+        words += &format!("; {turned} were turned round in the file");
+    }
+    Some(words)
+}
+
+/// How many nodes there are, or will be about.
 fn nodes(scene: &Scene) -> usize {
-    let Mesh::Structured { cells, .. } = scene.mesh;
-    (cells + 1) * (cells + 1)
+    simulation::node_count(scene) as usize
 }
 
-fn describe(scene: &Scene) -> String {
+fn describe(scene: &Scene, found: &Found) -> String {
     let steps = step_count(&scene.time);
-    let nodes = nodes(scene);
+    let nodes = &found.nodes;
     match steps {
         Some(steps) => format!("{nodes} nodes, {steps} steps"),
         None => format!("{nodes} nodes, chosen steps"),

@@ -5,7 +5,7 @@ use super::numbers;
 use super::output;
 use super::signals::EndSignal;
 use crate::record::load_scene;
-use crate::scene::Mesh;
+use crate::simulation::node_count;
 use crate::study::{Plan, prices, prices_table};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::ffi::OsString;
@@ -63,10 +63,13 @@ pub(super) fn effects(arguments: &Arguments) -> Result<(), CliError> {
     let found = found.map_err(CliError::Study)?;
     match (found, ended) {
         (Some(prices), _) => {
-            let Mesh::Structured { cells, .. } = scene.mesh;
+            let mesh = match scene.mesh.cells() {
+                Some(cells) => format!("{cells} × {cells} cells"),
+                None => format!("about {:.0} nodes", node_count(&scene)),
+            };
             let Plan { warm_up, steps } = plan;
             output::line(format_args!(
-                "{}: {cells} × {cells} cells, steps {} to {}\n",
+                "{}: {mesh}, steps {} to {}\n",
                 scene.name,
                 warm_up + 1,
                 warm_up + steps

@@ -1,6 +1,6 @@
 //! The zero set of a P1 function: exact, segment by segment, and what is measured on it.
 
-use super::Mesh;
+use super::{Mesh, Wall};
 
 /// The set φ = 0 of a P1 function and the region φ > 0.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -81,12 +81,11 @@ impl Contour {
         (length > 0.0).then(|| 4.0 * std::f64::consts::PI * self.area / (length * length))
     }
 
-    /// The least distance from the zero set to the sides of the unit square; `None` where the zero
-    /// set is empty.
-    pub fn wall_distance(&self) -> Option<f64> {
+    /// The least distance from the zero set to the wall; `None` where the zero set is empty.
+    pub fn wall_distance(&self, wall: &Wall) -> Option<f64> {
         let places = self.segments.iter().flatten();
         places
-            .map(|[x, y]| x.min(1.0 - x).min(*y).min(1.0 - y))
+            .map(|place| wall.distance(*place))
             .min_by(f64::total_cmp)
     }
 

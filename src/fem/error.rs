@@ -9,7 +9,7 @@ use crate::linalg::LinalgError;
 pub enum FemError {
     /// A triangle that is turned round or has no area.
     #[error(
-        "triangle {triangle} (nodes {nodes:?}) has the signed area {area:.3e}; every triangle must have a positive one: lower mesh.jitter"
+        "triangle {triangle} (nodes {nodes:?}) has the signed area {area:.3e}; every triangle must have a positive one"
     )]
     DegenerateTriangle {
         /// Its number.
@@ -18,6 +18,14 @@ pub enum FemError {
         nodes: [u32; 3],
         /// Its area, negative where it is turned round.
         area: f64,
+    },
+    /// The nodes could not be triangulated.
+    #[error("{nodes} nodes could not be triangulated: {reason}")]
+    Triangulation {
+        /// How many.
+        nodes: usize,
+        /// What the library says.
+        reason: String,
     },
     /// The linear system of a projection could not be solved.
     #[error("the projection of the initial phase field failed")]

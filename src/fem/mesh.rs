@@ -1,10 +1,14 @@
 //! Triangulations of Ω: connectivity, areas, gradients of the basis functions, boundary nodes.
 
+use std::borrow::Cow;
+
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
 use super::FemError;
+use super::numbering::along_curve;
+use crate::scene::Triangulation;
 
 /// A triangulation. Nothing in it says how it was made, [`Mesh::grid`] apart.
 #[derive(Debug, Clone)]
@@ -15,6 +19,8 @@ pub struct Mesh {
     gradients: Vec<[[f64; 2]; 3]>,
     on_boundary: Vec<bool>,
     grid: Option<Grid>,
+    /// The number that each node has outside; `None`: its own.
+    outer: Option<Vec<u32>>,
 }
 
 /// That a mesh is the regular one of right triangles on the unit square, row after row from below:
@@ -58,7 +64,37 @@ impl Mesh {
             gradients,
             on_boundary,
             grid: None,
+            outer: None,
         })
+    }
+
+    /// The mesh of a file. Inside, nodes and triangles are numbered such that neighbours are close;
+    /// values that come from outside or go there are in the file's order, by
+    /// [`inward`](Self::inward) and [`outward`](Self::outward).
+    ///
+    /// # Errors
+    /// `DegenerateTriangle`, which the check of the file should prevent.
+    pub fn from_triangulation(given: &Triangulation) -> Result<Self, FemError> {
+        let order = along_curve(&given.nodes);
+        let mut places = vec![0; order.len()];
+        for (place, node) in order.iter().enumerate() {
+            places[*node as usize] = place as u32;
+        }
+        let nodes = order.iter().map(|node| given.nodes[*node as usize]);
+        let mut triangles: Vec<[u32; 3]> = given
+            .triangles
+            .iter()
+            .map(|corners| corners.map(|node| places[node as usize]))
+            .collect();
+        // Whatever the order in the file, sums come out the same.
+        for corners in &mut triangles {
+            let least = (0..3).min_by_key(|corner| corners[*corner]).unwrap_or(0);
+            corners.rotate_left(least);
+        }
+        sort_by_nodes(&mut triangles);
+        let mut mesh = Self::new(nodes.collect(), triangles)?;
+        mesh.outer = Some(order);
+        Ok(mesh)
     }
 
     /// The structured mesh of the unit square: `cells` squares a side, each cut by the diagonal from
@@ -128,6 +164,44 @@ impl Mesh {
         let places = nodes.iter().map(|&node| self.nodes[node as usize]);
         let part = Self::new(places.collect(), corners.collect())?;
         Ok((part, nodes))
+    }
+
+    /// The number of a node outside: in the file that the mesh is from.
+    pub fn outer_number(&self, node: u32) -> u32 {
+        self.outer
+            .as_ref()
+            .map_or(node, |outer| outer[node as usize])
+    }
+
+    /// Nodal values in the mesh's own order, from those in the order of the file that it is from.
+    pub fn inward(&self, values: Vec<f64>) -> Vec<f64> {
+        match &self.outer {
+            None => values,
+            Some(outer) => outer.iter().map(|node| values[*node as usize]).collect(),
+        }
+    }
+
+    /// The nodes in the order of the file that the mesh is from.
+    pub fn outer_order(&self) -> Vec<usize> {
+        let nodes: Vec<usize> = (0..self.nodes.len()).collect();
+        self.outward(&nodes).into_owned()
+    }
+
+    /// Nodal values in the order of the file that the mesh is from.
+    pub fn outward<'a, T: Copy>(&self, values: &'a [T]) -> Cow<'a, [T]> {
+        let Some(outer) = &self.outer else {
+            return Cow::Borrowed(values);
+        };
+        let mut moved = values.to_vec();
+        for (node, value) in outer.iter().zip(values) {
+            moved[*node as usize] = *value;
+        }
+        Cow::Owned(moved)
+    }
+
+    /// The edges that belong to one triangle only, with the domain on their left.
+    pub fn boundary_edges(&self) -> Vec<[u32; 2]> {
+        boundary_edges(&self.triangles)
     }
 
     /// Where the nodes are.
@@ -202,18 +276,39 @@ fn moved(places: &[[f64; 2]], moves: &[[f64; 2]]) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Marks the ends of the edges that belong to one triangle only.
-fn boundary_nodes(count: usize, triangles: &[[u32; 3]]) -> Vec<bool> {
-    let mut edges: Vec<(u32, u32)> = triangles
+/// Sorts triangles by their nodes, the least first, so that those that follow each other share some.
+pub(super) fn sort_by_nodes(triangles: &mut [[u32; 3]]) {
+    triangles.sort_unstable_by_key(|corners| {
+        let mut sorted = *corners;
+        sorted.sort_unstable();
+        sorted
+    });
+}
+
+/// The edges that belong to one triangle only.
+fn boundary_edges(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
+    let mut edges: Vec<(u32, u32, bool)> = triangles
         .iter()
         .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)])
-        .map(|(from, to)| (from.min(to), from.max(to)))
+        .map(|(from, to)| (from.min(to), from.max(to), from > to))
         .collect();
     edges.sort_unstable();
+    let alone = edges
+        .chunk_by(|one, other| (one.0, one.1) == (other.0, other.1))
+        .filter(|same| same.len() == 1);
+    alone
+        .map(|edge| match edge[0] {
+            (a, b, false) => [a, b],
+            (a, b, true) => [b, a],
+        })
+        .collect()
+}
+
+/// Marks the ends of the edges that belong to one triangle only.
+fn boundary_nodes(count: usize, triangles: &[[u32; 3]]) -> Vec<bool> {
     let mut on_boundary = vec![false; count];
-    for edge in edges.chunk_by(|a, b| a == b).filter(|same| same.len() == 1) {
-        on_boundary[edge[0].0 as usize] = true;
-        on_boundary[edge[0].1 as usize] = true;
+    for node in boundary_edges(triangles).into_iter().flatten() {
+        on_boundary[node as usize] = true;
     }
     on_boundary
 }

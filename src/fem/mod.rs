@@ -3,16 +3,21 @@
 
 mod assembly;
 mod contour;
+mod delaunay;
 mod error;
 mod mass;
 mod mass_inverse;
 mod mesh;
+mod numbering;
+mod of_scene;
 mod patch;
 mod projection;
+mod quality;
 mod raster;
 mod recovery;
 mod rule;
 mod space;
+mod wall;
 
 pub use assembly::{Assembly, SymmetricTensor};
 pub use contour::{Contour, OutlineMeasure};
@@ -22,7 +27,9 @@ pub use mass_inverse::MassInverse;
 pub use mesh::{Grid, Mesh};
 pub use patch::Patch;
 pub use projection::{GivenFunction, l2_projection, ritz_projection};
+pub use quality::Quality;
 pub use raster::{Raster, Rectangle};
 pub use recovery::Recovery;
 pub use rule::Rule;
 pub use space::Space;
+pub use wall::Wall;

@@ -8,6 +8,7 @@ pub(super) struct Colour(pub [u8; 3]);
 
 impl Colour {
     pub const BLACK: Colour = Colour([0, 0, 0]);
+    pub const WHITE: Colour = Colour([255, 255, 255]);
     pub const GREY: Colour = Colour([110, 110, 110]);
 }
 

@@ -6,9 +6,9 @@ use super::data::Field;
 use super::drawing::{Drawing, Image, Rectangle};
 use super::number::Axis;
 use super::outline::chain;
-use super::sampling::sample;
+use super::sampling::{Frame, sample};
 use super::text::{Across, Along, Label};
-use crate::fem::{Contour, Mesh};
+use crate::fem::{Contour, Mesh, Wall};
 use crate::physics::bending_energy_density;
 use crate::scheme::State;
 use std::borrow::Cow;
@@ -89,17 +89,22 @@ pub(super) fn draw(
         place.width() as usize * finer,
         place.height() as usize * finer,
     ];
-    let sampled = sample(mesh, [&values], size[0], size[1]);
+    // Where this is no number, there is no domain.
+    let everywhere = vec![1.0; mesh.nodes().len()];
+    let sampled = sample(mesh, [&values, &everywhere], size[0], size[1]);
+    let colour = |[value, domain]: &[f64; 2]| match domain.is_nan() {
+        true => Colour::WHITE,
+        false => style.scale.at(*value),
+    };
     drawing.images.push(Image {
         place,
         size,
-        cells: sampled
-            .iter()
-            .map(|[value]| style.scale.at(*value))
-            .collect(),
+        cells: sampled.iter().map(colour).collect(),
     });
 
-    let on_picture = |[x, y]: [f64; 2]| {
+    let frame = Frame::around(mesh);
+    let on_picture = |at: [f64; 2]| {
+        let [x, y] = frame.share(at);
         [
             place.left + x * place.width(),
             place.bottom - y * place.height(),
@@ -111,6 +116,18 @@ pub(super) fn draw(
     for curve in chain(&Contour::new(mesh, &state.phi)) {
         let points = curve.into_iter().map(on_picture).collect();
         drawing.line(points, 1.6 * style.stroke(), Colour::BLACK);
+    }
+    // A domain that does not fill the frame has its own line.
+    let area: f64 = mesh.areas().iter().sum();
+    if area < (1.0 - 1e-9) * frame.side * frame.side {
+        let wall = Contour {
+            segments: Wall::of(mesh).edges().to_vec(),
+            area,
+        };
+        for curve in chain(&wall) {
+            let points = curve.into_iter().map(on_picture).collect();
+            drawing.line(points, 0.8 * style.stroke(), Colour::BLACK);
+        }
     }
     drawing.line(
         place.corners().to_vec(),
@@ -206,6 +223,9 @@ const TICK_GAP: f64 = 0.25;
 /// Between a tick and its number below.
 const NUMBER_GAP: f64 = 0.1;
 
+/// A number that is wider than this, in sizes of the text, would meet that of the next picture.
+const LONG_NUMBER: f64 = 0.9;
+
 /// The room that the numbers of the y axis take at the left of a picture.
 pub(super) fn left_room(size: f64) -> f64 {
     Label::text("0.5").width(size) + (TICK + TICK_GAP) * size
@@ -216,14 +236,21 @@ pub(super) fn lower_room(size: f64) -> f64 {
     super::text::line_height(size) + (TICK + NUMBER_GAP) * size
 }
 
-/// Ticks at the square's left and lower side, with numbers where they are asked for. Ω = [0,1]².
-pub(super) fn draw_axes(drawing: &mut Drawing, place: Rectangle, size: f64, numbers: Numbers) {
+/// Ticks at the square's left and lower side, with numbers where they are asked for.
+pub(super) fn draw_axes(
+    drawing: &mut Drawing,
+    place: Rectangle,
+    mesh: &Mesh,
+    size: f64,
+    numbers: Numbers,
+) {
     let tick = TICK * size;
     let width = 0.8 * stroke(size);
-    let names = [(0.0, "0"), (0.5, "0.5"), (1.0, "1")];
-    for (value, name) in names {
-        let x = place.left + value * place.width();
-        let y = place.bottom - value * place.height();
+    let Frame { corner, side } = Frame::around(mesh);
+    for share in [0.0, 0.5, 1.0] {
+        let [across, up] = corner.map(|least| tick_name(least + share * side));
+        let x = place.left + share * place.width();
+        let y = place.bottom - share * place.height();
         drawing.line(
             vec![[x, place.bottom], [x, place.bottom + tick]],
             width,
@@ -236,11 +263,19 @@ pub(super) fn draw_axes(drawing: &mut Drawing, place: Rectangle, size: f64, numb
         );
         if numbers.below {
             let at = [x, place.bottom + tick + NUMBER_GAP * size];
-            drawing.label(&Label::text(name), size, at, Across::Middle, Along::Top);
+            let label = Label::text(&across);
+            // Long numbers at the ends keep out of the next picture.
+            let anchor = match share {
+                _ if label.width(size) < LONG_NUMBER * size => Across::Middle,
+                0.0 => Across::Left,
+                1.0 => Across::Right,
+                _ => Across::Middle,
+            };
+            drawing.label(&label, size, at, anchor, Along::Top);
         }
         if numbers.left {
             let at = [place.left - tick - TICK_GAP * size, y];
-            drawing.label(&Label::text(name), size, at, Across::Right, Along::Middle);
+            drawing.label(&Label::text(&up), size, at, Across::Right, Along::Middle);
         }
     }
     // The axes' names stand between the numbers.
@@ -257,6 +292,16 @@ pub(super) fn draw_axes(drawing: &mut Drawing, place: Rectangle, size: f64, numb
             place.bottom - 0.75 * place.height(),
         ];
         drawing.label(&Label::symbol("y"), size, at, Across::Right, Along::Middle);
+    }
+}
+
+/// A coordinate in at most two decimals.
+fn tick_name(value: f64) -> String {
+    let text = format!("{value:.2}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    match text {
+        "-0" => "0".to_owned(),
+        text => text.replace('-', "\u{2212}"),
     }
 }
 

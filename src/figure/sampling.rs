@@ -1,31 +1,60 @@
 //! P1 functions at the points of a lattice, exactly.
 
-use crate::fem::Mesh;
+use crate::fem::{Mesh, Rectangle};
 
 /// Points within this of a triangle's edge, in barycentric coordinates, count as inside: no point
 /// may fall between two triangles by rounding.
 const SLACK: f64 = 1e-9;
 
-/// The values of P1 functions at the centres of `columns` × `rows` equal cells of the unit square,
-/// row by row from above; NaN where the mesh has no triangle.
+/// The square in the plane that a picture shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Frame {
+    /// Its lower left corner.
+    pub corner: [f64; 2],
+    /// The length of its sides.
+    pub side: f64,
+}
+
+impl Frame {
+    /// The smallest one that has a mesh in its middle: the unit square for a mesh of that.
+    pub fn around(mesh: &Mesh) -> Self {
+        let region = Rectangle::around(mesh);
+        let side = region.width().max(region.height());
+        let corner = [region.x, region.y].map(|[low, high]| {
+            let room = side - (high - low);
+            low - 0.5 * room
+        });
+        Self { corner, side }
+    }
+
+    /// Where a place is in the frame, from 0 to 1 in both directions.
+    pub fn share(&self, place: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|axis| (place[axis] - self.corner[axis]) / self.side)
+    }
+}
+
+/// The values of P1 functions at the centres of `columns` × `rows` equal cells of the frame, row by row
+/// from above; NaN where the mesh has no triangle.
 pub(super) fn sample<const N: usize>(
     mesh: &Mesh,
     fields: [&[f64]; N],
     columns: usize,
     rows: usize,
 ) -> Vec<[f64; N]> {
+    let frame = Frame::around(mesh);
     let mut values = vec![[f64::NAN; N]; columns * rows];
     let center = |cell: usize, cells: usize| (cell as f64 + 0.5) / cells as f64;
     for (corners, gradients) in mesh.triangles().iter().zip(mesh.gradients()) {
         let places = corners.map(|node| mesh.nodes()[node as usize]);
         let nodal = corners.map(|node| fields.map(|field| field[node as usize]));
-        let across = cells_between(places.map(|[x, _]| x), columns);
-        let up = cells_between(places.map(|[_, y]| y), rows);
+        let shares = places.map(|place| frame.share(place));
+        let across = cells_between(shares.map(|[x, _]| x), columns);
+        let up = cells_between(shares.map(|[_, y]| y), rows);
         for from_below in up {
-            let y = center(from_below, rows);
+            let y = frame.corner[1] + frame.side * center(from_below, rows);
             let row = rows - 1 - from_below;
             for column in across.clone() {
-                let x = center(column, columns);
+                let x = frame.corner[0] + frame.side * center(column, columns);
                 // ψ_a(x) = 1 + ∇ψ_a·(x − x_a).
                 let shares = [0, 1, 2].map(|a: usize| {
                     let ([gx, gy], [px, py]) = (gradients[a], places[a]);
@@ -74,6 +103,29 @@ mod tests {
                 assert!((one - 1.0).abs() < 1e-12);
             }
         }
+    }
+
+    #[test]
+    fn the_frame_is_a_square_about_the_domain() {
+        let unit = Mesh::structured(4, 0.2, 1).expect("a fair mesh");
+        let corner = [0.0, 0.0];
+        assert_eq!(Frame::around(&unit), Frame { corner, side: 1.0 });
+        // A triangle, twice as wide as high.
+        let nodes = vec![[-3.0, 1.0], [1.0, 1.0], [1.0, 3.0]];
+        let wide = Mesh::new(nodes, vec![[0, 1, 2]]).expect("counter-clockwise");
+        let frame = Frame::around(&wide);
+        assert_eq!((frame.corner, frame.side), ([-3.0, 0.0], 4.0));
+        let x = [-3.0, 1.0, 1.0];
+        let sampled = sample(&wide, [&x], 4, 4);
+        let row = |row: usize| {
+            sampled[4 * row..][..4]
+                .iter()
+                .map(|[x]| *x)
+                .collect::<Vec<_>>()
+        };
+        assert!(row(0).iter().chain(&row(3)).all(|x| x.is_nan()));
+        assert!((row(1)[3] - 0.5).abs() < 1e-12 && row(1)[1].is_nan());
+        assert!((row(2)[1] + 1.5).abs() < 1e-12 && row(2)[0].is_nan());
     }
 
     #[test]

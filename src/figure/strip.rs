@@ -97,7 +97,7 @@ pub(super) fn draw(strips: &[Strip], options: &FigureOptions) -> Drawing {
                     left: column == 0,
                     below: numbers_below,
                 };
-                panel::draw_axes(&mut drawing, square, size, numbers);
+                panel::draw_axes(&mut drawing, square, strip.mesh, size, numbers);
                 let at = [0.5 * (square.left + square.right), top - 1.35 * size];
                 let title = time_label(snapshot.t);
                 drawing.label(&title, size, at, Across::Middle, Along::Top);

@@ -49,7 +49,8 @@ pub(super) fn state_table(scene: &str, mesh: &Mesh, (step, t): (u64, f64), state
         "scene", "step", "t", "x", "y", "phi", "d_x", "d_y", "omega", "mu",
     ];
     let mut table = Table::new(&columns.map(str::to_owned));
-    for (node, &[x, y]) in mesh.nodes().iter().enumerate() {
+    for node in mesh.outer_order() {
+        let [x, y] = mesh.nodes()[node];
         let [dx, dy] = director_at(state, node);
         let [phi, omega, mu] = [&state.phi, &state.omega, &state.mu].map(|field| Some(field[node]));
         let place = [Some(step as f64), Some(t), Some(x), Some(y)];
@@ -69,7 +70,8 @@ pub(super) fn strip_rows(scene: &str, mesh: &Mesh, snapshots: &[&Snapshot]) -> T
     let mut table = Table::default();
     for snapshot in snapshots {
         let state = &snapshot.state;
-        for (node, &[x, y]) in mesh.nodes().iter().enumerate() {
+        for node in mesh.outer_order() {
+            let [x, y] = mesh.nodes()[node];
             let place = [
                 Some(snapshot.step as f64),
                 Some(snapshot.t),

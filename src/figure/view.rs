@@ -57,7 +57,7 @@ pub(super) fn draw(view: &View, label: &RunLabel, options: &FigureOptions) -> Dr
         left: true,
         below: true,
     };
-    panel::draw_axes(&mut drawing, square, size, numbers);
+    panel::draw_axes(&mut drawing, square, view.mesh, size, numbers);
     let corner = [square.right + gap, square.top];
     panel::draw_bar(&mut drawing, &scale, corner, square.height(), size, &name);
     drawing.height = (square.bottom + panel::lower_room(size) + margin).ceil() as u32;

@@ -1,5 +1,5 @@
 //! Linear algebra that knows nothing of what it solves: sparse matrices on a fixed pattern, Krylov
-//! methods, a sparse LDLᵀ factor (faer) and the cosine transform of a grid.
+//! methods, sparse LDLᵀ factors (faer) and the cosine transform of a grid.
 
 mod conjugate_gradients;
 mod cosine;
@@ -7,6 +7,7 @@ pub(crate) mod count;
 mod error;
 mod factor;
 mod gmres;
+mod shifted;
 mod sparse;
 pub mod vector;
 
@@ -15,6 +16,7 @@ pub use cosine::{CosineTransform, Multiplier};
 pub use error::LinalgError;
 pub use factor::Ldlt;
 pub use gmres::{Gmres, Outcome};
+pub use shifted::ShiftedFactors;
 pub use sparse::{Pattern, SparseMatrix};
 
 /// A linear map between vectors of the same length: a matrix, a matrix-free product, or a

@@ -87,7 +87,8 @@ pub(super) fn at_points(field: &ScalarField, space: &Space) -> Vec<f64> {
         ScalarField::Expression(formula) => space.sample(|[x, y]| formula.evaluate(x, y)),
         ScalarField::File(file) => {
             let mut values = vec![0.0; space.points()];
-            space.whole().interpolate(&file.values, &mut values);
+            let nodal = space.mesh().inward(file.values.to_vec());
+            space.whole().interpolate(&nodal, &mut values);
             values
         }
     }

@@ -1,7 +1,7 @@
 //! The folder of a run.
 
 use super::RecordError;
-use super::scene_file::{INPUT_NAMES, INPUTS};
+use super::scene_file::{INPUT_NAMES, INPUTS, MESH_NAME};
 use std::ffi::OsStr;
 use std::fs::{self, File, TryLockError};
 use std::io;
@@ -172,7 +172,7 @@ fn clear(folder: &Path) -> Result<(), RecordError> {
         remove(&folder.join(file))?;
     }
     let inputs = folder.join(INPUTS);
-    for file in INPUT_NAMES {
+    for file in INPUT_NAMES.into_iter().chain([MESH_NAME]) {
         remove(&inputs.join(file))?;
     }
     let fields = folder.join(FIELDS);

@@ -2,11 +2,11 @@
 
 use super::atomic::write_whole;
 use super::{Number, RecordError};
-use crate::scene::{InitialDirector, NodalValues, ScalarField, Scene, Shape};
+use crate::scene::{InitialDirector, Mesh, NodalValues, ScalarField, Scene, Shape, write_mesh};
 use std::fmt::Write as _;
 use std::fs;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The folder, within a run's, of nodal values that the scene had from files.
 pub(super) const INPUTS: &str = "inputs";
@@ -18,6 +18,9 @@ pub(super) const INPUT_NAMES: [&str; 4] = [
     "director.txt",
     "pull.txt",
 ];
+
+/// The name that a mesh from a file has there.
+pub(super) const MESH_NAME: &str = "mesh.msh";
 
 /// Writes the scene into a run's folder, with its nodal values beside it, so that the run can be
 /// made again from the folder alone.
@@ -31,18 +34,33 @@ pub(super) fn write_scene(folder: &Path, scene: &Scene) -> Result<(), RecordErro
     let mut scene = scene.clone();
     for (name, nodal) in INPUT_NAMES.iter().zip(nodal_values(&mut scene)) {
         let Some(nodal) = nodal else { continue };
-        let inputs = folder.join(INPUTS);
-        fs::create_dir_all(&inputs).map_err(|reason| RecordError::MakeFolder {
-            path: inputs.clone(),
-            reason,
-        })?;
+        let inputs = make_inputs(folder)?;
         write_whole(&inputs.join(name), |file| write_values(file, nodal))?;
         nodal.path = format!("{INPUTS}/{name}");
+    }
+    if let Mesh::File(file) = &mut scene.mesh {
+        let inputs = make_inputs(folder)?;
+        write_whole(&inputs.join(MESH_NAME), |to| {
+            write_mesh(to, &file.triangulation)
+        })?;
+        file.path = format!("{INPUTS}/{MESH_NAME}");
     }
     let text = scene.to_toml();
     write_whole(&folder.join("scene.toml"), |file| {
         file.write_all(text.as_bytes())
     })
+}
+
+/// The folder of inputs, made if it is not there.
+fn make_inputs(folder: &Path) -> Result<PathBuf, RecordError> {
+    let inputs = folder.join(INPUTS);
+    match fs::create_dir_all(&inputs) {
+        Ok(()) => Ok(inputs),
+        Err(reason) => Err(RecordError::MakeFolder {
+            path: inputs,
+            reason,
+        }),
+    }
 }
 
 /// A text by which the scene of a run is known again: complete but for its end, which may be moved, with
@@ -65,6 +83,23 @@ pub(super) fn identity(scene: &Scene) -> String {
             "# {}: {count} values, checksum {:08x}",
             nodal.path,
             checksum.finalize()
+        );
+    }
+    if let Mesh::File(file) = &mut scene.mesh {
+        file.path = format!("{INPUTS}/{MESH_NAME}");
+        let mesh = &file.triangulation;
+        let mut checksum = crc32fast::Hasher::new();
+        for value in mesh.nodes.iter().flatten() {
+            checksum.update(&value.to_le_bytes());
+        }
+        for node in mesh.triangles.iter().flatten() {
+            checksum.update(&node.to_le_bytes());
+        }
+        let (count, checksum) = (mesh.nodes.len(), checksum.finalize());
+        let path = &file.path;
+        let _ = writeln!(
+            checksums,
+            "# {path}: {count} nodes, checksum {checksum:08x}"
         );
     }
     scene.to_toml() + &checksums
@@ -115,10 +150,8 @@ pub(super) mod tests {
             "name = \"Small\"\n[mesh]\ncells = 8\n[time]\nstep = 1e-7\nend = 3e-7\n\
              [membrane]\ninterface_width = 0.05\n{extra}"
         );
-        Scene::parse(&text, "small.toml", &[], &mut |path| {
-            fs::read_to_string(path)
-        })
-        .expect("the scene is right")
+        Scene::parse(&text, "small.toml", &[], &mut |path| fs::read(path))
+            .expect("the scene is right")
     }
 
     #[test]
@@ -150,7 +183,7 @@ pub(super) mod tests {
 
         let text = fs::read_to_string(folder.path().join("scene.toml")).unwrap();
         let again = Scene::parse(&text, "scene.toml", &[], &mut |path| {
-            fs::read_to_string(folder.path().join(path))
+            fs::read(folder.path().join(path))
         })
         .unwrap();
         let [Some(nodal), None, None, None] = nodal_values(&mut scene) else {

@@ -1,6 +1,6 @@
 //! A scene from its name: a preset's, or a file's.
 
-use super::whole::read_text;
+use super::whole::{read_bytes, read_text};
 use crate::scene::{Scene, SceneError, UnknownPreset, find_preset, preset, preset_names};
 use std::ffi::{OsStr, OsString};
 use std::io;
@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 /// Bytes of a scene, which is text by hand, at most.
 const LARGEST_SCENE: u64 = 4 << 20;
-/// Bytes of a file of nodal values at most: enough for twenty million nodes.
+/// Bytes of a file of nodal values or of a mesh at most: enough for twenty million nodes.
 const LARGEST_INPUT: u64 = 1 << 30;
 
 /// A scene and what to call its runs.
@@ -72,7 +72,7 @@ pub fn load_scene(source: &OsStr, overrides: &[String]) -> Result<LoadedScene, L
     if let Some((name, text)) = found {
         let origin = format!("preset {name}");
         let scene = Scene::parse(text, &origin, overrides, &mut |path| {
-            read_text(Path::new(path), LARGEST_INPUT)
+            read_bytes(Path::new(path), LARGEST_INPUT)
         })?;
         let name = source.to_owned();
         return Ok(LoadedScene { scene, name });
@@ -85,7 +85,7 @@ pub fn load_scene(source: &OsStr, overrides: &[String]) -> Result<LoadedScene, L
     let folder = path.parent().unwrap_or(Path::new(""));
     let origin = path.display().to_string();
     let scene = Scene::parse(&text, &origin, overrides, &mut |relative| {
-        read_text(&folder.join(relative), LARGEST_INPUT)
+        read_bytes(&folder.join(relative), LARGEST_INPUT)
     })?;
     let name = path.file_stem().unwrap_or(OsStr::new("scene")).to_owned();
     Ok(LoadedScene { scene, name })

@@ -81,7 +81,7 @@ pub struct RunSummary {
     pub triangles: Option<usize>,
     /// One run is one thread.
     pub threads: u32,
-    /// How the linear systems are solved at present: "transform" or "factor".
+    /// How the linear systems are solved at present: "transform", "shifted" or "factor".
     pub linear_method: Option<&'static str>,
     /// Newton iterations, of all steps.
     pub newton: u64,

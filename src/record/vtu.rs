@@ -69,12 +69,14 @@ fn fields(file: &mut dyn Write, mesh: &Mesh, state: &State, t: f64) -> io::Resul
     )?;
 
     writeln!(file, "<Points>")?;
-    let points = mesh.nodes().iter().flat_map(|&[x, y]| [x, y, 0.0]);
+    let places = mesh.outward(mesh.nodes());
+    let points = places.iter().flat_map(|&[x, y]| [x, y, 0.0]);
     array(file, r#"Name="points" NumberOfComponents="3""#, points)?;
     writeln!(file, "</Points>")?;
 
     writeln!(file, "<Cells>")?;
-    let corners = mesh.triangles().iter().flatten().map(|&n| i64::from(n));
+    let corners = mesh.triangles().iter().flatten();
+    let corners = corners.map(|&node| i64::from(mesh.outer_number(node)));
     array(file, r#"Name="connectivity""#, corners)?;
     let ends = (1..=triangles).map(|triangle| 3 * triangle as i64);
     array(file, r#"Name="offsets""#, ends)?;
@@ -87,11 +89,16 @@ fn fields(file: &mut dyn Write, mesh: &Mesh, state: &State, t: f64) -> io::Resul
         None => "",
     };
     writeln!(file, r#"<PointData Scalars="phi"{vectors}>"#)?;
-    array(file, r#"Name="phi""#, state.phi.iter().copied())?;
-    array(file, r#"Name="omega""#, state.omega.iter().copied())?;
-    array(file, r#"Name="mu""#, state.mu.iter().copied())?;
-    if let Some([x, y]) = &state.director {
-        let vectors = x.iter().zip(y).flat_map(|(&x, &y)| [x, y, 0.0]);
+    for (attributes, field) in [
+        (r#"Name="phi""#, &state.phi),
+        (r#"Name="omega""#, &state.omega),
+        (r#"Name="mu""#, &state.mu),
+    ] {
+        array(file, attributes, mesh.outward(field).iter().copied())?;
+    }
+    if let Some(director) = &state.director {
+        let [x, y] = director.each_ref().map(|component| mesh.outward(component));
+        let vectors = x.iter().zip(y.iter()).flat_map(|(&x, &y)| [x, y, 0.0]);
         array(file, r#"Name="director" NumberOfComponents="3""#, vectors)?;
     }
     writeln!(file, "</PointData>")?;

@@ -11,12 +11,21 @@ use std::time::Duration;
 /// How long a pipe may have nobody who writes.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// The text of a file of at most `limit` bytes. A pipe will do where somebody writes into it, as what
+/// The text of a file: see [`read_bytes`].
+///
+/// # Errors
+/// Those of [`read_bytes`], or that it is no text.
+pub(super) fn read_text(path: &Path, limit: u64) -> io::Result<String> {
+    String::from_utf8(read_bytes(path, limit)?)
+        .map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is no text in UTF-8"))
+}
+
+/// The bytes of a file, at most `limit` of them. A pipe will do where somebody writes into it, as what
 /// the shell makes of `<(…)`; a device will not.
 ///
 /// # Errors
-/// What the system says, or that it is too large, no text, a device, or a pipe without a writer.
-pub(super) fn read_text(path: &Path, limit: u64) -> io::Result<String> {
+/// What the system says, or that it is too large, a device, or a pipe without a writer.
+pub(super) fn read_bytes(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
     let metadata = fs::metadata(path)?;
     let file = if metadata.is_dir() {
         return Err(io::ErrorKind::IsADirectory.into());
@@ -35,13 +44,12 @@ pub(super) fn read_text(path: &Path, limit: u64) -> io::Result<String> {
         }
         file
     };
-    let mut text = String::new();
-    file.take(limit.saturating_add(1))
-        .read_to_string(&mut text)?;
-    if text.len() as u64 > limit {
+    let mut bytes = Vec::new();
+    file.take(limit.saturating_add(1)).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > limit {
         return Err(too_large(limit));
     }
-    Ok(text)
+    Ok(bytes)
 }
 
 fn too_large(limit: u64) -> io::Error {

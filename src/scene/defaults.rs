@@ -22,6 +22,8 @@ pub(super) const HALF_LENGTH: f64 = 0.32;
 pub(super) const SEED: u64 = 1;
 /// 1/h.
 pub(super) const CELLS: usize = 120;
+/// h of a generated mesh.
+pub(super) const SIZE: f64 = 1.0 / 120.0;
 
 /// A scene that says nothing: bending alone.
 impl Default for Scene {

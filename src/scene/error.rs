@@ -6,6 +6,7 @@ use std::ops::Range;
 use thiserror::Error;
 
 use super::expression::ExpressionError;
+use super::mesh_file::MeshFileError;
 
 /// Characters of a line that an error shows at most.
 const EXCERPT_WIDTH: usize = 96;
@@ -91,9 +92,14 @@ pub enum Problem {
     },
     /// The cosine transform was asked for where it does not apply.
     #[error(
-        "solver.linear = \"transform\" needs mesh.jitter = 0 and domain.boundary = \"natural\"; leave it out, or take \"factor\""
+        "solver.linear = \"transform\" needs mesh.kind = \"structured\" with mesh.jitter = 0, and domain.boundary = \"natural\"; leave it out, or take \"factor\""
     )]
     TransformDoesNotApply,
+    /// The shifted Laplacians were asked for where they do not apply.
+    #[error(
+        "solver.linear = \"shifted\" needs domain.boundary = \"natural\"; leave it out, or take \"factor\""
+    )]
+    ShiftedDoesNotApply,
     /// Two keys of which only one can be there.
     #[error("{first} and {second} exclude each other: give one of them")]
     Conflict {
@@ -134,14 +140,6 @@ pub enum Problem {
         near: Option<&'static str>,
         /// The choices.
         allowed: Vec<&'static str>,
-    },
-    /// Known, but of a later version.
-    #[error("this version of vesica does not have {what} yet; {instead}")]
-    NotYet {
-        /// The key, the table or the choice.
-        what: String,
-        /// What can be done now.
-        instead: &'static str,
     },
     /// Δt cannot be given and chosen.
     #[error("time.step keeps Δt, time.tolerance has it chosen: give one of them, not both")]
@@ -195,8 +193,7 @@ pub enum Problem {
     },
     /// A file of nodal values for another mesh.
     #[error(
-        "{key} must have a line for each of the {nodes} nodes of the mesh, (mesh.cells + 1)² with \
-         mesh.cells = {cells}; this file has {}",
+        "{key} must have a line for each of the {nodes} nodes of the mesh, {mesh}; this file has {}",
         if *found > *nodes { "more".to_owned() } else { found.to_string() }
     )]
     NodalCount {
@@ -206,9 +203,23 @@ pub enum Problem {
         found: usize,
         /// What the mesh has.
         nodes: usize,
-        /// Along each side.
-        cells: usize,
+        /// Which mesh that is.
+        mesh: String,
     },
+    /// A file that is no mesh, or none that can be used.
+    #[error("the mesh {}, {error}", Quoted(path))]
+    MeshFile {
+        /// The path as the scene gives it.
+        path: String,
+        /// What is wrong, and where.
+        error: MeshFileError,
+    },
+    /// A mesh that is to be finer about a membrane that is not known beforehand.
+    #[error(
+        "mesh.refine is about the initial membrane, and vesicle.shape gives no outline: leave it out, \
+         or take a shape such as \"circle\""
+    )]
+    RefineWithoutOutline,
 }
 
 /// Who wrote a text.

@@ -151,7 +151,7 @@ pub enum ExpressionProblem {
     TooLong,
     /// A value that is not finite.
     #[error(
-        "the expression is {value} at (x, y) = ({x}, {y}); it must be finite in all of [0, 1]²"
+        "the expression is {value} at (x, y) = ({x}, {y}); it must be finite in all of the domain"
     )]
     NotFinite {
         /// The value.
@@ -219,8 +219,17 @@ impl Expression {
     /// Checks that the formula is finite at the nodes of a grid of `cells` × `cells` squares.
     pub(super) fn check_finite(&self, cells: usize) -> Result<(), ExpressionError> {
         let coordinate = |index: usize| index as f64 / cells as f64;
-        for (j, i) in (0..=cells).flat_map(|j| (0..=cells).map(move |i| (j, i))) {
-            let (x, y) = (coordinate(i), coordinate(j));
+        let nodes = (0..=cells).flat_map(|j| (0..=cells).map(move |i| (j, i)));
+        self.try_at(nodes.map(|(j, i)| [coordinate(i), coordinate(j)]))
+    }
+
+    /// Checks that the formula is finite at these places.
+    pub(super) fn check_finite_at(&self, places: &[[f64; 2]]) -> Result<(), ExpressionError> {
+        self.try_at(places.iter().copied())
+    }
+
+    fn try_at(&self, places: impl Iterator<Item = [f64; 2]>) -> Result<(), ExpressionError> {
+        for [x, y] in places {
             let value = self.evaluate(x, y);
             if !value.is_finite() {
                 let problem = ExpressionProblem::NotFinite { value, x, y };

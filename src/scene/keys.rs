@@ -19,7 +19,11 @@ pub(super) const TOP: &Keys = &[
     "solver",
 ];
 pub(super) const DOMAIN: &Keys = &["boundary"];
-pub(super) const MESH: &Keys = &["kind", "cells", "jitter", "seed"];
+/// Of [mesh], whatever its kind.
+pub(super) const MESH: &Keys = &["kind", "cells", "jitter", "size", "refine", "path", "seed"];
+pub(super) const STRUCTURED: &Keys = &["kind", "cells", "jitter", "seed"];
+pub(super) const DELAUNAY: &Keys = &["kind", "size", "refine", "seed"];
+pub(super) const MESH_FILE: &Keys = &["kind", "path"];
 pub(super) const TIME: &Keys = &["step", "tolerance", "order", "end"];
 pub(super) const MEMBRANE: &Keys = &["interface_width", "mobility", "spontaneous_curvature"];
 pub(super) const AREA: &Keys = &["target", "penalty"];

@@ -18,15 +18,18 @@ mod document;
 mod error;
 mod expression;
 mod keys;
+mod mesh_file;
 mod model;
 mod names;
 mod near;
 mod nodal_file;
 mod outline;
 mod overrides;
+pub mod planar;
 mod presets;
 mod reader;
 mod schema;
+mod sizing;
 #[cfg(test)]
 mod tests;
 mod vesicle;
@@ -36,9 +39,13 @@ mod write;
 pub use director_field::{initial_director, random_phase};
 pub use error::{Origin, Place, Problem, SceneError};
 pub use expression::{Expression, ExpressionError, ExpressionProblem};
+pub use mesh_file::{
+    MeshFile, MeshFileError, MeshFileProblem, MeshPlace, Triangulation, write_mesh,
+};
 pub use model::*;
 pub use outline::{
     BoundingBox, OutlineDistance, SignedDistance, phase_profile, union_distance, wall_distance,
 };
 pub use presets::{UnknownPreset, find_preset, preset, preset_description, preset_names};
-pub use warning::{Warning, warnings};
+pub use sizing::MeshSize;
+pub use warning::{Warning, thin_interface, warnings};

@@ -1,7 +1,7 @@
 //! A scene as the rest of the program sees it: every default filled in, every value checked.
 //!
 //! The TOML that a user writes is read in `schema`; this is what it becomes. All quantities are
-//! dimensionless; the domain is Ω = [0,1]². Symbols are those of Table 1 of the paper.
+//! dimensionless; the domain is Ω = [0,1]², or the polygon that a mesh from a file covers. Symbols are those of Table 1 of the paper.
 
 use std::sync::Arc;
 
@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::angle::direction;
 use super::expression::Expression;
+use super::mesh_file::MeshFile;
 
 /// One simulation, complete.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,6 +63,41 @@ pub enum Mesh {
         /// Of the generator that moves them.
         seed: u64,
     },
+    /// A Delaunay triangulation of the unit square, by its size, graded where it is asked for.
+    Delaunay {
+        /// The wanted length of an edge.
+        size: f64,
+        /// Of the generator that scatters the nodes.
+        seed: u64,
+        /// Finer about the initial membrane.
+        refine: Option<Refinement>,
+    },
+    /// From a file.
+    File(MeshFile),
+}
+
+impl Mesh {
+    /// Squares along a side of the structured mesh.
+    pub fn cells(&self) -> Option<usize> {
+        match self {
+            Self::Structured { cells, .. } => Some(*cells),
+            Self::Delaunay { .. } | Self::File(_) => None,
+        }
+    }
+
+    /// Whether it is the structured mesh with every node in its place.
+    pub fn is_grid(&self) -> bool {
+        matches!(self, Self::Structured { jitter, .. } if *jitter == 0.0)
+    }
+}
+
+/// Smaller triangles about the initial membrane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Refinement {
+    /// So far from the membrane, on either side.
+    pub band: f64,
+    /// The wanted length of an edge there.
+    pub size: f64,
 }
 
 /// The initial phase field φ⁰.
@@ -383,6 +419,9 @@ pub enum LinearMethod {
     Automatic,
     /// Krylov iteration, preconditioned by cosine transforms: structured meshes.
     Transform,
+    /// Krylov iteration, preconditioned by sparse factors of three shifted Laplacians: any mesh, the
+    /// natural boundary.
+    Shifted,
     /// Krylov iteration, preconditioned by a sparse LDLᵀ factor: any mesh.
     Factor,
 }

@@ -33,6 +33,7 @@ pub(super) const ITERATIONS: &Names<Iteration> =
 pub(super) const LINEAR_METHODS: &Names<LinearMethod> = &[
     ("automatic", LinearMethod::Automatic),
     ("transform", LinearMethod::Transform),
+    ("shifted", LinearMethod::Shifted),
     ("factor", LinearMethod::Factor),
 ];
 

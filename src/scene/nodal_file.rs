@@ -4,8 +4,8 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::error::{Origin, Problem, SceneError};
-use super::model::NodalValues;
+use super::error::{Origin, Problem, Quoted, SceneError};
+use super::model::{Mesh, NodalValues};
 
 /// What a file must hold.
 #[derive(Debug, Clone, Copy)]
@@ -14,29 +14,66 @@ pub(super) struct Wanted<'a> {
     pub key: &'a str,
     /// Numbers a line.
     pub columns: usize,
-    /// Along each side of the structured mesh.
-    pub cells: usize,
+    /// Whose nodes have the values.
+    pub mesh: &'a Mesh,
+}
+
+/// How many lines there must be.
+struct Lines {
+    /// One of these numbers; empty: any.
+    counts: Vec<usize>,
+    /// Which mesh that is, for messages.
+    mesh: String,
+}
+
+impl Lines {
+    fn of(mesh: &Mesh) -> Self {
+        match mesh {
+            Mesh::Structured { cells, .. } => Self {
+                counts: vec![(cells + 1) * (cells + 1)],
+                mesh: format!("(mesh.cells + 1)² with mesh.cells = {cells}"),
+            },
+            // Known once the mesh is made.
+            Mesh::Delaunay { .. } => Self {
+                counts: Vec::new(),
+                mesh: String::new(),
+            },
+            Mesh::File(file) => {
+                let (used, all) = (&file.triangulation.nodes, &file.triangulation.places);
+                let mut counts = vec![used.len(), all.len()];
+                counts.dedup();
+                let mesh = match counts[..] {
+                    [_, all] => format!(
+                        "in the order of {}, without the nodes that no triangle uses (or of all {all})",
+                        Quoted(&file.path)
+                    ),
+                    _ => format!("in the order of {}", Quoted(&file.path)),
+                };
+                Self { counts, mesh }
+            }
+        }
+    }
+
+    fn most(&self) -> usize {
+        self.counts.last().copied().unwrap_or(usize::MAX)
+    }
 }
 
 /// Reads the `text` of the file `path`.
 pub(super) fn parse(path: &str, text: &str, wanted: Wanted<'_>) -> Result<NodalValues, SceneError> {
-    let Wanted {
-        key,
-        columns,
-        cells,
-    } = wanted;
+    let Wanted { key, columns, mesh } = wanted;
+    let lines = Lines::of(mesh);
     let error = |range: Range<usize>, problem| {
         SceneError::new(&Origin::Text(path.to_owned()), text, range, problem)
     };
-    let nodes = (cells + 1) * (cells + 1);
     let miscounted = |range, found| {
         Err(error(
             range,
             Problem::NodalCount {
                 key: key.to_owned(),
                 found,
-                nodes,
-                cells,
+                nodes: lines.counts.first().copied().unwrap_or_default(),
+                mesh: lines.mesh.clone(),
             },
         ))
     };
@@ -63,8 +100,8 @@ pub(super) fn parse(path: &str, text: &str, wanted: Wanted<'_>) -> Result<NodalV
         if range.is_empty() {
             continue;
         }
-        if values.len() == nodes * columns {
-            return miscounted(range, nodes + 1);
+        if values.len() / columns == lines.most() {
+            return miscounted(range, lines.most() + 1);
         }
         let before = values.len();
         for word in words(&text[range.clone()]) {
@@ -77,14 +114,27 @@ pub(super) fn parse(path: &str, text: &str, wanted: Wanted<'_>) -> Result<NodalV
             return unreadable(range);
         }
     }
-    if values.len() < nodes * columns {
-        return miscounted(text.len()..text.len(), values.len() / columns);
+    let found = values.len() / columns;
+    if !lines.counts.is_empty() && !lines.counts.contains(&found) {
+        return miscounted(text.len()..text.len(), found);
+    }
+    if let Mesh::File(file) = mesh
+        && found != file.triangulation.nodes.len()
+    {
+        values = used(&values, columns, &file.triangulation.places);
     }
     Ok(NodalValues {
         path: path.to_owned(),
         values: Arc::from(values),
         columns,
     })
+}
+
+/// The values of the nodes that triangles use.
+fn used(values: &[f64], columns: usize, places: &[Option<u32>]) -> Vec<f64> {
+    let nodes = values.chunks_exact(columns).zip(places);
+    let used = nodes.filter(|(_, place)| place.is_some());
+    used.flat_map(|(values, _)| values).copied().collect()
 }
 
 /// Where the words of a line are.
@@ -104,15 +154,20 @@ fn words(line: &str) -> impl Iterator<Item = Range<usize>> {
 mod tests {
     use super::*;
 
+    static SMALLEST: Mesh = Mesh::Structured {
+        cells: 1,
+        jitter: 0.0,
+        seed: 1,
+    };
     const WANTED: Wanted<'_> = Wanted {
         key: "vesicle.values",
         columns: 1,
-        cells: 1,
+        mesh: &SMALLEST,
     };
     const PAIRS: Wanted<'_> = Wanted {
         key: "nematic.initial.values",
         columns: 2,
-        cells: 1,
+        mesh: &SMALLEST,
     };
 
     fn error(text: &str, wanted: Wanted<'_>) -> (usize, usize, Problem) {
@@ -153,7 +208,7 @@ mod tests {
             key: WANTED.key.to_owned(),
             found,
             nodes: 4,
-            cells: 1,
+            mesh: "(mesh.cells + 1)² with mesh.cells = 1".to_owned(),
         };
         assert_eq!(error("1\n2\n3\n", WANTED), (4, 1, count(3)));
         assert_eq!(error("1\n2\n3\n4\n5\n6\n", WANTED), (5, 1, count(5)));

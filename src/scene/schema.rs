@@ -1,15 +1,21 @@
 //! The tables of a scene, from TOML to a [`Scene`].
 
+use std::sync::Arc;
+
 use super::document;
 use super::error::{Problem, SceneError};
 use super::expression::Expression;
 use super::keys;
+use super::mesh_file::{MeshFile, Triangulation};
 use super::model as scene;
 use super::model::{
     Anchoring, AnchoringKind, Area, Boundary, Defect, InitialDirector, LinearMethod, Membrane,
-    Mesh, Nematic, NodalValues, Noise, Order, Pull, ScalarField, Scene, Solver, Time,
+    Mesh, Nematic, NodalValues, Noise, Order, Pull, Refinement, ScalarField, Scene, Shape, Solver,
+    Time,
 };
-use super::names::{ANCHORINGS, BOUNDARIES, ITERATIONS, LINEAR_METHODS, QUADRATURES, name_of};
+use super::names::{
+    ANCHORINGS, BOUNDARIES, ITERATIONS, LINEAR_METHODS, Names, QUADRATURES, name_of,
+};
 use super::nodal_file;
 use super::reader::{FINITE, Field, JITTER, NOT_NEGATIVE, POSITIVE, Reader};
 use super::vesicle::read_vesicle;
@@ -17,20 +23,23 @@ use super::{defaults, document::Value};
 
 /// With fewer there is hardly an interior.
 const FEWEST_CELLS: u64 = 4;
+/// The longest and the shortest edge that a generated mesh may be asked for, as with cells.
+const LONGEST_EDGE: f64 = 1.0 / FEWEST_CELLS as f64;
+const SHORTEST_EDGE: f64 = 1.0 / MOST_CELLS as f64;
 /// 4·10⁸ nodes: ten gigabytes for φ, μ and ω alone.
 const MOST_CELLS: u64 = 20_000;
 /// Formulas are tried at the nodes of the mesh, or of this one if that is finer.
 const MOST_TRIED_CELLS: usize = 256;
 
 /// The contents of a file, by its path as the scene gives it (relative to the scene's file).
-pub(super) type ReadFile<'a> = dyn FnMut(&str) -> std::io::Result<String> + 'a;
+pub(super) type ReadFile<'a> = dyn FnMut(&str) -> std::io::Result<Vec<u8>> + 'a;
 
 /// What reading a value needs besides the value.
 pub(super) struct Context<'a> {
     /// Reads files.
     pub read: &'a mut ReadFile<'a>,
-    /// Along each side of the mesh.
-    pub cells: usize,
+    /// The mesh, whose nodes have values.
+    pub mesh: &'a Mesh,
 }
 
 impl Scene {
@@ -42,7 +51,8 @@ impl Scene {
     ///   KEY is dotted, VALUE is TOML or a bare word. A key of a table that is not there makes the
     ///   table; `area=false`, `nematic=false` and so on remove that of an effect; a `vesicle.shape`
     ///   or `vesicle.parts` takes the place of the whole shape in `text`.
-    /// - `read` gives the contents of a file of nodal values, by its path as the scene gives it.
+    /// - `read` gives the contents of a file of nodal values or of a mesh, by its path as the scene
+    ///   gives it.
     ///
     /// # Errors
     ///
@@ -57,16 +67,14 @@ impl Scene {
         let top = Reader::top(&sources, &node);
         top.allow(keys::TOP)?;
 
-        let mesh = read_mesh(&top.table("mesh")?)?;
-        let Mesh::Structured { cells, .. } = mesh;
-        let mut context = Context { read, cells };
+        let mesh = read_mesh(&top.table("mesh")?, read)?;
+        let mut context = Context { read, mesh: &mesh };
         let nematic = top.present("nematic")?;
         let scene = Self {
             name: top
                 .get("name")
                 .map_or(Ok(Scene::default().name), |field| read_name(&field))?,
             boundary: read_boundary(&top.table("domain")?)?,
-            mesh,
             vesicle: read_vesicle(&top.table("vesicle")?, &mut context)?,
             time: read_time(&top.table("time")?)?,
             membrane: read_membrane(&top.table("membrane")?, &mut context)?,
@@ -86,7 +94,9 @@ impl Scene {
                 .transpose()?,
             noise: top.present("noise")?.as_ref().map(read_noise).transpose()?,
             solver: read_solver(&top.table("solver")?)?,
+            mesh,
         };
+        check_refinement(&scene, &top)?;
         check_anchoring(&scene, &top)?;
         check_director(&scene, &top)?;
         check_transform(&scene, &top)?;
@@ -107,31 +117,134 @@ fn read_boundary(table: &Reader<'_>) -> Result<Boundary, SceneError> {
     table.choice("boundary", Boundary::Natural, BOUNDARIES)
 }
 
-fn read_mesh(table: &Reader<'_>) -> Result<Mesh, SceneError> {
-    if let Some(kind) = table.get("kind") {
-        if let Value::Text(word) = kind.value()
-            && ["delaunay", "file"].contains(&word.as_str())
-        {
-            let what = format!("mesh.kind = \"{word}\"");
-            return Err(kind.error(Problem::NotYet {
-                what,
-                instead: "take kind = \"structured\"",
+/// The word after `mesh.kind =`.
+#[derive(Clone, Copy)]
+enum MeshKind {
+    Structured,
+    Delaunay,
+    File,
+}
+
+const MESH_KINDS: &Names<MeshKind> = &[
+    ("structured", MeshKind::Structured),
+    ("delaunay", MeshKind::Delaunay),
+    ("file", MeshKind::File),
+];
+
+fn read_mesh(table: &Reader<'_>, read: &mut ReadFile<'_>) -> Result<Mesh, SceneError> {
+    let field = table.get("kind");
+    let kind = match &field {
+        Some(field) => field.choice(MESH_KINDS)?,
+        None => MeshKind::Structured,
+    };
+    let (owner, allowed) = match kind {
+        MeshKind::Structured => ("mesh.kind = \"structured\"", keys::STRUCTURED),
+        MeshKind::Delaunay => ("mesh.kind = \"delaunay\"", keys::DELAUNAY),
+        MeshKind::File => ("mesh.kind = \"file\"", keys::MESH_FILE),
+    };
+    table.allow(keys::MESH)?;
+    // An override of the kind leaves what belongs to another one in the file.
+    let is_overridden = field.is_some_and(|field| field.is_override());
+    for (key, field) in table.fields() {
+        let is_left_over = is_overridden && !field.is_override();
+        if !allowed.contains(&key) && !is_left_over {
+            return Err(field.key_error(Problem::MisplacedKey {
+                key: key.to_owned(),
+                owner: owner.to_owned(),
+                allowed: allowed.to_vec(),
             }));
         }
-        kind.choice(&[("structured", ())])?;
     }
-    table.allow(keys::MESH)?;
-    let cells = table
-        .get("cells")
-        .map_or(Ok(defaults::CELLS as u64), |field| {
-            field.integer(FEWEST_CELLS..=MOST_CELLS)
-        })?;
-    Ok(Mesh::Structured {
-        // At most MOST_CELLS: no digit is lost on any machine.
-        cells: cells as usize,
-        jitter: table.number("jitter", 0.0, JITTER)?,
-        seed: table.seed(defaults::SEED)?,
+    match kind {
+        MeshKind::Structured => {
+            let cells = table
+                .get("cells")
+                .map_or(Ok(defaults::CELLS as u64), |field| {
+                    field.integer(FEWEST_CELLS..=MOST_CELLS)
+                })?;
+            Ok(Mesh::Structured {
+                // At most MOST_CELLS: no digit is lost on any machine.
+                cells: cells as usize,
+                jitter: table.number("jitter", 0.0, JITTER)?,
+                seed: table.seed(defaults::SEED)?,
+            })
+        }
+        MeshKind::Delaunay => {
+            let size = read_edge(table, "size", LONGEST_EDGE)?.unwrap_or(defaults::SIZE);
+            let refine = table.present("refine")?;
+            let refine = refine.map(|table| read_refinement(&table, size));
+            Ok(Mesh::Delaunay {
+                size,
+                seed: table.seed(defaults::SEED)?,
+                refine: refine.transpose()?,
+            })
+        }
+        MeshKind::File => read_mesh_file(&table.require("path", owner)?, read).map(Mesh::File),
+    }
+}
+
+/// The length of an edge, at most `longest`.
+fn read_edge(
+    table: &Reader<'_>,
+    key: &'static str,
+    longest: f64,
+) -> Result<Option<f64>, SceneError> {
+    let Some(field) = table.get(key) else {
+        return Ok(None);
+    };
+    let edge = field.number(POSITIVE)?;
+    if (SHORTEST_EDGE..=longest).contains(&edge) {
+        return Ok(Some(edge));
+    }
+    Err(field.out_of_range(format!("a number from {SHORTEST_EDGE} to {longest}")))
+}
+
+fn read_refinement(table: &Reader<'_>, size: f64) -> Result<Refinement, SceneError> {
+    table.allow(&["band", "size"])?;
+    let band = table.require("band", "mesh.refine")?.number(POSITIVE)?;
+    table.require("size", "mesh.refine")?;
+    Ok(Refinement {
+        band,
+        size: read_edge(table, "size", size)?.unwrap_or(size),
     })
+}
+
+fn read_mesh_file(field: &Field<'_>, read: &mut ReadFile<'_>) -> Result<MeshFile, SceneError> {
+    let path = field.text()?;
+    let bytes = read(path).map_err(|error| unreadable(field, path, &error))?;
+    match Triangulation::parse(&bytes) {
+        Ok(triangulation) => Ok(MeshFile {
+            path: path.to_owned(),
+            triangulation: Arc::new(triangulation),
+        }),
+        Err(error) => Err(field.error(Problem::MeshFile {
+            path: path.to_owned(),
+            error,
+        })),
+    }
+}
+
+/// A file that cannot be read.
+fn unreadable(field: &Field<'_>, path: &str, error: &std::io::Error) -> SceneError {
+    field.error(Problem::UnreadableFile {
+        key: field.path.clone(),
+        path: path.to_owned(),
+        reason: error.to_string(),
+    })
+}
+
+/// There must be a membrane to refine about.
+fn check_refinement(scene: &Scene, top: &Reader<'_>) -> Result<(), SceneError> {
+    let is_outline = matches!(scene.vesicle.shape, Shape::Outlines(_));
+    match (&scene.mesh, top.table("mesh")?.get("refine")) {
+        (
+            Mesh::Delaunay {
+                refine: Some(_), ..
+            },
+            Some(refine),
+        ) if !is_outline => Err(refine.key_error(Problem::RefineWithoutOutline)),
+        _ => Ok(()),
+    }
 }
 
 fn read_time(table: &Reader<'_>) -> Result<Time, SceneError> {
@@ -208,9 +321,14 @@ fn read_expression(
 ) -> Result<Expression, SceneError> {
     text.parse::<Expression>()
         .and_then(|expression| {
-            expression
-                .check_finite(context.cells.min(MOST_TRIED_CELLS))
-                .map(|()| expression)
+            match context.mesh {
+                Mesh::Structured { cells, .. } => {
+                    expression.check_finite((*cells).min(MOST_TRIED_CELLS))
+                }
+                Mesh::Delaunay { .. } => expression.check_finite(MOST_TRIED_CELLS),
+                Mesh::File(file) => expression.check_finite_at(&file.triangulation.nodes),
+            }
+            .map(|()| expression)
         })
         .map_err(|error| {
             let key = field.path.clone();
@@ -229,18 +347,15 @@ pub(super) fn read_nodal_values(
     context: &mut Context<'_>,
 ) -> Result<NodalValues, SceneError> {
     let path = field.text()?;
-    let text = (context.read)(path).map_err(|error| {
-        let (key, path) = (field.path.clone(), path.to_owned());
-        field.error(Problem::UnreadableFile {
-            key,
-            path,
-            reason: error.to_string(),
-        })
+    let bytes = (context.read)(path).map_err(|error| unreadable(field, path, &error))?;
+    let text = String::from_utf8(bytes).map_err(|_| {
+        let error = std::io::Error::new(std::io::ErrorKind::InvalidData, "it is no text in UTF-8");
+        unreadable(field, path, &error)
     })?;
     let wanted = nodal_file::Wanted {
         key: &field.path,
         columns,
-        cells: context.cells,
+        mesh: context.mesh,
     };
     nodal_file::parse(path, &text, wanted)
 }
@@ -409,15 +524,18 @@ fn check_anchoring(scene: &Scene, top: &Reader<'_>) -> Result<(), SceneError> {
     }
 }
 
-/// The transform is for the regular mesh and the natural boundary.
+/// The transform is for the regular mesh and the natural boundary, the shifted Laplacians for the latter.
 fn check_transform(scene: &Scene, top: &Reader<'_>) -> Result<(), SceneError> {
-    let Mesh::Structured { jitter, .. } = scene.mesh;
-    let applies = jitter == 0.0 && scene.boundary == Boundary::Natural;
-    if applies || scene.solver.linear != LinearMethod::Transform {
-        return Ok(());
-    }
+    let is_natural = scene.boundary == Boundary::Natural;
+    let problem = match scene.solver.linear {
+        LinearMethod::Transform if !(is_natural && scene.mesh.is_grid()) => {
+            Problem::TransformDoesNotApply
+        }
+        LinearMethod::Shifted if !is_natural => Problem::ShiftedDoesNotApply,
+        _ => return Ok(()),
+    };
     match top.table("solver")?.get("linear") {
-        Some(linear) => Err(linear.error(Problem::TransformDoesNotApply)),
+        Some(linear) => Err(linear.error(problem)),
         None => Ok(()),
     }
 }

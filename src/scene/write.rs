@@ -3,7 +3,8 @@
 use std::fmt::Display;
 
 use super::model::{
-    Curve, InitialDirector, Mesh, NodalValues, Outline, ScalarField, Scene, Shape, Vesicle,
+    Curve, InitialDirector, Mesh, NodalValues, Outline, Refinement, ScalarField, Scene, Shape,
+    Vesicle,
 };
 use super::names::{
     ANCHORINGS, BOUNDARIES, ITERATIONS, LINEAR_METHODS, PROJECTIONS, QUADRATURES, name_of,
@@ -18,16 +19,7 @@ impl Scene {
         out.table("domain");
         out.key("boundary", quoted(name_of(BOUNDARIES, self.boundary)));
 
-        let Mesh::Structured {
-            cells,
-            jitter,
-            seed,
-        } = self.mesh;
-        out.table("mesh");
-        out.key("kind", quoted("structured"));
-        out.key("cells", cells);
-        out.key("jitter", number(jitter));
-        out.key("seed", seed);
+        self.mesh.write(&mut out);
 
         self.vesicle.write(&mut out);
 
@@ -109,6 +101,37 @@ fn scalar_field(field: &ScalarField) -> String {
         ScalarField::Constant(value) => number(*value),
         ScalarField::Expression(expression) => quoted(expression.text()),
         ScalarField::File(nodal) => format!("{{ file = {} }}", path(nodal)),
+    }
+}
+
+impl Mesh {
+    fn write(&self, out: &mut Writer) {
+        out.table("mesh");
+        match self {
+            Self::Structured {
+                cells,
+                jitter,
+                seed,
+            } => {
+                out.key("kind", quoted("structured"));
+                out.key("cells", cells);
+                out.key("jitter", number(*jitter));
+                out.key("seed", seed);
+            }
+            Self::Delaunay { size, seed, refine } => {
+                out.key("kind", quoted("delaunay"));
+                out.key("size", number(*size));
+                if let Some(Refinement { band, size }) = refine {
+                    let keys = [("band", number(*band)), ("size", number(*size))];
+                    out.key("refine", inline(&keys));
+                }
+                out.key("seed", seed);
+            }
+            Self::File(file) => {
+                out.key("kind", quoted("file"));
+                out.key("path", quoted(&file.path));
+            }
+        }
     }
 }
 

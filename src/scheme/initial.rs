@@ -6,8 +6,8 @@ use thiserror::Error;
 
 use crate::fem::{FemError, Mesh, l2_projection, ritz_projection};
 use crate::scene::{
-    Boundary, OutlineDistance, Projection, Scene, Shape, initial_director, phase_profile,
-    random_phase, union_distance,
+    Boundary, InitialDirector, OutlineDistance, Projection, ScalarField, Scene, Shape,
+    initial_director, phase_profile, random_phase, union_distance,
 };
 
 /// Initial fields that could not be made.
@@ -44,6 +44,7 @@ pub struct InitialFields {
 /// # Errors
 /// [`InitialError`]: the projection failed, or a file does not fit the mesh.
 pub fn initial_fields(scene: &Scene, mesh: &Arc<Mesh>) -> Result<InitialFields, InitialError> {
+    check_counts(scene, mesh)?;
     let wall = (scene.boundary == Boundary::Clamped).then_some(-1.0);
     let nodes = mesh.nodes();
     let mut phi = match &scene.vesicle.shape {
@@ -58,11 +59,10 @@ pub fn initial_fields(scene: &Scene, mesh: &Arc<Mesh>) -> Result<InitialFields, 
                 Projection::Nodal => nodes.iter().map(|&node| given(node).0).collect(),
             }
         }
-        Shape::Random { amplitude, seed } => random_phase(*amplitude, *seed, nodes.len()),
-        Shape::File(file) => {
-            check_count(&file.path, file.values.len(), nodes.len())?;
-            file.values.to_vec()
+        Shape::Random { amplitude, seed } => {
+            mesh.inward(random_phase(*amplitude, *seed, nodes.len()))
         }
+        Shape::File(file) => mesh.inward(file.values.to_vec()),
     };
     phi.iter_mut()
         .for_each(|value| *value *= scene.vesicle.scale);
@@ -74,22 +74,52 @@ pub fn initial_fields(scene: &Scene, mesh: &Arc<Mesh>) -> Result<InitialFields, 
     let director = match &scene.nematic {
         None => None,
         Some(nematic) => {
-            if let crate::scene::InitialDirector::File(file) = &nematic.initial {
-                check_count(&file.path, file.values.len() / 2, nodes.len())?;
-            }
-            Some(initial_director(&nematic.initial, nodes))
+            let initial = &nematic.initial;
+            Some(match initial {
+                // Node by node, in the order of the file that the mesh may be from.
+                InitialDirector::File(_) | InitialDirector::Random { .. } => {
+                    let places = mesh.outward(nodes);
+                    initial_director(initial, &places).map(|component| mesh.inward(component))
+                }
+                _ => initial_director(initial, nodes),
+            })
         }
     };
     Ok(InitialFields { phi, director })
 }
 
-fn check_count(path: &str, found: usize, nodes: usize) -> Result<(), InitialError> {
-    if found == nodes {
-        return Ok(());
+/// Every file of nodal values must have one for each node of the mesh.
+fn check_counts(scene: &Scene, mesh: &Mesh) -> Result<(), InitialError> {
+    let of_field = |field: &'_ ScalarField| match field {
+        ScalarField::File(file) => Some(file.clone()),
+        _ => None,
+    };
+    let director = scene.nematic.as_ref().map(|nematic| &nematic.initial);
+    let files = [
+        match &scene.vesicle.shape {
+            Shape::File(file) => Some(file.clone()),
+            _ => None,
+        },
+        match director {
+            Some(InitialDirector::File(file)) => Some(file.clone()),
+            _ => None,
+        },
+        of_field(&scene.membrane.spontaneous_curvature),
+        scene
+            .pull
+            .as_ref()
+            .and_then(|pull| of_field(&pull.potential)),
+    ];
+    let nodes = mesh.nodes().len();
+    for file in files.into_iter().flatten() {
+        let found = file.values.len() / file.columns.max(1);
+        if found != nodes {
+            return Err(InitialError::WrongCount {
+                path: file.path,
+                found,
+                nodes,
+            });
+        }
     }
-    Err(InitialError::WrongCount {
-        path: path.to_owned(),
-        found,
-        nodes,
-    })
+    Ok(())
 }

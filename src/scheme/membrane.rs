@@ -11,14 +11,15 @@ mod iteration;
 
 use serde::{Deserialize, Serialize};
 
-use crate::fem::{Grid, MassInverse, Space};
+use crate::fem::{MassInverse, Space};
 use crate::linalg::{Gmres, LinalgError, LinearOperator, vector};
 use crate::physics::{Effects, MembraneForce, Sample};
-use crate::scene::Iteration;
+use crate::scene::{Iteration, LinearMethod};
 
 use super::factored::{FactorMemory, FactoredPreconditioner, ThreeFieldOperator};
 use super::faults;
 use super::linearised::Linearised;
+use super::shifted::ShiftedPreconditioner;
 use super::transform::{BulkPreconditioner, ReducedOperator};
 use super::{Phase, State, StepError};
 
@@ -34,11 +35,50 @@ const RESTART: usize = 60;
 /// that the second and the third equation of (3.21) may be taken as exact.
 const MASS_ACCURACY: f64 = 1e-4;
 
+/// The inverse of the bulk operator.
+#[derive(Debug)]
+enum Bulk {
+    /// By cosine transforms, on a grid.
+    Transform(Box<BulkPreconditioner>),
+    /// By factors of shifted Laplacians, on any mesh.
+    Shifted(Box<ShiftedPreconditioner>),
+}
+
+impl Bulk {
+    fn prepare(&mut self, space: &Space, mobility: f64, width: f64) -> Result<(), LinalgError> {
+        match self {
+            Self::Transform(transform) => {
+                transform.prepare(mobility, width);
+                Ok(())
+            }
+            Self::Shifted(shifted) => shifted.prepare(space, mobility, width),
+        }
+    }
+
+    /// What it is called in messages.
+    fn method(&self) -> &'static str {
+        match self {
+            Self::Transform(_) => "GMRES with the cosine transform",
+            Self::Shifted(_) => "GMRES with the shifted Laplacians",
+        }
+    }
+}
+
+impl LinearOperator for Bulk {
+    fn apply(&mut self, x: &[f64], y: &mut [f64]) {
+        match self {
+            Self::Transform(transform) => transform.apply(x, y),
+            Self::Shifted(shifted) => shifted.apply(x, y),
+        }
+    }
+}
+
 /// How a linear system is solved.
 #[derive(Debug)]
 enum Path {
-    Transform {
-        preconditioner: Box<BulkPreconditioner>,
+    /// One field, preconditioned by the bulk operator: the fast path.
+    Reduced {
+        preconditioner: Bulk,
         scratch: [Vec<f64>; 4],
     },
     Factor {
@@ -66,10 +106,10 @@ impl LinearSolver {
         }
     }
 
-    fn transform(space: &Space, grid: Grid) -> Self {
+    fn reduced(space: &Space, bulk: Bulk) -> Self {
         let vector = || vec![0.0; space.nodes()];
-        let path = Path::Transform {
-            preconditioner: Box::new(BulkPreconditioner::new(space, grid)),
+        let path = Path::Reduced {
+            preconditioner: bulk,
             scratch: [vector(), vector(), vector(), vector()],
         };
         Self::new(path, space.nodes())
@@ -83,20 +123,21 @@ impl LinearSolver {
         ))
     }
 
-    fn is_transform(&self) -> bool {
-        matches!(self.path, Path::Transform { .. })
+    /// Whether it is the fast path.
+    fn is_fast(&self) -> bool {
+        matches!(self.path, Path::Reduced { .. })
     }
 
     fn preconditioner(&self) -> Option<&FactoredPreconditioner> {
         match &self.path {
-            Path::Transform { .. } => None,
+            Path::Reduced { .. } => None,
             Path::Factor { preconditioner } => Some(preconditioner),
         }
     }
 
     fn preconditioner_mut(&mut self) -> Option<&mut FactoredPreconditioner> {
         match &mut self.path {
-            Path::Transform { .. } => None,
+            Path::Reduced { .. } => None,
             Path::Factor { preconditioner } => Some(preconditioner),
         }
     }
@@ -105,7 +146,7 @@ impl LinearSolver {
 /// How the linear systems are solved at present, and the factor that is kept.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct LinearMemory {
-    uses_transform: bool,
+    is_fast: bool,
     factor: FactorMemory,
 }
 
@@ -191,13 +232,13 @@ impl Places<'_> {
 }
 
 impl MembraneStep {
-    /// For a space; `transform` says whether the fast path is to be used.
+    /// For a space; `method` says how the linear systems are to be solved, where it can be.
     pub(super) fn new(
         space: &Space,
         mobility: f64,
         law_tolerance: f64,
         clamped: bool,
-        transform: bool,
+        method: LinearMethod,
     ) -> Result<Self, LinalgError> {
         let size = space.nodes();
         let fixed: Vec<bool> = space
@@ -207,9 +248,17 @@ impl MembraneStep {
             .map(|on| clamped && *on)
             .collect();
         let vector = || vec![0.0; size];
-        let linear = match space.mesh().grid() {
-            Some(grid) if transform && !clamped => LinearSolver::transform(space, grid),
-            _ => LinearSolver::factor(space, &fixed)?,
+        let linear = match (method, space.mesh().grid()) {
+            (LinearMethod::Factor, _) => LinearSolver::factor(space, &fixed)?,
+            _ if clamped => LinearSolver::factor(space, &fixed)?,
+            (LinearMethod::Automatic | LinearMethod::Transform, Some(grid)) => {
+                let transform = BulkPreconditioner::new(space, grid);
+                LinearSolver::reduced(space, Bulk::Transform(Box::new(transform)))
+            }
+            _ => {
+                let shifted = ShiftedPreconditioner::new(space)?;
+                LinearSolver::reduced(space, Bulk::Shifted(Box::new(shifted)))
+            }
         };
         Ok(Self {
             mobility,
@@ -242,13 +291,24 @@ impl MembraneStep {
     }
 
     /// Whether the fast path is in use.
-    pub(super) fn uses_transform(&self) -> bool {
-        self.linear.is_transform()
+    pub(super) fn is_fast(&self) -> bool {
+        self.linear.is_fast()
+    }
+
+    /// How the linear systems are solved at present, in a word.
+    pub(super) fn linear_method(&self) -> &'static str {
+        match &self.linear.path {
+            Path::Factor { .. } => "factor",
+            Path::Reduced { preconditioner, .. } => match preconditioner {
+                Bulk::Transform(_) => "transform",
+                Bulk::Shifted(_) => "shifted",
+            },
+        }
     }
 
     /// Leaves the fast path for the factor.
     pub(super) fn fall_back(&mut self, space: &Space) -> Result<(), LinalgError> {
-        if self.uses_transform() {
+        if self.is_fast() {
             let factor = match self.spare.take() {
                 Some(factor) => factor,
                 None => LinearSolver::factor(space, &self.fixed)?,
@@ -259,15 +319,15 @@ impl MembraneStep {
     }
 
     /// Goes back to the fast path, if it was left.
-    pub(super) fn return_to_transform(&mut self) {
-        if let Some(spare) = self.spare.as_mut().filter(|spare| spare.is_transform()) {
+    pub(super) fn return_to_fast(&mut self) {
+        if let Some(spare) = self.spare.as_mut().filter(|spare| spare.is_fast()) {
             std::mem::swap(spare, &mut self.linear);
         }
     }
 
     /// How the linear systems are solved at present. All else is made anew in every step.
     pub(super) fn remember(&self, memory: &mut LinearMemory) {
-        memory.uses_transform = self.uses_transform();
+        memory.is_fast = self.is_fast();
         let mut solvers = std::iter::once(&self.linear).chain(&self.spare);
         match solvers.find_map(LinearSolver::preconditioner) {
             Some(factor) => factor.remember(&mut memory.factor),
@@ -278,7 +338,7 @@ impl MembraneStep {
     /// Whether this step can solve the linear systems as another did.
     pub(super) fn can_recall(&self, memory: &LinearMemory) -> bool {
         let mut solvers = std::iter::once(&self.linear).chain(&self.spare);
-        !memory.uses_transform || solvers.any(LinearSolver::is_transform)
+        !memory.is_fast || solvers.any(LinearSolver::is_fast)
     }
 
     /// Solves the linear systems from now on as they were then, with the same factor.
@@ -290,8 +350,8 @@ impl MembraneStep {
         space: &Space,
         memory: &LinearMemory,
     ) -> Result<(), LinalgError> {
-        if memory.uses_transform {
-            self.return_to_transform();
+        if memory.is_fast {
+            self.return_to_fast();
         } else {
             self.fall_back(space)?;
         }
@@ -428,7 +488,7 @@ impl MembraneStep {
 
     /// One application of the preconditioner of the fast path; nothing on the other one.
     pub(super) fn precondition(&mut self, x: &[f64], y: &mut [f64]) {
-        if let Path::Transform { preconditioner, .. } = &mut self.linear.path {
+        if let Path::Reduced { preconditioner, .. } = &mut self.linear.path {
             preconditioner.apply(x, y);
         }
     }
@@ -450,7 +510,7 @@ impl MembraneStep {
 
     /// One application of the linearised operator of the fast path; nothing on the other one.
     pub(super) fn product(&mut self, space: &Space, dt: f64, x: &[f64], y: &mut [f64]) {
-        if let Path::Transform { scratch, .. } = &mut self.linear.path {
+        if let Path::Reduced { scratch, .. } = &mut self.linear.path {
             let mut operator = ReducedOperator {
                 space,
                 linearised: &self.linearised,
@@ -545,11 +605,11 @@ impl MembraneStep {
         let rows = r1.iter_mut().zip(&self.residual[0]).zip(&self.root_weights);
         rows.for_each(|((b, r), root)| *b = -r / root);
         let outcome = match &mut self.linear.path {
-            Path::Transform {
+            Path::Reduced {
                 preconditioner,
                 scratch,
             } => {
-                preconditioner.prepare(mobility, width);
+                preconditioner.prepare(space, mobility, width)?;
                 let mut operator = ReducedOperator {
                     space,
                     linearised: &self.linearised,
@@ -561,7 +621,7 @@ impl MembraneStep {
                 let (b, x) = (&self.linear.right_side, &mut self.linear.increment);
                 let outcome = self.linear.gmres.solve(
                     &mut operator,
-                    &mut **preconditioner,
+                    preconditioner,
                     b,
                     x,
                     goal,
@@ -569,7 +629,7 @@ impl MembraneStep {
                 )?;
                 if !outcome.converged && outcome.residual > floor {
                     return Err(LinalgError::NotConverged {
-                        method: "GMRES with the cosine transform",
+                        method: preconditioner.method(),
                         iterations: outcome.iterations,
                         residual: outcome.residual / vector::norm(b),
                         tolerance: goal / vector::norm(b),

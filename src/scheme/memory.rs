@@ -94,7 +94,7 @@ impl Memory {
         }
         if !scheme.membrane.can_recall(&self.linear) {
             return Err(RecallError::Foreign(
-                "its linear systems were solved by the cosine transform, which cannot be used here",
+                "its linear systems were solved by the fast path, which cannot be used here",
             ));
         }
         Ok(())

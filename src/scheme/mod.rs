@@ -15,6 +15,7 @@ mod memory;
 #[doc(hidden)]
 pub mod phases;
 mod region;
+mod shifted;
 mod state;
 #[cfg(test)]
 mod tests;
@@ -101,19 +102,18 @@ impl Scheme {
         let space = Space::new(mesh, rule);
         let effects = Effects::from_scene(scene, &space, &phi);
         let clamped = scene.boundary == Boundary::Clamped;
-        let transform = scene.solver.linear != LinearMethod::Factor;
         let membrane = MembraneStep::new(
             &space,
             scene.membrane.mobility,
             scene.solver.law_tolerance,
             clamped,
-            transform,
+            scene.solver.linear,
         )?;
         let director_step = scene
             .nematic
             .as_ref()
             .map(|nematic| DirectorStep::new(&space, nematic.mobility));
-        let slowness = Slowness::new(space.nodes());
+        let slowness = Slowness::new(space.nodes(), membrane.linear_method());
         let zeros = vec![0.0; space.nodes()];
         let state = State {
             phi,
@@ -176,9 +176,20 @@ impl Scheme {
         &self.report
     }
 
-    /// Whether the fast path is in use.
+    /// How the linear systems of substep 2 are solved at present: "transform" or "shifted", the fast
+    /// paths, or "factor".
+    pub fn linear_method(&self) -> &'static str {
+        self.membrane.linear_method()
+    }
+
+    /// Whether the cosine transform is in use.
     pub fn uses_transform(&self) -> bool {
-        self.membrane.uses_transform()
+        self.linear_method() == "transform"
+    }
+
+    /// Whether the sparse factor of all fields is in use.
+    pub fn uses_factor(&self) -> bool {
+        !self.membrane.is_fast()
     }
 
     /// Another anchoring for the state as it is (`None`: none at all). The energies are measured
@@ -371,7 +382,7 @@ impl Scheme {
         let length = self.length;
         let is_over = |detour: Option<Detour>| detour.is_none_or(|detour| detour.is_over(length));
         if self.detour.is_some() && is_over(self.detour) {
-            self.membrane.return_to_transform();
+            self.membrane.return_to_fast();
         }
         let iteration = match self.solver.iteration {
             Iteration::Lagged if is_over(self.newton_detour) => Iteration::Lagged,
@@ -401,7 +412,7 @@ impl Scheme {
             places.restart();
             outcome = self.membrane.solve(&mut places, newton);
         }
-        if self.membrane.uses_transform()
+        if self.membrane.is_fast()
             && self.solver.linear == LinearMethod::Automatic
             && let Err(reason) = outcome
         {
@@ -418,7 +429,7 @@ impl Scheme {
             outcome = self.membrane.solve(&mut places, newton);
         }
         if outcome.is_ok() {
-            let on_factor = !self.membrane.uses_transform();
+            let on_factor = !self.membrane.is_fast();
             let detours = [
                 self.detour.as_mut().filter(|_| on_factor),
                 self.newton_detour.as_mut(),
@@ -427,7 +438,7 @@ impl Scheme {
         }
         if let Ok(work) = &outcome
             && self.solver.linear == LinearMethod::Automatic
-            && self.membrane.uses_transform()
+            && self.membrane.is_fast()
             && self.slowness.is_proved_by(work.krylov)
         {
             self.detour = Some(Detour::new(length, self.detour));

@@ -4,13 +4,11 @@
 
 mod effects;
 
-use std::sync::Arc;
-
 use super::faults::Place;
 use super::faults::armed::{Fault, Spoiling, with_fault};
 use super::{Scheme, State, StepError, initial_fields};
 use crate::fem::Mesh;
-use crate::scene::{self, Scene};
+use crate::scene::Scene;
 
 /// A vesicle with every effect, off the centre.
 const SCENE: &str = r#"
@@ -64,12 +62,7 @@ fn scheme(settings: &[&str]) -> Scheme {
     let settings: Vec<String> = settings.iter().map(|&text| text.to_owned()).collect();
     let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
     let scene = Scene::parse(SCENE, "faults", &settings, &mut no_files).expect("a scene");
-    let scene::Mesh::Structured {
-        cells,
-        jitter,
-        seed,
-    } = scene.mesh;
-    let mesh = Arc::new(Mesh::structured(cells, jitter, seed).expect("a mesh"));
+    let mesh = Mesh::of(&scene).expect("a mesh");
     let initial = initial_fields(&scene, &mesh).expect("fields");
     let mut scheme = Scheme::new(&scene, mesh, initial.phi, initial.director).expect("a scheme");
     for _ in 0..3 {

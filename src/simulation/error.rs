@@ -34,17 +34,19 @@ impl fmt::Display for Bytes {
 pub enum SimulationError {
     /// The run would need more memory than there is.
     #[error(
-        "a mesh of {cells} \u{d7} {cells} cells would need about {}, and {} of memory are free: lower mesh.cells",
+        "a mesh {mesh} would need about {}, and {} of memory are free: {remedy}",
         Bytes(*needed),
         Bytes(*available)
     )]
     Memory {
-        /// Cells along a side.
-        cells: usize,
+        /// How large the mesh is, in words.
+        mesh: String,
         /// Bytes, estimated.
         needed: u64,
         /// Bytes.
         available: u64,
+        /// What can be done.
+        remedy: &'static str,
     },
     /// The mesh cannot be made.
     #[error("the mesh: {0}")]

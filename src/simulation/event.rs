@@ -19,16 +19,16 @@ pub struct Event {
 /// What happened.
 #[derive(Debug, Clone, PartialEq)]
 pub enum EventKind {
-    /// The iteration with the cosine transform failed, and the sparse factor took over; the transform is
+    /// The iteration of the fast linear solver failed, and the sparse factor took over; the fast one is
     /// tried again later.
     FellBackToFactor {
         /// How it failed.
         reason: StepError,
     },
-    /// The sparse factor took over, for the transform needs so many iterations at this Δt that the
-    /// factor is faster.
+    /// The sparse factor took over, for the fast linear solver needs so many iterations at this Δt that
+    /// the factor is faster.
     FactorIsFaster,
-    /// The cosine transform is in use again.
+    /// The fast linear solver is in use again.
     ReturnedToTransform,
     /// The lagged iteration failed, and Newton's method took over; the lagged one is tried again later.
     NewtonTookOver {
@@ -84,12 +84,12 @@ impl fmt::Display for EventKind {
         match self {
             EventKind::FellBackToFactor { reason } => write!(
                 f,
-                "the sparse factor took over from the cosine transform for a while, which had failed: {reason}"
+                "the sparse factor took over from the fast linear solver for a while, which had failed: {reason}"
             ),
             EventKind::FactorIsFaster => f.write_str(
-                "the sparse factor took over from the cosine transform, which takes longer at this \u{394}t",
+                "the sparse factor took over from the fast linear solver, which takes longer at this \u{394}t",
             ),
-            EventKind::ReturnedToTransform => f.write_str("the cosine transform is in use again"),
+            EventKind::ReturnedToTransform => f.write_str("the fast linear solver is in use again"),
             EventKind::NewtonTookOver { reason } => write!(
                 f,
                 "Newton's method took over from the lagged iteration for a while, which had failed: {reason}"

@@ -22,8 +22,8 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use crate::fem::{Contour, FemError, Mesh, Recovery};
-use crate::scene::{self, AnchoringKind, Iteration, Order, Scene, Shape, Time, Warning};
+use crate::fem::{Contour, Mesh, Quality, Recovery};
+use crate::scene::{AnchoringKind, Iteration, Order, Scene, Shape, Time, Warning};
 use crate::scheme::{Scheme, StepError, StepReport, initial_fields};
 
 pub use crate::fem::OutlineMeasure;
@@ -34,7 +34,7 @@ pub use error::SimulationError;
 pub use event::{Event, EventKind};
 pub use ladder::{Ladder, Tried};
 pub use memory::Memory;
-pub use needs::{check_memory, memory_available, memory_held, memory_needed};
+pub use needs::{check_memory, memory_available, memory_held, memory_needed, node_count};
 pub use report::{Costs, Report};
 pub use schedule::{Schedule, step_count};
 pub use underway::Underway;
@@ -51,24 +51,29 @@ use warnings::NearWall;
 /// The error of the mesh is estimated at every so many steps: it changes slowly.
 const SPACE_ERROR_EVERY: u64 = 8;
 
-/// What is allowed in a scene but probably not meant, told from its initial state, without the
-/// scheme that would run it.
+/// What can be told of a scene from its initial state, without the scheme that would run it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Examination {
+    /// What is allowed but probably not meant.
+    pub warnings: Vec<Warning>,
+    /// Nodes of the mesh.
+    pub nodes: usize,
+    /// Angles and sizes of its triangles.
+    pub quality: Quality,
+}
+
+/// Makes a scene's mesh and initial state, and tells what they are like.
 ///
 /// # Errors
 /// `Mesh` and `Initial`: the state could not be made.
-pub fn examine(scene: &Scene) -> Result<Vec<Warning>, SimulationError> {
-    let mesh = mesh(scene)?;
+pub fn examine(scene: &Scene) -> Result<Examination, SimulationError> {
+    let mesh = Mesh::of(scene)?;
     let initial = initial_fields(scene, &mesh)?;
-    Ok(warnings(scene, &mesh, &initial.phi))
-}
-
-fn mesh(scene: &Scene) -> Result<Arc<Mesh>, FemError> {
-    let scene::Mesh::Structured {
-        cells,
-        jitter,
-        seed,
-    } = scene.mesh;
-    Mesh::structured(cells, jitter, seed).map(Arc::new)
+    Ok(Examination {
+        warnings: warnings(scene, &mesh, &initial.phi),
+        nodes: mesh.nodes().len(),
+        quality: Quality::of(&mesh),
+    })
 }
 
 /// A run: a scene, and how far it has come.
@@ -126,7 +131,7 @@ impl Simulation {
     /// [`SimulationError`]: what could not be built.
     pub fn new(scene: &Scene) -> Result<Self, SimulationError> {
         check_memory(scene)?;
-        let mesh = mesh(scene)?;
+        let mesh = Mesh::of(scene)?;
         let initial = initial_fields(scene, &mesh)?;
         let warnings = warnings(scene, &mesh, &initial.phi);
         let scheme = Scheme::new(scene, mesh.clone(), initial.phi, initial.director)
@@ -214,7 +219,7 @@ impl Simulation {
             costs.add(phase, now - begun);
             begun = now;
         };
-        let was_fast = self.scheme.uses_transform();
+        let was_fast = !self.scheme.uses_factor();
         let before = (self.report.step, self.report.t);
         let was_damped = self.report.ladder.damping < 1.0;
         let taken = match self.pacing {
@@ -240,7 +245,7 @@ impl Simulation {
         if let Some(reason) = taken.newton_took_over {
             tell(EventKind::NewtonTookOver { reason });
         }
-        match (was_fast, self.scheme.uses_transform(), taken.fallback) {
+        match (was_fast, !self.scheme.uses_factor(), taken.fallback) {
             (true, false, Some(reason)) => tell(EventKind::FellBackToFactor { reason }),
             (true, false, None) => tell(EventKind::FactorIsFaster),
             (false, true, _) => tell(EventKind::ReturnedToTransform),
@@ -271,7 +276,7 @@ impl Simulation {
         let step = self.report.step + 1;
         let dt = self.scene.time.step;
         let (begin, end) = (grid_time(step - 1, dt), grid_time(step, dt));
-        let was_fast = self.scheme.uses_transform();
+        let was_fast = !self.scheme.uses_factor();
         let mut taken = Taken::default();
         let Pacing::Fixed(division) = &mut self.pacing else {
             return Ok(taken);
@@ -324,7 +329,7 @@ impl Simulation {
                 Ok(solved) => {
                     taken.note(solved);
                     let first = taken.ladder.parts == 0 || earlier.is_some();
-                    let with_factor = !self.scheme.uses_transform();
+                    let with_factor = self.scheme.uses_factor();
                     let solved = self.scheme.report();
                     taken.ladder.accept(solved, with_factor);
                     if first {
@@ -383,7 +388,7 @@ impl Simulation {
             taken.go_on(&left);
         }
         let mut is_begun = false;
-        let was_fast = self.scheme.uses_transform();
+        let was_fast = !self.scheme.uses_factor();
         let longest = controller.attempt(t, landing).dt;
         loop {
             let attempt = controller.attempt(t, landing);
@@ -412,7 +417,7 @@ impl Simulation {
                     let solved = self.scheme.accept_extrapolated();
                     taken.note(solved);
                     self.report.refused = taken.ladder.refused.try_into().unwrap_or(u32::MAX);
-                    let with_factor = !self.scheme.uses_transform();
+                    let with_factor = self.scheme.uses_factor();
                     let solved = self.scheme.report();
                     taken.ladder.accept(solved, with_factor);
                     self.report.take(solved);
@@ -468,8 +473,8 @@ impl Simulation {
     fn tried(&self, was_fast: bool, taken: &Taken, steps: [f64; 2]) -> Tried {
         Tried {
             refused: taken.ladder.refused,
-            transform: was_fast || self.scheme.uses_transform(),
-            factor: !self.scheme.uses_transform(),
+            transform: was_fast || !self.scheme.uses_factor(),
+            factor: self.scheme.uses_factor(),
             lagged: self.scene.solver.iteration == Iteration::Lagged,
             steps,
         }
@@ -552,13 +557,9 @@ impl Simulation {
         std::mem::take(&mut self.events)
     }
 
-    /// How the linear systems of substep 2 are solved at present: "transform" or "factor".
+    /// How the linear systems of substep 2 are solved at present: "transform", "shifted" or "factor".
     pub fn linear_method(&self) -> &'static str {
-        if self.scheme.uses_transform() {
-            "transform"
-        } else {
-            "factor"
-        }
+        self.scheme.linear_method()
     }
 }
 

@@ -1,7 +1,9 @@
 //! What a scene's numbers alone do not tell: the vesicle's place, and whether β can be reached.
 
-use crate::fem::{Contour, Mesh};
-use crate::scene::{self, OutlineDistance, Scene, Shape, Warning, wall_distance};
+use crate::fem::{Contour, Mesh, Wall};
+use crate::scene::{
+    self, OutlineDistance, Scene, Shape, Warning, thin_interface, union_distance, wall_distance,
+};
 
 /// The interface of a vesicle reaches this many ε beyond φ = 0: tanh(2√2) = 0.993.
 const INTERFACE_REACH: f64 = 4.0;
@@ -11,13 +13,20 @@ pub fn warnings(scene: &Scene, mesh: &Mesh, phi: &[f64]) -> Vec<Warning> {
     let mut warnings = scene::warnings(scene);
     let interface_width = scene.membrane.interface_width;
     let contour = Contour::new(mesh, phi);
+    if let scene::Mesh::File(_) = scene.mesh {
+        let edge = edge_at_membrane(mesh, phi);
+        warnings.extend(edge.and_then(|edge| thin_interface(interface_width, edge, None)));
+    }
     let distance = match &scene.vesicle.shape {
         Shape::Outlines(outlines) => {
             let outlines: Vec<OutlineDistance> =
                 outlines.iter().map(OutlineDistance::new).collect();
-            Some(wall_distance(&outlines))
+            Some(match scene.mesh {
+                scene::Mesh::File(_) => distance_in_polygon(&outlines, mesh, &contour),
+                _ => wall_distance(&outlines),
+            })
         }
-        _ => contour.wall_distance(),
+        _ => contour.wall_distance(&Wall::of(mesh)),
     };
     if let Some(distance) =
         distance.filter(|distance| *distance < INTERFACE_REACH * interface_width)
@@ -46,6 +55,34 @@ pub fn warnings(scene: &Scene, mesh: &Mesh, phi: &[f64]) -> Vec<Warning> {
     warnings
 }
 
+/// The least distance of outlines to the wall of any domain: negative if one lies across it, or outside.
+fn distance_in_polygon(outlines: &[OutlineDistance], mesh: &Mesh, contour: &Contour) -> f64 {
+    let wall = Wall::of(mesh);
+    let distance = wall.clearance(|place| union_distance(outlines, place).value);
+    if contour.area > 0.0 {
+        distance
+    } else {
+        // Nothing of the vesicle is in the domain.
+        -distance.abs()
+    }
+}
+
+/// The mean length of an edge of the triangles that φ = 0 crosses; `None` where there are none.
+fn edge_at_membrane(mesh: &Mesh, phi: &[f64]) -> Option<f64> {
+    let crossed = mesh.triangles().iter().filter(|corners| {
+        let inside = corners.map(|node| phi[node as usize] > 0.0);
+        inside.contains(&true) && inside.contains(&false)
+    });
+    let lengths = crossed.flat_map(|corners| {
+        let [a, b, c] = corners.map(|node| mesh.nodes()[node as usize]);
+        [[a, b], [b, c], [c, a]].map(|[from, to]| (to[0] - from[0]).hypot(to[1] - from[1]))
+    });
+    let (sum, count) = lengths.fold((0.0, 0.0), |(sum, count), length| {
+        (sum + length, count + 1.0)
+    });
+    (count > 0.0).then(|| sum / count)
+}
+
 /// The nodes within ε of the wall, and whether the vesicle has been seen there.
 #[derive(Debug)]
 pub(super) struct NearWall {
@@ -55,13 +92,8 @@ pub(super) struct NearWall {
 
 impl NearWall {
     pub(super) fn new(mesh: &Mesh, interface_width: f64) -> Self {
-        let near = |(node, [x, y]): (usize, &[f64; 2])| {
-            let distance = x.min(1.0 - x).min(*y).min(1.0 - y);
-            (distance <= interface_width).then_some(node as u32)
-        };
-        let nodes = mesh.nodes().iter().enumerate().filter_map(near).collect();
         Self {
-            nodes,
+            nodes: Wall::of(mesh).nodes_within(mesh, interface_width),
             reached: false,
         }
     }

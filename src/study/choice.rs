@@ -40,9 +40,8 @@ pub struct Choice {
 impl Choice {
     /// The way that a scene asks for.
     pub fn of(scene: &Scene) -> Self {
-        let Mesh::Structured { cells, .. } = scene.mesh;
         Self {
-            cells,
+            cells: fineness(scene),
             pace: match scene.time.tolerance {
                 None => Pace::Step(scene.time.step),
                 Some(tolerance) => Pace::Tolerance(tolerance),
@@ -55,8 +54,20 @@ impl Choice {
     /// The scene, computed this way.
     pub fn applied_to(&self, scene: &Scene) -> Scene {
         let mut scene = scene.clone();
-        let Mesh::Structured { cells, .. } = &mut scene.mesh;
-        *cells = self.cells;
+        match &mut scene.mesh {
+            Mesh::Structured { cells, .. } => *cells = self.cells,
+            Mesh::Delaunay { size, refine, .. } => {
+                let own = cells_of(*size);
+                if self.cells != own {
+                    let factor = own as f64 / self.cells as f64;
+                    *size *= factor;
+                    if let Some(refinement) = refine {
+                        refinement.size *= factor;
+                    }
+                }
+            }
+            Mesh::File(_) => {}
+        }
         let end = scene.time.end;
         let order = match scene.time {
             Time {
@@ -98,6 +109,47 @@ pub(super) fn can_change_mesh(scene: &Scene) -> bool {
             InitialDirector::File(_) | InitialDirector::Random { .. }
         )
     });
-    let Mesh::Structured { jitter, .. } = scene.mesh;
-    shape && curvature && director && jitter == 0.0
+    let mesh = scene.mesh.is_grid() || matches!(scene.mesh, Mesh::Delaunay { .. });
+    shape && curvature && director && mesh
+}
+
+/// 1/h: of the structured mesh, of a generated one by its size, of another by its nodes.
+fn fineness(scene: &Scene) -> usize {
+    match &scene.mesh {
+        Mesh::Structured { cells, .. } => *cells,
+        Mesh::Delaunay { size, .. } => cells_of(*size),
+        Mesh::File(file) => (file.triangulation.nodes.len() as f64).sqrt().round() as usize,
+    }
+}
+
+/// Edges of this length along a side of the square.
+fn cells_of(size: f64) -> usize {
+    size.recip().round() as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_generated_mesh_is_refined_as_a_whole() {
+        let text =
+            "mesh = { kind = 'delaunay', size = 0.03, refine = { band = 0.1, size = 0.01 } }";
+        let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+        let scene = Scene::parse(text, "a study", &[], &mut no_files).expect("a scene");
+        assert!(can_change_mesh(&scene));
+        let own = Choice::of(&scene);
+        assert_eq!(
+            (own.cells, own.applied_to(&scene).mesh),
+            (33, scene.mesh.clone())
+        );
+        let Mesh::Delaunay { size, refine, .. } =
+            (Choice { cells: 66, ..own }).applied_to(&scene).mesh
+        else {
+            panic!("a mesh of another kind");
+        };
+        let refined = refine.expect("it stays refined");
+        let close = |a: f64, b: f64| (a - b).abs() < 1e-15;
+        assert!(close(size, 0.015) && close(refined.size, 0.005) && refined.band == 0.1);
+    }
 }

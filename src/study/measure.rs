@@ -14,6 +14,8 @@ pub(super) struct Measurement {
     pub(super) seconds: f64,
     /// The peak of the process's memory meanwhile, in bytes.
     pub(super) memory: Option<u64>,
+    /// Nodes of its mesh; 0 where that was not made.
+    pub(super) nodes: usize,
     pub(super) steps: u64,
     pub(super) refused: u64,
     pub(super) newton: u64,
@@ -48,6 +50,7 @@ pub(super) fn measure(
     let mut measurement = Measurement {
         seconds: 0.0,
         memory: None,
+        nodes: 0,
         steps: 0,
         refused: 0,
         newton: 0,
@@ -72,6 +75,7 @@ fn advance(
     let mut simulation =
         Simulation::new(scene).map_err(|error| Failure::Failed(error.to_string()))?;
     simulation.follow(&schedule);
+    measurement.nodes = simulation.mesh().nodes().len();
     loop {
         let report = simulation.report();
         if schedule.is_over(report.step, report.t) {

@@ -14,6 +14,8 @@ use std::fmt::Write;
 pub struct Point {
     /// 1/h.
     pub cells: usize,
+    /// Nodes of the mesh; 0 where that was not made.
+    pub nodes: usize,
     /// How long steps are.
     pub pace: Pace,
     /// "consistent" or "lumped".
@@ -55,6 +57,7 @@ impl Point {
     pub(super) fn new(choice: &Choice, own: &Choice, measured: &Measurement) -> Self {
         Self {
             cells: choice.cells,
+            nodes: measured.nodes,
             pace: choice.pace,
             quadrature: match choice.quadrature {
                 Quadrature::Consistent => "consistent",
@@ -313,7 +316,7 @@ impl Study {
         let mut text =
             "cells,step,tolerance,quadrature,iteration,own,seconds,memory,steps,refused,\
                         newton,krylov,phi,membrane,d,E_total,B,time_error,\
-                        estimated_time,estimated_space,estimated_algebra,pareto,failure\n"
+                        estimated_time,estimated_space,estimated_algebra,pareto,failure,nodes\n"
                 .to_owned();
         let number = |value: Option<f64>| value.map_or(String::new(), |it| Number(it).to_string());
         for point in &self.points {
@@ -348,6 +351,7 @@ impl Study {
                 number(point.estimated_algebra),
                 u8::from(point.is_pareto).to_string(),
                 quoted(point.failure.as_deref().unwrap_or_default()),
+                point.nodes.to_string(),
             ];
             // Writing to a string does not fail.
             let _ = writeln!(text, "{}", cells.join(","));

@@ -7,7 +7,7 @@
 
 use super::advice::Knob;
 use super::choice::{Choice, Pace, can_change_mesh};
-use crate::scene::Scene;
+use crate::scene::{Mesh, Scene};
 use crate::simulation::{ErrorBudget, ErrorPart};
 use std::fmt;
 
@@ -96,7 +96,7 @@ impl Suggestion {
         };
         let mut what = Vec::new();
         if choice.cells != own.cells {
-            what.push(format!("mesh.cells={}", choice.cells));
+            what.extend(mesh_settings(&choice.applied_to(scene).mesh));
         }
         if let Pace::Tolerance(tolerance) = choice.pace
             && choice.pace != own.pace
@@ -126,6 +126,19 @@ impl Suggestion {
         changed.solver.tolerance = self.tolerance;
         changed.name = format!("{}, {}", scene.name, self.what);
         changed
+    }
+}
+
+/// What makes a mesh as fine as this one, as it is set.
+fn mesh_settings(mesh: &Mesh) -> Vec<String> {
+    match mesh {
+        Mesh::Structured { cells, .. } => vec![format!("mesh.cells={cells}")],
+        Mesh::Delaunay { size, refine, .. } => {
+            let mut settings = vec![format!("mesh.size={size:e}")];
+            settings.extend(refine.map(|it| format!("mesh.refine.size={:e}", it.size)));
+            settings
+        }
+        Mesh::File(_) => Vec::new(),
     }
 }
 

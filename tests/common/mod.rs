@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use vesica::fem::Mesh;
 use vesica::physics::NamedValue;
-use vesica::scene::{self, Scene};
+use vesica::scene::Scene;
 use vesica::scheme::{Scheme, State, StepReport, initial_fields};
 
 /// A small vesicle with every effect, off the centre and askew, so that no symmetry hides anything.
@@ -47,12 +47,7 @@ pub fn scene<S: AsRef<str>>(text: &str, settings: &[S]) -> Scene {
 
 /// The mesh of a scene.
 pub fn mesh(scene: &Scene) -> Arc<Mesh> {
-    let scene::Mesh::Structured {
-        cells,
-        jitter,
-        seed,
-    } = scene.mesh;
-    Arc::new(Mesh::structured(cells, jitter, seed).expect("a fair mesh"))
+    Mesh::of(scene).expect("a fair mesh")
 }
 
 /// The scheme of a scene at its initial state.

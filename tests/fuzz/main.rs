@@ -15,7 +15,7 @@ mod memory;
 mod mutation;
 
 use std::fs;
-use std::io::{Error, ErrorKind};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -24,7 +24,7 @@ use vesica::record::{
     Columns, Ending, Found, IfOccupied, KeptRun, Preparation, Resumption, RunFolder, RunKeeper,
     Settings, read_fields, read_run,
 };
-use vesica::scene::{Expression, Scene, preset, preset_names};
+use vesica::scene::{Expression, Scene, Triangulation, preset, preset_names, write_mesh};
 use vesica::simulation::Simulation;
 
 /// Inputs of each target in the quick part, and in the long one.
@@ -58,9 +58,7 @@ const FORMULAS: [&str; 3] = [
 const SMALL: &str = "mesh.cells = 4\nmembrane.interface_width = 0.2\n[nematic]\n[area]\n";
 
 fn read_scene(text: &str, nodal: &[u8]) -> Option<Scene> {
-    let mut read = |_: &str| {
-        String::from_utf8(nodal.to_vec()).map_err(|_| Error::from(ErrorKind::InvalidData))
-    };
+    let mut read = |_: &str| Ok(nodal.to_vec());
     Scene::parse(text, "fuzz", &[], &mut read)
         .inspect_err(|error| assert!(!error.to_string().is_empty()))
         .ok()
@@ -128,6 +126,30 @@ fn nodal_target() -> Target {
     Target {
         name: "nodal values",
         seeds: vec![scalars.into_bytes(), pairs.into_bytes()],
+        read: Box::new(read),
+    }
+}
+
+/// Files of meshes, of which those that are read are written and read again.
+fn mesh_target() -> Target {
+    let seeds = ["square-22.msh", "square-41.msh", "square-41-binary.msh"];
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/meshes");
+    let seeds = seeds.map(|name| fs::read(folder.join(name)).expect("a mesh"));
+    let read = |bytes: &[u8]| {
+        let Some(mesh) = Triangulation::parse(bytes)
+            .inspect_err(|error| assert!(!error.to_string().is_empty()))
+            .ok()
+        else {
+            return;
+        };
+        let mut text = Vec::new();
+        write_mesh(&mut text, &mesh).expect("a vector takes everything");
+        let again = Triangulation::parse(&text).expect("what was written is a mesh");
+        assert_eq!((again.nodes, again.triangles), (mesh.nodes, mesh.triangles));
+    };
+    Target {
+        name: "mesh",
+        seeds: seeds.to_vec(),
         read: Box::new(read),
     }
 }
@@ -295,7 +317,12 @@ fn first() -> u64 {
 fn fuzz(count: u64) {
     let folders = [(); 2].map(|()| tempfile::tempdir().expect("a folder"));
     let [for_reading, for_resuming] = folders.each_ref().map(|folder| folder.path());
-    let mut targets = vec![scene_target(), formula_target(), nodal_target()];
+    let mut targets = vec![
+        scene_target(),
+        formula_target(),
+        nodal_target(),
+        mesh_target(),
+    ];
     targets.extend(run_targets(for_reading));
     targets.extend(checkpoint_targets(for_resuming));
     for target in &targets {

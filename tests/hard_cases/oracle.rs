@@ -227,7 +227,9 @@ fn plainly(case: &Case, scene: &Scene, steps: u64, worst: &mut Worst) -> Result<
 
 /// How far the zero set of φ is from the scene's circle at most, in cells.
 fn shift_of_circle(scene: &Scene, mesh: &Mesh, phi: &[f64]) -> f64 {
-    let vesica::scene::Mesh::Structured { cells, .. } = scene.mesh;
+    let Some(cells) = scene.mesh.cells() else {
+        return f64::NAN;
+    };
     let Shape::Outlines(outlines) = &scene.vesicle.shape else {
         return f64::NAN;
     };
@@ -243,13 +245,7 @@ fn shift_of_circle(scene: &Scene, mesh: &Mesh, phi: &[f64]) -> f64 {
 
 /// Takes the steps without the fixed grid of a simulation.
 fn with_jumps(case: &Case, scene: &Scene, steps: u64, worst: &mut Worst) -> Result<(), String> {
-    let vesica::scene::Mesh::Structured {
-        cells,
-        jitter,
-        seed,
-    } = scene.mesh;
-    let mesh = Mesh::structured(cells, jitter, seed).map_err(|error| error.to_string())?;
-    let mesh = std::sync::Arc::new(mesh);
+    let mesh = Mesh::of(scene).map_err(|error| error.to_string())?;
     let initial = initial_fields(scene, &mesh).map_err(|error| error.to_string())?;
     let mut scheme = Scheme::new(scene, mesh, initial.phi, initial.director)
         .map_err(|error| error.to_string())?;

@@ -33,16 +33,11 @@ pub enum Refined {
 }
 
 fn key(refined: Refined, run: Run) -> Key {
-    let mesh = if run.jitter == 0.0 {
-        "regular"
-    } else {
-        "jittered"
-    };
     let words = [
         format!("{refined:?}").to_lowercase(),
         format!("{:?}", run.problem).to_lowercase(),
         run.quadrature.to_owned(),
-        mesh.to_owned(),
+        run.mesh.name().to_owned(),
     ];
     (words, [run.cells, run.steps])
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use vesica::fem::{Mesh, Rule, Space, ritz_projection};
-use vesica::scene::{self, Boundary, Scene};
+use vesica::scene::{Boundary, Scene};
 use vesica::scheme::{Scheme, State};
 
 use super::fields::{DirectorField, Mode, PhaseField};
@@ -84,12 +84,13 @@ impl Problem {
         let Run {
             quadrature,
             cells,
-            jitter,
+            mesh,
             ..
         } = run;
+        let mesh = mesh.tables(cells);
         let mut text = format!(
             "[domain]\nboundary = \"{boundary}\"\n\
-             [mesh]\ncells = {cells}\njitter = {jitter:?}\n\
+             {mesh}\
              [membrane]\ninterface_width = 0.2\nmobility = {mobility:?}\n\
              spontaneous_curvature = \"{CURVATURE}\"\n\
              [area]\ntarget = 0.8\npenalty = 0.1\n\
@@ -122,6 +123,47 @@ impl Problem {
     }
 }
 
+/// A family of meshes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum MeshKind {
+    /// Where substep 2 takes the fast path unless the wall is clamped.
+    Regular,
+    /// Its interior nodes moved by up to so much of h.
+    Jittered(f64),
+    /// Delaunay, of one size.
+    Delaunay,
+    /// Delaunay, of half that size about an ellipse.
+    Graded,
+}
+
+impl MeshKind {
+    /// In the table of errors.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Regular => "regular",
+            Self::Jittered(_) => "jittered",
+            Self::Delaunay => "delaunay",
+            Self::Graded => "graded",
+        }
+    }
+
+    /// The tables [mesh] and [vesicle] of a scene.
+    fn tables(self, cells: usize) -> String {
+        let size = 1.0 / cells as f64;
+        match self {
+            Self::Regular => format!("[mesh]\ncells = {cells}\n"),
+            Self::Jittered(jitter) => format!("[mesh]\ncells = {cells}\njitter = {jitter:?}\n"),
+            Self::Delaunay => format!("[mesh]\nkind = \"delaunay\"\nsize = {size:?}\n"),
+            Self::Graded => format!(
+                "[mesh]\nkind = \"delaunay\"\nsize = {size:?}\n\
+                 refine = {{ band = 0.05, size = {:?} }}\n\
+                 [vesicle]\nshape = \"ellipse\"\nhalf_axes = [0.35, 0.25]\n",
+                0.5 * size
+            ),
+        }
+    }
+}
+
 /// One run: a problem and how it is solved.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Run {
@@ -129,8 +171,8 @@ pub struct Run {
     pub problem: Problem,
     /// Of every integral.
     pub quadrature: &'static str,
-    /// 0 for the regular mesh, where substep 2 takes the fast path unless the wall is clamped.
-    pub jitter: f64,
+    /// Of which kind the mesh is.
+    pub mesh: MeshKind,
     /// 1/h.
     pub cells: usize,
     /// Equal steps from t = 0 to t = 0.2.
@@ -156,18 +198,16 @@ impl Run {
     /// Makes it, every step solved to far below the errors that are measured.
     pub fn solve(self, flaw: Option<Flaw>) -> Outcome {
         let model = self.problem.model(self, flaw);
-        let scene::Mesh::Structured {
-            cells,
-            jitter,
-            seed,
-        } = model.scene.mesh;
-        let mesh = Arc::new(Mesh::structured(cells, jitter, seed).expect("a fair mesh"));
+        let mesh = Mesh::of(&model.scene).expect("a fair mesh");
         let clamped = model.scene.boundary == Boundary::Clamped;
         let [phi, d_x, d_y] = initial_values(&model, &mesh, clamped);
         let director = d_x.zip(d_y).map(|(x, y)| [x, y]);
         let phi = phi.expect("there is always a membrane");
         let mut scheme = Scheme::new(&model.scene, mesh.clone(), phi, director).expect("a scheme");
-        assert_eq!(scheme.uses_transform(), jitter == 0.0 && !clamped);
+        assert_eq!(
+            scheme.uses_transform(),
+            self.mesh == MeshKind::Regular && !clamped
+        );
 
         let clock = Clock::default();
         let source = Source::new(model.clone(), clock.clone(), scheme.space());

@@ -15,7 +15,7 @@ fn read_with(text: &str, overrides: &[&str], files: &[(&str, &str)]) -> Result<S
     let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
     let mut read = |path: &str| {
         let file = files.iter().find(|(name, _)| *name == path);
-        file.map(|(_, text)| (*text).to_owned())
+        file.map(|(_, text)| text.as_bytes().to_vec())
             .ok_or_else(|| io::ErrorKind::NotFound.into())
     };
     Scene::parse(text, "a.toml", &overrides, &mut read)

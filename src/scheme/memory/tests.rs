@@ -1,5 +1,3 @@
-use std::sync::Arc;
-
 use super::*;
 use crate::fem::Mesh;
 use crate::scene::Scene;
@@ -22,12 +20,7 @@ fn scene(settings: &[&str]) -> Scene {
 }
 
 fn scheme(scene: &Scene) -> Scheme {
-    let crate::scene::Mesh::Structured {
-        cells,
-        jitter,
-        seed,
-    } = scene.mesh;
-    let mesh = Arc::new(Mesh::structured(cells, jitter, seed).expect("a fair mesh"));
+    let mesh = Mesh::of(scene).expect("a mesh");
     let initial = initial_fields(scene, &mesh).expect("initial fields");
     Scheme::new(scene, mesh, initial.phi, initial.director).expect("a scheme")
 }

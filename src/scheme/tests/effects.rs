@@ -1,8 +1,6 @@
 //! Off is absent: a scene without an effect is the limit of the scene with it, bit for bit, and its
 //! steps do no work for it. And substep 1 is solved where it matters, no more and no less.
 
-use std::sync::Arc;
-
 use super::super::director::{Demand, DirectorStep};
 use super::super::region::{Criterion, Region};
 use super::super::*;
@@ -36,8 +34,7 @@ fn scene(settings: &[&str]) -> Scene {
 }
 
 fn scheme(scene: &Scene) -> Scheme {
-    let scene::Mesh::Structured { cells, .. } = scene.mesh;
-    let mesh = Arc::new(Mesh::structured(cells, 0.0, 0).expect("a fair mesh"));
+    let mesh = Mesh::of(scene).expect("a fair mesh");
     let initial = initial_fields(scene, &mesh).expect("initial fields");
     Scheme::new(scene, mesh, initial.phi, initial.director).expect("a scheme")
 }

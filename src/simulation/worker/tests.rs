@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use super::super::tests::small;
 use super::super::{Costs, Event, EventKind, Report, Simulation, State};
 use super::*;
-use crate::scene::{AnchoringKind, NodalValues, ScalarField};
+use crate::scene::{AnchoringKind, InitialDirector, NodalValues};
 
 /// Long enough for anything but a hang.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -436,13 +436,18 @@ fn a_step_that_fails_is_told_after_all_before_it() {
     assert_eq!(fetched(&watched.worker), (0, initial));
 }
 
+fn simulation_nodes(scene: &crate::scene::Scene) -> usize {
+    Simulation::new(scene).unwrap().mesh().nodes().len()
+}
+
 #[test]
 fn a_panic_is_told() {
     let mut scene = small(&[]);
-    // No scene that was read has fewer values than nodes.
-    scene.membrane.spontaneous_curvature = ScalarField::File(NodalValues {
+    // No scene that was read has one value a node for the director.
+    let nodes = simulation_nodes(&scene);
+    scene.nematic.get_or_insert_default().initial = InitialDirector::File(NodalValues {
         path: String::new(),
-        values: Arc::from([0.0]),
+        values: Arc::from(vec![0.0; nodes]),
         columns: 1,
     });
     let watched = start(orders(), scene);

@@ -1,0 +1,84 @@
+//! The boundary of a mesh, ∂Ω: straight edges, and how far places are from them.
+
+use super::Mesh;
+use crate::scene::planar::{SegmentGrid, segment_distance};
+
+/// The edges of the boundary of a mesh.
+#[derive(Debug, Clone)]
+pub struct Wall {
+    edges: Vec<[[f64; 2]; 2]>,
+}
+
+impl Wall {
+    /// Of a mesh: the edges that belong to one triangle only, with the domain on their left.
+    pub fn of(mesh: &Mesh) -> Self {
+        let place = |node: u32| mesh.nodes()[node as usize];
+        let edges = mesh.boundary_edges().into_iter();
+        Self {
+            edges: edges.map(|edge| edge.map(place)).collect(),
+        }
+    }
+
+    /// The edges.
+    pub fn edges(&self) -> &[[[f64; 2]; 2]] {
+        &self.edges
+    }
+
+    /// How far a place is from the wall.
+    pub fn distance(&self, place: [f64; 2]) -> f64 {
+        let distances = self.edges.iter().map(|edge| segment_distance(place, *edge));
+        distances.fold(f64::INFINITY, f64::min)
+    }
+
+    /// The numbers of the nodes of a mesh that are within `reach` of the wall.
+    pub fn nodes_within(&self, mesh: &Mesh, reach: f64) -> Vec<u32> {
+        let grid = SegmentGrid::new(self.edges.clone(), reach);
+        let nodes = mesh.nodes().iter().enumerate();
+        nodes
+            .filter(|(_, place)| grid.is_near(**place))
+            .map(|(node, _)| node as u32)
+            .collect()
+    }
+
+    /// How far a curve keeps from the wall, by its signed distance (positive inside of it): negative
+    /// where it reaches across. Taken at eight places of every edge.
+    pub fn clearance(&self, signed_distance: impl Fn([f64; 2]) -> f64) -> f64 {
+        const PARTS: usize = 8;
+        let places = self.edges.iter().flat_map(|[from, to]| {
+            (0..PARTS).map(|part| {
+                let share = part as f64 / PARTS as f64;
+                [0, 1].map(|axis: usize| from[axis] + share * (to[axis] - from[axis]))
+            })
+        });
+        places
+            .map(|place| -signed_distance(place))
+            .fold(f64::INFINITY, f64::min)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_wall_of_the_square_is_its_four_sides() {
+        let mesh = Mesh::structured(6, 0.2, 1).expect("a fair mesh");
+        let wall = Wall::of(&mesh);
+        assert_eq!(wall.edges().len(), 24);
+        for place in [[0.5, 0.25], [0.1, 0.7], [0.95, 0.9]] {
+            let [x, y]: [f64; 2] = place;
+            let wanted = x.min(1.0 - x).min(y).min(1.0 - y);
+            assert!((wall.distance(place) - wanted).abs() < 1e-15);
+        }
+        // With the domain on the left the sum over the edges is twice the area.
+        let crosses = wall.edges().iter().map(|[a, b]| a[0] * b[1] - a[1] * b[0]);
+        assert!((crosses.sum::<f64>() - 2.0).abs() < 1e-14);
+        let near = wall.nodes_within(&mesh, 0.22);
+        let brute = (0..49).filter(|n| wall.distance(mesh.nodes()[*n as usize]) <= 0.22);
+        assert_eq!(near, brute.collect::<Vec<u32>>());
+        // A circle about the middle, and one that reaches out.
+        let circle = |radius: f64| wall.clearance(move |[x, y]| radius - (x - 0.5).hypot(y - 0.5));
+        assert!((circle(0.3) - 0.2).abs() < 1e-12);
+        assert!((circle(0.6) + 0.1).abs() < 1e-12);
+    }
+}

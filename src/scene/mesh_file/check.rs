@@ -1,0 +1,297 @@
+//! Whether nodes and triangles are a mesh: one that covers a connected domain once.
+
+use std::collections::HashMap;
+
+use super::Triangulation;
+use super::error::{MeshFileError, MeshFileProblem, MeshPlace};
+use super::read::{Content, FileNode, FileTriangle};
+use crate::scene::planar::{SegmentGrid, segment_distance};
+
+/// Places nearer to each other than this, over the extent of the mesh, are one place.
+const SAME: f64 = 1e-10;
+
+/// A triangle's area over the square of its longest edge is at least this.
+const FLATTEST: f64 = 1e-12;
+
+/// The mesh of a file's content.
+pub(super) fn checked(content: Content) -> Result<Triangulation, MeshFileError> {
+    let Content {
+        nodes: file_nodes,
+        triangles: file_triangles,
+        end,
+    } = content;
+    if file_triangles.is_empty() {
+        let end = end.unwrap_or(MeshPlace::Line(1));
+        return Err(MeshFileProblem::NoTriangles.at(end));
+    }
+    let (used, places) = number(&file_nodes, &file_triangles)?;
+    let plane = used[0].at[2];
+    let nodes: Vec<[f64; 2]> = used.iter().map(|node| [node.at[0], node.at[1]]).collect();
+    let extent = extent(&nodes);
+    for node in &used {
+        if let Some(&value) = node.at.iter().find(|value| !value.is_finite()) {
+            let node_number = node.number;
+            return Err(MeshFileProblem::NotFinite {
+                node: node_number,
+                value,
+            }
+            .at(node.place));
+        }
+        let z = node.at[2];
+        if (z - plane).abs() > SAME * extent {
+            let node_number = node.number;
+            return Err(MeshFileProblem::NotFlat {
+                node: node_number,
+                z,
+                plane,
+            }
+            .at(node.place));
+        }
+    }
+    let numbers: HashMap<u64, u32> = used
+        .iter()
+        .enumerate()
+        .map(|(place, node)| (node.number, place as u32))
+        .collect();
+    let mut mesh = Checked {
+        corners: file_triangles
+            .iter()
+            .map(|triangle| triangle.nodes.map(|node| numbers[&node]))
+            .collect(),
+        used,
+        nodes,
+        elements: file_triangles,
+        tolerance: SAME * extent,
+    };
+    mesh.no_place_twice()?;
+    let turned = mesh.orient()?;
+    let boundary = mesh.match_edges()?;
+    mesh.nothing_hangs(&boundary)?;
+    mesh.one_piece()?;
+    Ok(Triangulation {
+        nodes: mesh.nodes,
+        triangles: mesh.corners,
+        places,
+        turned,
+    })
+}
+
+/// The nodes that triangles use, in the file's order, and where each of the file's is among them.
+fn number(
+    nodes: &[FileNode],
+    triangles: &[FileTriangle],
+) -> Result<(Vec<FileNode>, Vec<Option<u32>>), MeshFileError> {
+    let mut by_number = HashMap::with_capacity(nodes.len());
+    for (index, node) in nodes.iter().enumerate() {
+        if by_number.insert(node.number, index).is_some() {
+            let number = node.number;
+            return Err(MeshFileProblem::NodeTwice { node: number }.at(node.place));
+        }
+    }
+    let mut is_used = vec![false; nodes.len()];
+    for triangle in triangles {
+        for node in triangle.nodes {
+            let Some(index) = by_number.get(&node) else {
+                let element = triangle.number;
+                return Err(MeshFileProblem::NoNode { element, node }.at(triangle.place));
+            };
+            is_used[*index] = true;
+        }
+    }
+    let mut used = Vec::new();
+    let places = nodes.iter().zip(&is_used).map(|(node, is_used)| {
+        is_used.then(|| {
+            used.push(*node);
+            used.len() as u32 - 1
+        })
+    });
+    let places = places.collect();
+    Ok((used, places))
+}
+
+/// The larger one of width and height.
+fn extent(nodes: &[[f64; 2]]) -> f64 {
+    let range = |axis: usize| {
+        let values = nodes.iter().map(|node| node[axis]);
+        let range = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| {
+            [low.min(at), high.max(at)]
+        });
+        range[1] - range[0]
+    };
+    range(0).max(range(1))
+}
+
+/// An edge of one triangle only: its nodes, and the triangle.
+struct BoundaryEdge {
+    nodes: [u32; 2],
+    triangle: usize,
+}
+
+struct Checked {
+    used: Vec<FileNode>,
+    nodes: Vec<[f64; 2]>,
+    elements: Vec<FileTriangle>,
+    corners: Vec<[u32; 3]>,
+    tolerance: f64,
+}
+
+impl Checked {
+    fn number(&self, node: u32) -> u64 {
+        self.used[node as usize].number
+    }
+
+    fn place(&self, triangle: usize) -> MeshPlace {
+        self.elements[triangle].place
+    }
+
+    fn no_place_twice(&self) -> Result<(), MeshFileError> {
+        let size = 2.0 * self.tolerance.max(f64::MIN_POSITIVE);
+        let cell = |[x, y]: [f64; 2]| [(x / size).floor() as i64, (y / size).floor() as i64];
+        let mut cells: HashMap<[i64; 2], u32> = HashMap::with_capacity(self.nodes.len());
+        for (node, &at) in self.nodes.iter().enumerate() {
+            let [column, row] = cell(at);
+            let around = (-1..=1).flat_map(|i: i64| (-1..=1).map(move |j: i64| [i, j]));
+            for [i, j] in around {
+                let key = [column.saturating_add(i), row.saturating_add(j)];
+                let Some(&other) = cells.get(&key) else {
+                    continue;
+                };
+                let [x, y] = self.nodes[other as usize];
+                if (x - at[0]).hypot(y - at[1]) <= self.tolerance {
+                    let (first, second) = (self.number(other), self.number(node as u32));
+                    return Err(
+                        MeshFileProblem::SamePlace { first, second, at }.at(self.used[node].place)
+                    );
+                }
+            }
+            cells.insert([column, row], node as u32);
+        }
+        Ok(())
+    }
+
+    /// Turns triangles round that are clockwise; returns how many.
+    fn orient(&mut self) -> Result<usize, MeshFileError> {
+        let mut turned = 0;
+        for (triangle, corners) in self.corners.iter_mut().enumerate() {
+            let [a, b, c] = corners.map(|node| self.nodes[node as usize]);
+            let doubled = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+            let square = |p: [f64; 2], q: [f64; 2]| (q[0] - p[0]).powi(2) + (q[1] - p[1]).powi(2);
+            let longest = square(a, b).max(square(b, c)).max(square(c, a));
+            if doubled.abs() <= FLATTEST * longest {
+                let element = self.elements[triangle];
+                let (number, nodes) = (element.number, element.nodes);
+                return Err(MeshFileProblem::Flat {
+                    element: number,
+                    nodes,
+                }
+                .at(element.place));
+            }
+            if doubled < 0.0 {
+                corners.swap(1, 2);
+                turned += 1;
+            }
+        }
+        Ok(turned)
+    }
+
+    /// Every edge has one triangle on either side, or is on the boundary.
+    fn match_edges(&self) -> Result<Vec<BoundaryEdge>, MeshFileError> {
+        let mut sorted: Vec<([u32; 3], usize)> = self
+            .corners
+            .iter()
+            .enumerate()
+            .map(|(triangle, corners)| {
+                let mut nodes = *corners;
+                nodes.sort_unstable();
+                (nodes, triangle)
+            })
+            .collect();
+        sorted.sort_unstable();
+        if let Some(pair) = sorted.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+            let [first, second] = [pair[0].1, pair[1].1].map(|it| self.elements[it].number);
+            return Err(MeshFileProblem::SameTriangle { first, second }.at(self.place(pair[1].1)));
+        }
+        // (the lesser node, the greater one, whether it runs from the greater one, the triangle)
+        let mut edges: Vec<(u32, u32, bool, usize)> = Vec::with_capacity(3 * self.corners.len());
+        for (triangle, &[a, b, c]) in self.corners.iter().enumerate() {
+            for (from, to) in [(a, b), (b, c), (c, a)] {
+                edges.push((from.min(to), from.max(to), from > to, triangle));
+            }
+        }
+        edges.sort_unstable();
+        let mut boundary = Vec::new();
+        for same in edges.chunk_by(|one, other| (one.0, one.1) == (other.0, other.1)) {
+            match *same {
+                [(a, b, _, triangle)] => boundary.push(BoundaryEdge {
+                    nodes: [a, b],
+                    triangle,
+                }),
+                [(.., false, _), (.., true, _)] => {}
+                _ => {
+                    let side = same.windows(2).find(|pair| pair[0].2 == pair[1].2);
+                    let (one, other) = side.map_or((0, 1), |pair| (pair[0].3, pair[1].3));
+                    let [first, second] = [one, other].map(|it| self.elements[it].number);
+                    let nodes = [same[0].0, same[0].1].map(|node| self.number(node));
+                    return Err(MeshFileProblem::Overlap {
+                        first,
+                        second,
+                        nodes,
+                    }
+                    .at(self.place(other)));
+                }
+            }
+        }
+        Ok(boundary)
+    }
+
+    /// No node of the boundary lies within an edge of the boundary.
+    fn nothing_hangs(&self, boundary: &[BoundaryEdge]) -> Result<(), MeshFileError> {
+        let places = |edge: &BoundaryEdge| edge.nodes.map(|node| self.nodes[node as usize]);
+        let segments: Vec<[[f64; 2]; 2]> = boundary.iter().map(places).collect();
+        let grid = SegmentGrid::new(segments.clone(), self.tolerance);
+        for node in boundary.iter().flat_map(|edge| edge.nodes) {
+            let at = self.nodes[node as usize];
+            let mut near = grid.near(at).map(|number| (number, &boundary[number]));
+            let hit = near.find(|(number, edge)| {
+                !edge.nodes.contains(&node)
+                    && segment_distance(at, segments[*number]) <= self.tolerance
+            });
+            if let Some((_, edge)) = hit {
+                return Err(MeshFileProblem::Hanging {
+                    node: self.number(node),
+                    element: self.elements[edge.triangle].number,
+                    nodes: edge.nodes.map(|node| self.number(node)),
+                }
+                .at(self.used[node as usize].place));
+            }
+        }
+        Ok(())
+    }
+
+    /// All triangles hang together.
+    fn one_piece(&self) -> Result<(), MeshFileError> {
+        let mut leader: Vec<u32> = (0..self.nodes.len() as u32).collect();
+        fn find(leader: &mut [u32], mut node: u32) -> u32 {
+            while leader[node as usize] != node {
+                leader[node as usize] = leader[leader[node as usize] as usize];
+                node = leader[node as usize];
+            }
+            node
+        }
+        for corners in &self.corners {
+            let first = find(&mut leader, corners[0]);
+            for node in &corners[1..] {
+                let other = find(&mut leader, *node);
+                leader[other as usize] = first;
+            }
+        }
+        let first = find(&mut leader, self.corners[0][0]);
+        for (triangle, corners) in self.corners.iter().enumerate() {
+            if find(&mut leader, corners[0]) != first {
+                let element = self.elements[triangle].number;
+                return Err(MeshFileProblem::Pieces { element }.at(self.place(triangle)));
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,2 @@
+Merge "square.geo";
+Mesh.RecombineAll = 1;
