@@ -16,7 +16,8 @@ use criterion::{
     BenchmarkGroup, BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group,
     criterion_main,
 };
-use vesica::fem::Mesh;
+use vesica::fem::{Mesh, Patch};
+use vesica::physics::{Effect, Sample};
 use vesica::scene::{Scene, find_preset};
 use vesica::scheme::phases::Phases;
 use vesica::scheme::{Scheme, initial_fields};
@@ -152,6 +153,44 @@ fn factor(criterion: &mut Criterion) {
     }
 }
 
+/// An effect that does nothing, and of which nobody knows where it acts on the director.
+#[derive(Debug)]
+struct Anywhere;
+
+impl Effect for Anywhere {
+    fn name(&self) -> &'static str {
+        "anywhere"
+    }
+
+    fn integral(&mut self, _patch: &Patch<'_>, _at: &Sample) -> f64 {
+        0.0
+    }
+
+    fn has_energy(&self) -> bool {
+        false
+    }
+}
+
+/// Substep 1 on the whole mesh: what its region saves is the difference to `director`.
+fn director_everywhere(criterion: &mut Criterion) {
+    let mut group = group(criterion, "director-everywhere");
+    for quadrature in QUADRATURES {
+        let mut ready = None;
+        group.bench_function(BenchmarkId::new(quadrature, 120), |bencher| {
+            let phases = ready.get_or_insert_with(|| {
+                let scene = case3(120, quadrature, "transform");
+                let mut scheme = scheme(&scene);
+                scheme.effects_mut().add(Anywhere);
+                for _ in 0..WARM_UP {
+                    scheme.step(scene.time.step).expect("a solvable step");
+                }
+                Phases::new(scheme, scene.time.step).expect("a solvable step")
+            });
+            bencher.iter(|| black_box(phases.director().expect("a solvable substep")));
+        });
+    }
+}
+
 /// The phases of a step on the fast path, one at a time.
 fn phases(criterion: &mut Criterion) {
     let all: [(&str, Phase); 5] = [
@@ -181,5 +220,12 @@ fn phases(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, whole_steps, steps_on_triangles, factor, phases);
+criterion_group!(
+    benches,
+    whole_steps,
+    steps_on_triangles,
+    factor,
+    phases,
+    director_everywhere
+);
 criterion_main!(benches);

@@ -4,7 +4,9 @@
 mod common;
 
 // What the file finds around it in src/physics/: that folder's own names as `super`, and fem and scene.
-use vesica::physics::{DirectorReach, Effect, MembraneForce, MembraneLinearisation, Sample, Terms};
+use vesica::physics::{
+    DirectorReach, Effect, Effects, MembraneForce, MembraneLinearisation, Sample, Setting, Terms,
+};
 use vesica::{fem, scene};
 
 #[path = "../docs/effect/tension.rs"]
@@ -38,6 +40,30 @@ fn the_effect_of_the_readme_keeps_the_energy_law() {
             assert!(energy_scale(report) > 0.0);
         }
     }
+}
+
+/// What the line in the list does: it asks the file whether the scene has the effect.
+#[test]
+fn the_line_of_the_readme_brings_it_in() {
+    let scene = common::scene(SMALL, &[] as &[&str]);
+    let mesh = common::mesh(&scene);
+    let space = fem::Space::new(mesh, fem::Rule::Lumped);
+    let phi = vec![0.5; space.nodes()];
+    let setting = Setting {
+        scene: &scene,
+        space: &space,
+        phi: &phi,
+    };
+    let effect = tension::of_scene(&setting).expect("an effect");
+    assert_eq!(effect.name(), "tension");
+    let others = Effects::from_scene(&scene, &space, &phi);
+    let names: Vec<_> = others.iter().map(|effect| effect.name()).collect();
+    assert_eq!(names, ["bending", "area", "nematic", "anchoring"]);
+    // The README tells the line, and the place where such lines stand.
+    let readme = include_str!("../README.md");
+    assert!(readme.contains("in the list `effects!` of `src/physics/mod.rs`:\n\n    tension,\n"));
+    let list = include_str!("../src/physics/mod.rs");
+    assert!(list.contains("effects! {\n    area,\n"));
 }
 
 #[test]

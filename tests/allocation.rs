@@ -6,6 +6,8 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use common::{SMALL, scene, scheme};
+use vesica::fem::Patch;
+use vesica::physics::{Effect, Sample};
 use vesica::scheme::{Memory, Scheme};
 
 /// The system's allocator, which counts what each thread asks of it.
@@ -18,9 +20,16 @@ thread_local! {
     /// Bytes of a field, and how many blocks of at least that size were taken.
     static FIELD: Cell<usize> = const { Cell::new(usize::MAX) };
     static FIELDS: Cell<u64> = const { Cell::new(0) };
+    /// Bytes that are held.
+    static HELD: Cell<isize> = const { Cell::new(0) };
+}
+
+fn hold(bytes: isize) {
+    HELD.with(|held| held.set(held.get() + bytes));
 }
 
 fn count(size: usize) {
+    hold(size as isize);
     if size >= FIELD.with(Cell::get) {
         FIELDS.with(|fields| fields.set(fields.get() + 1));
     }
@@ -42,12 +51,14 @@ unsafe impl GlobalAlloc for Counting {
     }
 
     unsafe fn realloc(&self, block: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        hold(-(layout.size() as isize));
         count(size);
         // SAFETY: as above.
         unsafe { System.realloc(block, layout, size) }
     }
 
     unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
+        hold(-(layout.size() as isize));
         // SAFETY: as above.
         unsafe { System.dealloc(block, layout) }
     }
@@ -116,6 +127,69 @@ fn an_absent_effect_takes_no_vector() {
         assert_eq!(of(&["anchoring.kind=none"]), nematic);
         assert!(of(&[]) > nematic);
     }
+}
+
+/// An effect that does nothing, and of which nobody knows where it acts on the director: with it substep
+/// 1 is solved on the whole mesh.
+#[derive(Debug)]
+struct Anywhere;
+
+impl Effect for Anywhere {
+    fn name(&self) -> &'static str {
+        "anywhere"
+    }
+
+    fn integral(&mut self, _patch: &Patch<'_>, _at: &Sample) -> f64 {
+        0.0
+    }
+
+    fn has_energy(&self) -> bool {
+        false
+    }
+}
+
+/// The matrices and vectors of substep 1 are those of its region. (The region has a mesh of its own,
+/// which takes a good part of what is saved.) How much it is in case 3 is printed.
+#[test]
+fn a_region_holds_less_than_the_whole_mesh() {
+    let case3 = vesica::scene::find_preset("case3").expect("it is built in");
+    for quadrature in ["solver.quadrature=lumped", "solver.quadrature=consistent"] {
+        let held = |everywhere: bool| {
+            let scene = scene(case3, &[quadrature, "mesh.cells=60"]);
+            let before = HELD.with(Cell::get);
+            let mut scheme = scheme(&scene);
+            if everywhere {
+                scheme.effects_mut().add(Anywhere);
+            }
+            scheme.step(scene.time.step).expect("a step");
+            (HELD.with(Cell::get) - before) as f64 / 1e6
+        };
+        // What is made once and kept, whatever is run first.
+        held(false);
+        let [part, whole] = [false, true].map(held);
+        println!("{quadrature}: {part:.2} MB, {whole:.2} everywhere");
+        assert!(part < whole, "{part} {whole}");
+    }
+}
+
+/// Where the region of substep 1 becomes another one its space and its matrices are made anew: such steps
+/// allocate, and are few. How few in case 3 is printed.
+#[test]
+fn only_a_step_with_a_new_region_allocates() {
+    const STEPS: usize = 60;
+    let case3 = vesica::scene::find_preset("case3").expect("it is built in");
+    let settings = ["solver.quadrature=lumped", "mesh.cells=60"];
+    let scene = scene(case3, &settings);
+    let mut scheme = scheme(&scene);
+    let mut steps = 0;
+    for step in 1..=WARM_UP + STEPS {
+        let count = allocations(|| {
+            scheme.step(scene.time.step).expect("a step");
+        });
+        steps += usize::from(step > WARM_UP && count > 0);
+    }
+    println!("{steps} of {STEPS} steps have allocated");
+    assert!(steps < STEPS / 4, "{steps}");
 }
 
 #[test]

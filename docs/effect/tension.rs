@@ -1,6 +1,6 @@
 //! A line tension, E_tension = ½ σ ∫ |∇φ|².
 
-use super::{DirectorReach, Effect, MembraneForce, MembraneLinearisation, Sample, Terms};
+use super::{DirectorReach, Effect, MembraneForce, MembraneLinearisation, Sample, Setting, Terms};
 use crate::fem::Patch;
 use crate::scene::Iteration;
 
@@ -9,6 +9,11 @@ use crate::scene::Iteration;
 pub struct Tension {
     /// σ.
     pub weight: f64,
+}
+
+/// The effect, where the scene has it; this one every scene has.
+pub(super) fn of_scene(_setting: &Setting<'_>) -> Option<Box<dyn Effect>> {
+    Some(Box::new(Tension { weight: 0.5 }))
 }
 
 impl Effect for Tension {

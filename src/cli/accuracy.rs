@@ -131,6 +131,15 @@ fn print(study: &Study) -> Result<(), CliError> {
             ))?;
         }
     }
+    let effectivities = ["steps", "mesh"].into_iter().zip(study.effectivities());
+    for (what, range) in effectivities {
+        if let Some([least, greatest]) = range {
+            output::line(format_args!(
+                "The runs' own estimates of the error of the {what} are {least:.2} to {greatest:.2} times \
+                 what was measured."
+            ))?;
+        }
+    }
     output::line(chart(study))?;
     for sentence in &study.sentences {
         output::line(sentence)?;

@@ -10,7 +10,7 @@ use crate::record::{
     RunFolder, RunSummary, Schedule, Settings, load_scene, step_count,
 };
 use crate::scene::{Scene, Time, preset};
-use crate::simulation::{Simulation, SimulationError, check_memory};
+use crate::simulation::{Simulation, SimulationError, Underway, check_memory};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -236,6 +236,7 @@ pub(super) fn simulate(
     let mut computing = recorder.computed();
     let mut told = recorder.events().len();
     let mut is_behind = false;
+    let mut patience = Patience::new(quiet);
     loop {
         let report = simulation.report();
         if recorder.schedule().is_over(report.step, report.t) {
@@ -245,12 +246,16 @@ pub(super) fn simulate(
             return Stop::Signal(signal);
         }
         let begun = Instant::now();
-        let advanced = simulation.advance().map(|_| ());
+        let advanced = simulation.advance_unless(&mut |underway| {
+            patience.look(underway, &progress);
+            signal.received().is_some() || recorder.checkpoint_is_due()
+        });
         computing += begun.elapsed();
-        if let Err(error) = advanced {
-            return Stop::Failed(error);
-        }
-        let recorded = recorder.step(simulation, computing);
+        let recorded = match advanced {
+            Ok(true) => recorder.step(simulation, computing),
+            Ok(false) => recorder.within_step(simulation, computing),
+            Err(error) => return Stop::Failed(error),
+        };
         if let Err(error) = recorded
             && !is_behind
         {
@@ -266,6 +271,52 @@ pub(super) fn simulate(
         }
         told += events.len();
         progress.show(simulation.report());
+    }
+}
+
+/// Tells of a step that takes long, seldom and more seldom.
+struct Patience {
+    quiet: bool,
+    /// The step, since when, and after how long it is told.
+    step: Option<(u64, Instant, Duration)>,
+}
+
+impl Patience {
+    /// After so long a step is told for the first time.
+    const FIRST: Duration = Duration::from_secs(10);
+
+    fn new(quiet: bool) -> Self {
+        Self { quiet, step: None }
+    }
+
+    fn look(&mut self, underway: &Underway, progress: &Progress) {
+        let (begun, told_after) = match self.step {
+            Some((step, begun, told_after)) if step == underway.step => (begun, told_after),
+            _ => (Instant::now(), Self::FIRST),
+        };
+        let is_told = begun.elapsed() >= told_after;
+        let next = if is_told { 2 * told_after } else { told_after };
+        self.step = Some((underway.step, begun, next));
+        if is_told && !self.quiet {
+            let Underway {
+                step,
+                t,
+                end,
+                dt,
+                parts,
+                refused,
+            } = *underway;
+            progress.above(|| {
+                output::note(format_args!(
+                    "step {step} takes long: it is at t = {} of {}, after {parts} parts and {refused} \
+                     attempts that failed, with \u{394}t = {} next; Ctrl-C ends the run here, and \
+                     --resume goes on",
+                    Brief(t),
+                    Brief(end),
+                    Brief(dt)
+                ));
+            });
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Signals that end a run cleanly.
 
 use super::error::CliError;
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
 use signal_hook::flag;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -47,6 +47,9 @@ impl EndSignal {
                 .and_then(|_| flag::register_usize(number, Arc::clone(&received), number as usize))
                 .map_err(CliError::Signals)?;
         }
+        // A file that may not grow any more is an error of the write, like a full disk, and no reason to
+        // die: the flag itself is of no interest.
+        flag::register(SIGXFSZ, Arc::default()).map_err(CliError::Signals)?;
         Ok(EndSignal { received })
     }
 

@@ -45,7 +45,8 @@ impl MassInverse {
         &self.inverse_weights
     }
 
-    /// x ← M⁻¹ b, from the guess in x, to ‖b − M x‖ ≤ tolerance·‖b‖ in the norm of M_L⁻¹.
+    /// x ← M⁻¹ b, from the guess in x, to ‖b − M x‖ ≤ tolerance·‖b‖ in the norm of M_L⁻¹. Where b is so
+    /// large that its norm overflows x becomes NaN: nothing is a solution to within infinity.
     pub fn solve(&mut self, space: &Space, b: &[f64], x: &mut [f64], tolerance: f64) {
         match space.mass() {
             MassForm::Nodal(_) => self.divide(b, x),
@@ -57,7 +58,9 @@ impl MassInverse {
                     start = self.residual_of(matrix, b, x);
                 }
                 let goal = tolerance * vector::weighted_square(b, &self.inverse_weights).sqrt();
-                if start > goal {
+                if !goal.is_finite() {
+                    x.fill(f64::NAN);
+                } else if start > goal {
                     // The error after k products is at most 1/T_k(5/3) ≤ 2/3^k of that before; the
                     // factor 4 is the condition number, for the residual.
                     let wanted = (8.0 * start / goal.max(f64::MIN_POSITIVE)).ln() / 3.0_f64.ln();
@@ -175,5 +178,14 @@ mod tests {
                 .fold(0.0, f64::max);
             assert!(error < 1e-4, "{error}");
         }
+    }
+
+    #[test]
+    fn what_overflows_has_no_solution() {
+        let mesh = Arc::new(Mesh::structured(4, 0.0, 0).expect("a fair mesh"));
+        let space = Space::new(mesh, Rule::Consistent);
+        let mut x = vec![0.0; 25];
+        MassInverse::new(&space).solve(&space, &[1e300; 25], &mut x, 1e-10);
+        assert!(x.iter().all(|x| x.is_nan()));
     }
 }

@@ -61,7 +61,8 @@ impl ConjugateGradients {
         let mut rho = scaled_norm(&self.residual);
         let reference = scaled_norm(b).max(f64::MIN_POSITIVE);
         for iterations in 0..=limit {
-            if rho <= goal {
+            // Where the norm of b overflows, infinity is no goal.
+            if rho <= goal && goal.is_finite() {
                 return Ok(Solution {
                     iterations,
                     residual: (rho / reference).sqrt(),
@@ -128,6 +129,9 @@ mod tests {
             .expect("a definite system");
         assert!(solution.iterations > 3 && solution.residual <= 1e-13);
         assert!(x.iter().zip(&exact).all(|(x, e)| (x - e).abs() < 1e-11));
+        x.fill(0.0);
+        let huge = method.solve(&mut Shifted(0.5), &diagonal, &[1e300; 50], &mut x, 1e-13, 9);
+        assert!(matches!(huge, Err(LinalgError::NotFinite { .. })));
         x.fill(0.0);
         assert!(matches!(
             method.solve(&mut Shifted(0.5), &diagonal, &b, &mut x, 1e-13, 3),

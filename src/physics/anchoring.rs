@@ -2,13 +2,21 @@
 //! (0, 1) the director prefers to lie along the membrane, with (1, −1) across it.
 
 use super::{
-    DirectorForm, DirectorReach, Effect, MembraneForce, MembraneLinearisation, Sample, Terms,
+    DirectorForm, DirectorReach, Effect, MembraneForce, MembraneLinearisation, Sample, Setting,
+    Terms,
 };
 use crate::fem::{Patch, Space, SymmetricTensor};
 use crate::scene::{self, AnchoringKind, Iteration};
 
 /// What the anchoring is called in a report.
 pub(super) const NAME: &str = "anchoring";
+
+/// The effect, where the scene has it; the kind "none" is no effect.
+pub(super) fn of_scene(setting: &Setting<'_>) -> Option<Box<dyn Effect>> {
+    let anchoring = setting.scene.anchoring.as_ref()?;
+    let is_one = anchoring.kind != AnchoringKind::None;
+    is_one.then(|| Box::new(Anchoring::new(anchoring, setting.space)) as Box<dyn Effect>)
+}
 
 /// The anchoring energy.
 #[derive(Debug)]

@@ -4,7 +4,9 @@
 use super::potentials::{
     double_well, double_well_secant, double_well_secant_slope, double_well_slope,
 };
-use super::{DirectorReach, Effect, MembraneForce, MembraneLinearisation, RankOne, Sample};
+use super::{
+    DirectorReach, Effect, MembraneForce, MembraneLinearisation, RankOne, Sample, Setting,
+};
 use crate::fem::{Patch, Space};
 use crate::scene::{self, Iteration};
 
@@ -25,6 +27,15 @@ pub fn area_integral(patch: &Patch<'_>, at: &Sample, width: f64) -> f64 {
     let gradients = at.phi_gradient.iter().zip(areas);
     let squares: f64 = gradients.map(|([x, y], area)| area * (x * x + y * y)).sum();
     0.5 * width * squares + patch.integrate_of(&at.phi, double_well) / width
+}
+
+/// The effect, where the scene has it.
+pub(super) fn of_scene(setting: &Setting<'_>) -> Option<Box<dyn Effect>> {
+    let Setting { scene, space, phi } = *setting;
+    let area = scene.area.as_ref()?;
+    let width = scene.membrane.interface_width;
+    let initial_area = surface_area(space, phi, width);
+    Some(Box::new(Area::new(area, width, initial_area, space)))
 }
 
 /// The penalty of the surface area.

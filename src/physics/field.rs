@@ -33,10 +33,16 @@
 use super::potentials::{INSIDE_CONVEXITY, inside, inside_slope};
 use super::{
     DirectorForm, DirectorReach, Effect, Interval, MembraneForce, MembraneLinearisation, Sample,
-    Terms,
+    Setting, Terms,
 };
 use crate::fem::{Patch, Space};
 use crate::scene::{self, Iteration};
+
+/// The effect, where the scene has it.
+pub(super) fn of_scene(setting: &Setting<'_>) -> Option<Box<dyn Effect>> {
+    let field = setting.scene.field.as_ref()?;
+    Some(Box::new(Field::new(field, setting.space)))
+}
 
 /// An external field on the director.
 #[derive(Debug)]

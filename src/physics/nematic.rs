@@ -6,10 +6,16 @@ use super::potentials::{
 };
 use super::{
     DirectorForm, DirectorReach, DirectorSample, Effect, MembraneForce, MembraneLinearisation,
-    Sample, Terms,
+    Sample, Setting, Terms,
 };
 use crate::fem::{Patch, Space};
 use crate::scene::{self, Iteration};
+
+/// The effect, where the scene has it.
+pub(super) fn of_scene(setting: &Setting<'_>) -> Option<Box<dyn Effect>> {
+    let nematic = setting.scene.nematic.as_ref()?;
+    Some(Box::new(Nematic::new(nematic, setting.space)))
+}
 
 /// The nematic energy.
 #[derive(Debug)]

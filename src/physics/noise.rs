@@ -17,9 +17,16 @@
 //! starts from the numbers of its own time.
 
 use super::potentials::inside;
-use super::{DirectorForm, DirectorReach, Effect, Interval, Sample, Terms};
+use super::{DirectorForm, DirectorReach, Effect, Interval, Sample, Setting, Terms};
 use crate::fem::Patch;
 use crate::scene;
+
+/// The effect, where the scene has it.
+pub(super) fn of_scene(setting: &Setting<'_>) -> Option<Box<dyn Effect>> {
+    let noise = setting.scene.noise.as_ref()?;
+    let nematic = setting.scene.nematic.as_ref()?;
+    Some(Box::new(Noise::new(noise, nematic.mobility)))
+}
 
 /// Thermal noise on the director.
 #[derive(Debug)]

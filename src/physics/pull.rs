@@ -5,9 +5,15 @@
 //! numerically. Since ∫φ is conserved, a constant added to U changes the energy by a constant.
 
 use super::sample::at_points;
-use super::{DirectorReach, Effect, MembraneForce, Sample};
+use super::{DirectorReach, Effect, MembraneForce, Sample, Setting};
 use crate::fem::{Patch, Space};
 use crate::scene;
+
+/// The effect, where the scene has it.
+pub(super) fn of_scene(setting: &Setting<'_>) -> Option<Box<dyn Effect>> {
+    let pull = setting.scene.pull.as_ref()?;
+    Some(Box::new(Pull::new(pull, setting.space)))
+}
 
 /// A pull on the membrane.
 #[derive(Debug)]

@@ -74,7 +74,7 @@ impl Columns {
             }
         }
         let shape = folder.join("shape.csv");
-        if shape.is_file() {
+        if shape.exists() {
             columns.join(read_table(&shape)?);
         }
         Ok(columns)

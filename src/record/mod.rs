@@ -40,6 +40,7 @@ mod states;
 mod summary;
 mod table;
 mod vtu;
+mod whole;
 
 pub(crate) use atomic::{write_new, write_whole};
 pub use checkpoint::{CheckpointError, Problem};

@@ -269,6 +269,35 @@ impl Recorder {
         outcome
     }
 
+    /// Whether it is time for a checkpoint: for a step that takes long.
+    pub fn checkpoint_is_due(&self) -> bool {
+        self.saved.elapsed() >= self.checkpoint_interval
+    }
+
+    /// Records a step that was left before its end: its state so far, if it is time for that, and what is
+    /// in memory only.
+    ///
+    /// # Errors
+    /// As [`Recorder::step`].
+    pub fn within_step(
+        &mut self,
+        simulation: &mut Simulation,
+        computing: Duration,
+    ) -> Result<(), RecordError> {
+        let events = simulation.drain_events();
+        self.summary.events.extend(events.iter().map(Into::into));
+        self.summary.seconds = seconds(computing);
+        self.flushed = Instant::now();
+        let written = self.flush().and(self.write_unwritten(simulation.mesh()));
+        let saved = match self.checkpoint_is_due() {
+            true => self.checkpoint(simulation).and(self.summarise()),
+            false => Ok(()),
+        };
+        let outcome = written.and(saved);
+        self.is_behind = outcome.is_err();
+        outcome
+    }
+
     /// Whether something could not be written when it was tried last.
     pub fn is_behind(&self) -> bool {
         self.is_behind

@@ -11,6 +11,9 @@ use std::borrow::Cow;
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
+/// The end of the year 9999, in seconds since 1970.
+const LAST_SECOND: u64 = 253_402_300_799;
+
 /// How a run stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -373,7 +376,16 @@ fn largest(so_far: f64, next: f64) -> f64 {
 }
 
 fn now() -> String {
-    humantime::format_rfc3339_seconds(SystemTime::now()).to_string()
+    date(SystemTime::now())
+}
+
+/// A date in UTC. A clock that stands before 1970 or after 9999, which the format does not know, is
+/// taken to the nearest date that it does.
+fn date(time: SystemTime) -> String {
+    let since = time.duration_since(SystemTime::UNIX_EPOCH);
+    let seconds = since.unwrap_or_default().as_secs().min(LAST_SECOND);
+    let date = SystemTime::UNIX_EPOCH + Duration::from_secs(seconds);
+    humantime::format_rfc3339_seconds(date).to_string()
 }
 
 #[cfg(test)]
@@ -409,6 +421,16 @@ mod tests {
         assert!((summary.largest_phase_drift - 1e-15).abs() < 2e-16);
         assert_eq!(summary.setup_seconds, 1.5);
         assert_eq!(simulation.drain_events(), []);
+    }
+
+    #[test]
+    fn a_clock_that_is_wrong_is_no_panic() {
+        let day = Duration::from_secs(86_400);
+        let start = SystemTime::UNIX_EPOCH;
+        assert_eq!(date(start + day), "1970-01-02T00:00:00Z");
+        assert_eq!(date(start - day), "1970-01-01T00:00:00Z");
+        let late = start + Duration::from_secs(LAST_SECOND);
+        assert_eq!(date(late + day), "9999-12-31T23:59:59Z");
     }
 
     #[test]

@@ -68,6 +68,11 @@ impl Table {
             path: path.clone(),
             reason,
         };
+        // A pipe would wait for a writer.
+        let metadata = std::fs::metadata(&path).map_err(read)?;
+        if !metadata.is_file() {
+            return Err(read(std::io::Error::other("it is no file")));
+        }
         let mut file = BufReader::new(File::open(&path).map_err(read)?);
         let mut line = Vec::new();
         let (mut length, mut lines, mut same) = (0, 0, false);

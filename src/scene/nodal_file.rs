@@ -90,8 +90,9 @@ pub(super) fn parse(path: &str, text: &str, wanted: Wanted<'_>) -> Result<NodalV
     };
 
     let mut values = Vec::new();
-    let mut start = 0;
-    for line in text.split_inclusive('\n') {
+    // Some editors put a mark of the byte order first.
+    let mut start = if text.starts_with('\u{feff}') { 3 } else { 0 };
+    for line in text[start..].split_inclusive('\n') {
         let content = line.split('#').next().unwrap_or_default();
         let blanks = content.len() - content.trim_start().len();
         let range = start + blanks..start + blanks + content.trim().len();
@@ -181,6 +182,8 @@ mod tests {
             (&scalar.values[..], scalar.columns),
             (&[1.0, -0.25, 3.0, 4.0][..], 1)
         );
+        let marked = parse("a", "\u{feff}1\n2\n3\n4", WANTED).expect("four nodes");
+        assert_eq!(marked.values[0], 1.0);
         let pairs = parse("a", "1 2\n3,4\n5 , 6\n7\t8\n", PAIRS).expect("four nodes");
         assert_eq!(&pairs.values[..], &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]);
     }

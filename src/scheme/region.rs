@@ -14,6 +14,10 @@
 //! makes of it: some 30 at 1.2 cells an interface. There [`LEFT_OUT_COUPLED`] takes its place, a tenth
 //! in F; that this is enough is measured, not proved (`substep_1_leaves_out_what_does_not_matter`).
 //!
+//! A region has a space and matrices of its own, so that what it costs follows its size. They are made
+//! when it changes: **a step in which the vesicle has moved into other blocks of triangles allocates**, and
+//! no other does (`only_a_step_with_a_new_region_allocates` counts them).
+//!
 //! The region is a function of the present state and Δt alone, not of the regions before: a run that is
 //! taken up again has the same one.
 

@@ -4,8 +4,9 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The smallest piece is Δt/2⁴⁰: from Δt = 1 down to 1e-12.
-const DEEPEST: u32 = 40;
+/// The smallest piece is Δt/2⁵⁰: from Δt = 1e-3 down to 1e-18, which random phases far from ±1 with a
+/// strict area need.
+const DEEPEST: u32 = 50;
 
 /// So many pieces must go well before they are made longer.
 const STREAK: u32 = 4;
@@ -133,6 +134,6 @@ mod tests {
             assert!(division.refuse());
         }
         assert!(!division.refuse());
-        assert_eq!(division.smallest(), 0.5_f64.powi(40));
+        assert_eq!(division.smallest(), 0.5_f64.powi(50));
     }
 }

@@ -54,6 +54,15 @@ pub enum SimulationError {
     /// The initial fields cannot be made.
     #[error("the initial state: {0}")]
     Initial(#[from] InitialError),
+    /// The initial state has values that are not finite.
+    #[error(
+        "the initial state has a {place} that is not finite, for a value or a weight of the scene is too \
+         large to compute with: make it smaller"
+    )]
+    TooLarge {
+        /// What is not finite.
+        place: &'static str,
+    },
     /// The sparse factor cannot be set up.
     #[error("the linear solver: {0}")]
     Factor(LinalgError),

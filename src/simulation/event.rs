@@ -40,7 +40,13 @@ pub enum EventKind {
         /// The smallest Δt that was used.
         smallest: f64,
         /// Why the last of the longer ones failed.
-        reason: StepError,
+        reason: String,
+    },
+    /// Newton's method had to be damped in this step, after one in which it had not; how it went on is in
+    /// the column `damping` of the ledger.
+    Damped {
+        /// The smallest factor λ of the step.
+        factor: f64,
     },
     /// φ became positive within ε of the wall.
     ReachedWall,
@@ -65,6 +71,7 @@ impl EventKind {
             Self::ReturnedToTransform => "returned-to-transform",
             Self::NewtonTookOver { .. } => "newton-took-over",
             Self::StepDivided { .. } => "step-divided",
+            Self::Damped { .. } => "newton-damped",
             Self::ReachedWall => "reached-wall",
             Self::FieldSwitched { .. } => "field-switched",
             Self::AnchoringSwitched { .. } => "anchoring-switched",
@@ -90,6 +97,10 @@ impl fmt::Display for EventKind {
             EventKind::StepDivided { smallest, reason } => write!(
                 f,
                 "the step was divided, down to \u{394}t = {smallest:.1e}, since a longer one failed: {reason}"
+            ),
+            EventKind::Damped { factor } => write!(
+                f,
+                "Newton's method is damped from here on for a while, by {factor:.2} at most in this step"
             ),
             EventKind::ReachedWall => f.write_str(
                 "the vesicle has reached the wall, which now takes part in what happens",

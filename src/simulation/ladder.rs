@@ -4,10 +4,12 @@
 
 use std::fmt;
 
+use serde::{Deserialize, Serialize};
+
 use crate::scheme::StepReport;
 
 /// The rungs that a step of the fixed grid needed.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Ladder {
     /// Whether the sparse factor solved any part of it.
     pub factor: bool,
@@ -39,13 +41,14 @@ impl Ladder {
         self.factor |= with_factor;
         self.newton_took_over |= part.newton_took_over.is_some();
         self.damping = self.damping.min(part.damping);
-        self.parts += 1;
-        self.refused += u64::from(part.refused_ways);
+        // One that comes from a file may hold any numbers.
+        self.parts = self.parts.saturating_add(1);
+        self.refused = self.refused.saturating_add(u64::from(part.refused_ways));
     }
 
     /// A part was not solved.
     pub(super) fn refuse(&mut self) {
-        self.refused += 1;
+        self.refused = self.refused.saturating_add(1);
     }
 
     /// The highest rung: 1 the cosine transform, 2 the sparse factor, 3 Newton's method damped or in

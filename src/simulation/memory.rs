@@ -3,7 +3,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{ErrorBudget, Pacing, Simulation};
+use super::underway::Left;
+use super::{ErrorBudget, Ladder, Pacing, Simulation};
 use crate::scene::Anchoring;
 use crate::scheme::{self, RecallError};
 
@@ -24,6 +25,9 @@ pub struct Memory {
     time_error: Option<f64>,
     budget: ErrorBudget,
     reached_wall: bool,
+    ladder: Ladder,
+    /// What was done of a step that was left before its end.
+    left: Option<Left>,
 }
 
 impl Memory {
@@ -59,6 +63,8 @@ impl Simulation {
         memory.time_error = report.time_error;
         memory.budget = report.budget;
         memory.reached_wall = self.near_wall.reached();
+        memory.ladder = report.ladder;
+        memory.left.clone_from(&self.left);
     }
 
     /// Puts it back, also into a new run of the same scene: what follows is bit for bit what it was.
@@ -88,8 +94,9 @@ impl Simulation {
         report.time_error = memory.time_error;
         report.budget = memory.budget;
         report.costs = super::Costs::default();
-        report.ladder = super::Ladder::default();
+        report.ladder = memory.ladder;
         self.pacing.clone_from(&memory.pacing);
+        self.left.clone_from(&memory.left);
         self.near_wall.set_reached(memory.reached_wall);
         self.events.clear();
         self.measure();

@@ -9,14 +9,16 @@ mod event;
 mod ladder;
 mod memory;
 mod needs;
+mod report;
 mod schedule;
 #[cfg(test)]
 mod tests;
+mod underway;
 mod warnings;
 mod worker;
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
@@ -33,7 +35,9 @@ pub use event::{Event, EventKind};
 pub use ladder::{Ladder, Tried};
 pub use memory::Memory;
 pub use needs::{check_memory, memory_available, memory_held, memory_needed, node_count};
+pub use report::{Costs, Report};
 pub use schedule::{Schedule, step_count};
+pub use underway::Underway;
 pub use warnings::warnings;
 pub use worker::{
     Command, Continuity, Mailbox, Message, News, Orders, Picture, RunId, Setting, Worker,
@@ -41,6 +45,7 @@ pub use worker::{
 
 use controller::Controller;
 use division::Division;
+use underway::Left;
 use warnings::NearWall;
 
 /// The error of the mesh is estimated at every so many steps: it changes slowly.
@@ -86,6 +91,8 @@ pub struct Simulation {
     axis: f64,
     near_wall: NearWall,
     pacing: Pacing,
+    /// What was done of a step that was left before its end.
+    left: Option<Left>,
     /// When snapshots are due: chosen steps end there.
     schedule: Schedule,
 }
@@ -114,138 +121,6 @@ impl Pacing {
 impl Default for Pacing {
     fn default() -> Self {
         Self::Fixed(Division::default())
-    }
-}
-
-/// The scalars of one step.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Report {
-    /// n, counting accepted steps; 0 is the initial state.
-    pub step: u64,
-    /// t_n.
-    pub t: f64,
-    /// The smallest Δt that was used.
-    pub dt: f64,
-    /// Attempts at this step that were refused, for their error was too large or they could not be
-    /// solved; only where Δt is chosen.
-    pub refused: u32,
-    /// The estimated error of φ in this step, in L2. Where steps are extrapolated it is that of the
-    /// solution of the order below, which is improved on.
-    pub time_error: Option<f64>,
-    /// The energy of each effect, weighted as in E_tot.
-    pub energies: Vec<NamedValue>,
-    /// E_tot.
-    pub total_energy: f64,
-    /// A = ∫φ.
-    pub phase_integral: f64,
-    /// B.
-    pub surface_area: f64,
-    /// Δt·(left side of (3.26))/S.
-    pub law_residual: f64,
-    /// Iterations of substep 2.
-    pub newton: u32,
-    /// Krylov iterations of substep 2.
-    pub krylov: u32,
-    /// Iterations of substep 1.
-    pub director_iterations: u32,
-    /// The estimated errors up to here, by where they come from.
-    pub budget: ErrorBudget,
-    /// What the parts of the step took.
-    pub costs: Costs,
-    /// Every term of (3.26), times Δt.
-    pub ledger: Vec<NamedValue>,
-    /// What it took to solve the step.
-    pub ladder: Ladder,
-    /// The size of the vesicle.
-    pub outline: Option<OutlineMeasure>,
-    /// 4π·area/length² of the zero set of φ: 1 for a circle.
-    pub isoperimetric_quotient: Option<f64>,
-}
-
-/// What the parts of a step took, on the clock; measuring the vesicle counts with the ledger.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct Costs([Duration; Phase::ALL.len()]);
-
-impl Costs {
-    /// What a part took.
-    pub fn of(&self, phase: Phase) -> Duration {
-        self.0[phase as usize]
-    }
-
-    /// Adds to what a part took.
-    pub fn add(&mut self, phase: Phase, time: Duration) {
-        let sum = &mut self.0[phase as usize];
-        *sum = sum.saturating_add(time);
-    }
-
-    /// Part by part: what it took here and there together.
-    pub fn plus(&self, other: &Self) -> Self {
-        self.with(other, Duration::saturating_add)
-    }
-
-    /// Part by part: what it took here less what it took there.
-    pub fn minus(&self, other: &Self) -> Self {
-        self.with(other, Duration::saturating_sub)
-    }
-
-    fn with(&self, other: &Self, both: impl Fn(Duration, Duration) -> Duration) -> Self {
-        let mut result = *self;
-        for (one, other) in result.0.iter_mut().zip(other.0) {
-            *one = both(*one, other);
-        }
-        result
-    }
-
-    /// Part by part: a share of so many. Nothing of none.
-    pub fn divided(&self, count: u32) -> Self {
-        Self(
-            self.0
-                .map(|part| part.checked_div(count).unwrap_or_default()),
-        )
-    }
-
-    /// What all parts took together.
-    pub fn total(&self) -> Duration {
-        self.0.iter().sum()
-    }
-}
-
-impl Report {
-    /// By how much the energy rose in the step beyond the work that was done on it from outside, which
-    /// the energy law forbids; `None` without a ledger. A switched energy is another one, and no rise.
-    pub fn unexplained_rise(&self) -> Option<f64> {
-        let counts = |name: &str| name == "dE" || name.ends_with("_work");
-        let terms = self.ledger.iter().filter(|term| counts(term.name));
-        (!self.ledger.is_empty()).then(|| terms.map(|term| term.value).sum())
-    }
-
-    fn take(&mut self, step: &StepReport) {
-        self.energies.clone_from(&step.energies);
-        self.total_energy = step.total_energy;
-        self.phase_integral = step.phase_integral;
-        self.surface_area = step.surface_area;
-        self.law_residual = step.law_residual;
-        self.newton = step.newton;
-        self.krylov = step.krylov;
-        self.director_iterations = step.director_iterations;
-        self.ledger.clone_from(&step.ledger);
-    }
-
-    /// Takes a further part of the same step.
-    fn add(&mut self, part: &StepReport) {
-        let (newton, krylov, director) = (self.newton, self.krylov, self.director_iterations);
-        let law_residual = self.law_residual;
-        let ledger = std::mem::take(&mut self.ledger);
-        self.take(part);
-        self.newton += newton;
-        self.krylov += krylov;
-        self.director_iterations += director;
-        if law_residual.abs() > self.law_residual.abs() {
-            self.law_residual = law_residual;
-        }
-        for (sum, term) in self.ledger.iter_mut().zip(ledger) {
-            sum.value += term.value;
-        }
     }
 }
 
@@ -280,11 +155,28 @@ impl Simulation {
             events: Vec::new(),
             axis,
             pacing: Pacing::of(&scene.time),
+            left: None,
             schedule: Schedule::new(&scene.time, 1, 1),
         };
         simulation.report.take(simulation.scheme.report());
+        if let Some(place) = simulation.first_not_finite() {
+            return Err(SimulationError::TooLarge { place });
+        }
         simulation.look();
         Ok(simulation)
+    }
+
+    /// The first field, energy or area that is not finite.
+    fn first_not_finite(&self) -> Option<&'static str> {
+        let measures = [
+            ("total energy", self.report.total_energy),
+            ("surface area", self.report.surface_area),
+        ];
+        let energies = self.report.energies.iter();
+        let values = energies.map(|energy| (energy.name, energy.value));
+        let mut values = values.chain(measures);
+        let field = self.scheme.state().first_not_finite();
+        field.or_else(|| Some(values.find(|(_, value)| !value.is_finite())?.0))
     }
 
     /// Has chosen steps end at the times of this schedule's snapshots. A fixed grid takes no notice.
@@ -303,7 +195,24 @@ impl Simulation {
     /// # Errors
     /// `Step`: not even the smallest step was solved, or accurate enough.
     pub fn advance(&mut self) -> Result<&Report, SimulationError> {
-        let mut costs = Costs::default();
+        self.advance_unless(&mut |_| false)?;
+        Ok(&self.report)
+    }
+
+    /// [`advance`](Self::advance), which asks `leave` before each further attempt at a step that takes
+    /// more than one; whether the step was taken. One that was left goes on with the next call where
+    /// it was, also after [`remember`](Self::remember) and [`recall`](Self::recall), and becomes bit for
+    /// bit what it had become otherwise. Until then the report's t says how far the state is, its step
+    /// is the last whole one.
+    ///
+    /// # Errors
+    /// Those of [`advance`](Self::advance).
+    pub fn advance_unless(
+        &mut self,
+        leave: &mut dyn FnMut(&Underway) -> bool,
+    ) -> Result<bool, SimulationError> {
+        let left = self.left.take();
+        let mut costs = left.as_ref().map_or(Costs::default(), |left| left.costs);
         let mut begun = Instant::now();
         let mut watch = |phase: Phase| {
             let now = Instant::now();
@@ -312,21 +221,26 @@ impl Simulation {
         };
         let was_fast = !self.scheme.uses_factor();
         let before = (self.report.step, self.report.t);
+        let was_damped = self.report.ladder.damping < 1.0;
         let taken = match self.pacing {
-            Pacing::Fixed(_) => self.grid_step(&mut watch)?,
-            Pacing::Chosen(controller) => self.chosen_step(controller, &mut watch)?,
+            Pacing::Fixed(_) => self.grid_step(left, &mut watch, leave)?,
+            Pacing::Chosen(controller) => self.chosen_step(controller, left, &mut watch, leave)?,
         };
-        self.report.ladder = taken.ladder;
         if let Some(jump) = taken.switched {
             let kind = EventKind::FieldSwitched { jump };
             let (step, t) = before;
             self.events.push(Event { step, t, kind });
         }
-        let (step, t) = (self.report.step, self.report.t);
+        let (step, t) = (before.0 + 1, self.report.t);
         let mut tell = |kind| self.events.push(Event { step, t, kind });
-        if let Some(reason) = taken.divided {
+        let is_whole = taken.left.is_none();
+        if let Some(reason) = taken.divided.filter(|_| is_whole) {
             let smallest = self.report.dt;
             tell(EventKind::StepDivided { smallest, reason });
+        }
+        let factor = taken.ladder.damping;
+        if is_whole && factor < 1.0 && !was_damped {
+            tell(EventKind::Damped { factor });
         }
         if let Some(reason) = taken.newton_took_over {
             tell(EventKind::NewtonTookOver { reason });
@@ -337,28 +251,61 @@ impl Simulation {
             (false, true, _) => tell(EventKind::ReturnedToTransform),
             _ => {}
         }
+        if let Some(left) = taken.left {
+            watch(Phase::Ledger);
+            self.left = Some(Left { costs, ..left });
+            self.measure();
+            return Ok(false);
+        }
+        self.report.ladder = taken.ladder;
         let (time, algebra) = (self.report.time_error, self.scheme.report().last_change);
         self.report.budget.add_step(time, algebra);
         self.look();
         watch(Phase::Ledger);
         self.report.costs = costs;
-        Ok(&self.report)
+        Ok(true)
     }
 
-    /// The next step of the fixed grid.
-    fn grid_step(&mut self, watch: &mut dyn FnMut(Phase)) -> Result<Taken, SimulationError> {
+    /// The next step of the fixed grid, or what is left of it.
+    fn grid_step(
+        &mut self,
+        left: Option<Left>,
+        watch: &mut dyn FnMut(Phase),
+        leave: &mut dyn FnMut(&Underway) -> bool,
+    ) -> Result<Taken, SimulationError> {
         let step = self.report.step + 1;
         let dt = self.scene.time.step;
         let (begin, end) = (grid_time(step - 1, dt), grid_time(step, dt));
         let was_fast = !self.scheme.uses_factor();
         let mut taken = Taken::default();
-        let mut first = true;
         let Pacing::Fixed(division) = &mut self.pacing else {
             return Ok(taken);
         };
-        division.begin();
+        match &left {
+            Some(left) => taken.go_on(left),
+            None => division.begin(),
+        }
+        // Of the parts that were solved before the step was left.
+        let mut earlier = left.filter(|left| left.ladder.parts > 0);
+        let mut is_begun = false;
         loop {
             let piece = dt * division.piece();
+            let underway = Underway {
+                step,
+                t: self.report.t,
+                end,
+                dt: piece,
+                parts: taken.ladder.parts,
+                refused: taken.ladder.refused,
+            };
+            if is_begun && leave(&underway) {
+                taken.left = Some(match earlier {
+                    Some(earlier) => taken.leave(earlier),
+                    None => taken.leave(Left::of(&self.report)),
+                });
+                return Ok(taken);
+            }
+            is_begun = true;
             let mut error = None;
             let outcome = match self.scene.time.order {
                 Order::First => match self.scheme.step_watched(piece, watch) {
@@ -381,12 +328,16 @@ impl Simulation {
             match outcome {
                 Ok(solved) => {
                     taken.note(solved);
+                    let first = taken.ladder.parts == 0 || earlier.is_some();
                     let with_factor = self.scheme.uses_factor();
                     let solved = self.scheme.report();
                     taken.ladder.accept(solved, with_factor);
-                    if std::mem::take(&mut first) {
+                    if first {
                         self.report.take(solved);
                         self.report.time_error = error;
+                        if let Some(earlier) = earlier.take() {
+                            earlier.add_to(&mut self.report);
+                        }
                     } else {
                         self.report.add(solved);
                         let sum = self.report.time_error.zip(error);
@@ -409,7 +360,7 @@ impl Simulation {
                             source: reason,
                         });
                     }
-                    taken.divided = Some(reason);
+                    taken.divided = Some(reason.to_string());
                 }
             }
         }
@@ -422,18 +373,42 @@ impl Simulation {
     fn chosen_step(
         &mut self,
         mut controller: Controller,
+        left: Option<Left>,
         watch: &mut dyn FnMut(Phase),
+        leave: &mut dyn FnMut(&Underway) -> bool,
     ) -> Result<Taken, SimulationError> {
         let (step, t) = (self.report.step + 1, self.report.t);
         let landing = self.landing_after(t);
         let order = self.scene.time.order;
         let (chains, combine) = (order.chains(), order != Order::First);
         let mut taken = Taken::default();
-        let (mut refused, mut work) = (0, [0; 3]);
+        let mut work = [0; 3];
+        if let Some(left) = left {
+            work = left.work;
+            taken.go_on(&left);
+        }
+        let mut is_begun = false;
         let was_fast = !self.scheme.uses_factor();
         let longest = controller.attempt(t, landing).dt;
         loop {
             let attempt = controller.attempt(t, landing);
+            let underway = Underway {
+                step,
+                t,
+                end: attempt.end,
+                dt: attempt.dt,
+                parts: 0,
+                refused: taken.ladder.refused,
+            };
+            if is_begun && leave(&underway) {
+                self.pacing = Pacing::Chosen(controller);
+                taken.left = Some(taken.leave(Left {
+                    work,
+                    ..Left::default()
+                }));
+                return Ok(taken);
+            }
+            is_begun = true;
             let outcome = self
                 .scheme
                 .try_extrapolated(attempt.dt, chains, combine, watch);
@@ -441,15 +416,13 @@ impl Simulation {
                 Ok(difference) if controller.judge(attempt.dt, difference.phase) => {
                     let solved = self.scheme.accept_extrapolated();
                     taken.note(solved);
+                    self.report.refused = taken.ladder.refused.try_into().unwrap_or(u32::MAX);
                     let with_factor = self.scheme.uses_factor();
                     let solved = self.scheme.report();
                     taken.ladder.accept(solved, with_factor);
                     self.report.take(solved);
-                    self.report.newton += work[0];
-                    self.report.krylov += work[1];
-                    self.report.director_iterations += work[2];
+                    self.report.add_work(work);
                     self.report.time_error = Some(difference.phase);
-                    self.report.refused = refused;
                     self.report.dt = attempt.dt;
                     self.report.t = attempt.end;
                     self.report.step = step;
@@ -460,7 +433,7 @@ impl Simulation {
                     let tried = self.scheme.tried_work();
                     work.iter_mut()
                         .zip(tried)
-                        .for_each(|(sum, one)| *sum += one);
+                        .for_each(|(sum, one)| *sum = u32::saturating_add(*sum, one));
                     let error = difference.phase;
                     let tolerance = self.scene.time.tolerance.unwrap_or_default();
                     let reason = StepError::Inaccurate { error, tolerance };
@@ -468,7 +441,6 @@ impl Simulation {
                 }
                 Err(reason) => (controller.fail(attempt.dt), reason),
             };
-            refused += 1;
             taken.ladder.refuse();
             if !again {
                 return Err(SimulationError::Step {
@@ -599,13 +571,30 @@ struct Taken {
     /// Why Newton's method took over from the lagged iteration.
     newton_took_over: Option<StepError>,
     /// Why the step was taken in parts.
-    divided: Option<StepError>,
+    divided: Option<String>,
     /// By how much the energy jumped before the step.
     switched: Option<f64>,
     ladder: Ladder,
+    /// What was done of it, where it was left before its end.
+    left: Option<Left>,
 }
 
 impl Taken {
+    /// Goes on with a step that was left.
+    fn go_on(&mut self, left: &Left) {
+        self.ladder = left.ladder;
+        self.divided.clone_from(&left.divided);
+    }
+
+    /// What is left of the step, given the sums of its report.
+    fn leave(&self, sums: Left) -> Left {
+        Left {
+            ladder: self.ladder,
+            divided: self.divided.clone(),
+            ..sums
+        }
+    }
+
     /// Takes note of a step of the scheme.
     fn note(&mut self, solved: &StepReport) {
         if self.fallback.is_none() {

@@ -46,8 +46,10 @@ fn is_shifted(scene: &Scene) -> bool {
         }
 }
 
-/// The memory that the run of a scene takes, in bytes, with the sparse factor or without. Within 6 % of what case 3 takes at 60, 120, 240 and 400 cells (up to
-/// 17 % above with both the factor and lumped quadrature), the largest resident size by `wait4`.
+/// The memory that the run of a scene takes, in bytes, with the sparse factor or without. Within 6 % of
+/// what case 3 with fixed steps takes at 60, 120, 240 and 400 cells without the factor and at 60, 120 and
+/// 240 with it (up to 17 % above with both the factor and lumped quadrature), the largest resident size by
+/// `wait4`.
 pub fn memory_held(scene: &Scene, with_factor: bool) -> u64 {
     let nodes = node_count(scene);
     let mut per_node = match scene.solver.quadrature {

@@ -403,3 +403,101 @@ fn what_noise_does_is_no_unexplained_rise() {
     }
     assert!(rises > 0);
 }
+
+/// A step that is left before each of its attempts, by a run that is taken up again each time, is bit
+/// for bit the step that was never left.
+#[test]
+fn a_step_that_is_left_goes_on_as_if_nothing_had_happened() {
+    let hard: [&[&str]; 3] = [
+        &["area.penalty=1e-8", "time.step=1e-5", "time.end=1"],
+        &[
+            "area.penalty=1e-8",
+            "time.step=1e-5",
+            "time.end=1",
+            "time.order=2",
+        ],
+        &["time={ tolerance = 1e-9, end = 1 }"],
+    ];
+    for settings in hard {
+        let scene = small(settings);
+        let mut whole = Simulation::new(&scene).unwrap();
+        let mut parted = Simulation::new(&scene).unwrap();
+        let mut left = 0;
+        for _ in 0..2 {
+            let mut last = whole.report().t;
+            let expected = Report {
+                costs: Costs::default(),
+                ..whole.advance().unwrap().clone()
+            };
+            while !parted.advance_unless(&mut |_| true).unwrap() {
+                left += 1;
+                let t = parted.report().t;
+                assert!(last <= t && t < expected.t, "{settings:?}");
+                last = t;
+                let mut memory = Memory::default();
+                parted.remember(&mut memory);
+                parted = Simulation::new(&scene).unwrap();
+                parted.recall(&memory).unwrap();
+            }
+            let report = Report {
+                costs: Costs::default(),
+                ..parted.report().clone()
+            };
+            assert_eq!(report, expected, "{settings:?}");
+            assert_eq!(parted.state(), whole.state(), "{settings:?}");
+            let kinds = |simulation: &mut Simulation| -> Vec<EventKind> {
+                let events = simulation.drain_events().into_iter();
+                let divided = |kind: &EventKind| matches!(kind, EventKind::StepDivided { .. });
+                events.map(|event| event.kind).filter(divided).collect()
+            };
+            assert_eq!(kinds(&mut parted), kinds(&mut whole), "{settings:?}");
+        }
+        assert!(left > 0, "{settings:?}");
+    }
+}
+
+/// Every rung is an event, the damping too: when it begins.
+#[test]
+fn a_damped_step_is_an_event() {
+    let mut simulation = Simulation::new(&small(&[
+        "area.penalty=1e-6",
+        "time.step=1e-5",
+        "time.end=1",
+    ]))
+    .unwrap();
+    let mut was_damped = false;
+    let mut seen = 0;
+    for _ in 0..6 {
+        let damping = simulation.advance().unwrap().ladder.damping;
+        let events = simulation.drain_events().into_iter();
+        let factors: Vec<f64> = events
+            .filter_map(|event| match event.kind {
+                EventKind::Damped { factor } => Some(factor),
+                _ => None,
+            })
+            .collect();
+        let expected = (damping < 1.0 && !was_damped).then_some(damping);
+        assert_eq!(factors, expected.into_iter().collect::<Vec<_>>());
+        seen += factors.len();
+        was_damped = damping < 1.0;
+    }
+    assert!(seen > 0);
+}
+
+/// What overflows is refused when a run is set up, and never passed over.
+#[test]
+fn a_scene_too_large_to_compute_with_is_refused() {
+    for settings in [
+        &["vesicle.scale=1e100", "vesicle.projection=nodal"][..],
+        &["membrane.spontaneous_curvature=1e300"],
+        &[
+            "membrane.spontaneous_curvature=1e300",
+            "solver.quadrature=lumped",
+        ],
+        &["nematic.initial=[1e200, 0]"],
+    ] {
+        let outcome = Simulation::new(&small(settings));
+        let error = outcome.expect_err("too large").to_string();
+        assert!(error.contains("too large"), "{settings:?}: {error}");
+    }
+}

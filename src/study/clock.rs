@@ -1,15 +1,15 @@
 //! What a run takes of the machine: time of its thread, and memory.
 
+use rustix::time::{ClockId, clock_gettime};
 use std::fs;
 use std::time::{Duration, Instant};
 
 /// Measures the computing time of the thread that it is asked on: what the processor spent on it,
-/// so that other programs on the machine do not count. Where the system does not tell, the time of
-/// the clock on the wall.
+/// so that other programs on the machine do not count.
 #[derive(Debug)]
 pub(super) struct Stopwatch {
     begun: Instant,
-    computed: Option<Duration>,
+    computed: Duration,
 }
 
 impl Stopwatch {
@@ -22,10 +22,7 @@ impl Stopwatch {
 
     /// Since the start.
     pub(super) fn elapsed(&self) -> Duration {
-        match (self.computed, thread_time()) {
-            (Some(before), Some(now)) => now.saturating_sub(before),
-            _ => self.begun.elapsed(),
-        }
+        thread_time().saturating_sub(self.computed)
     }
 
     /// Since the start, on the wall.
@@ -34,11 +31,10 @@ impl Stopwatch {
     }
 }
 
-/// Linux tells it in nanoseconds: the first number of the file.
-fn thread_time() -> Option<Duration> {
-    let text = fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    let nanoseconds = text.split_whitespace().next()?.parse().ok()?;
-    Some(Duration::from_nanos(nanoseconds))
+fn thread_time() -> Duration {
+    let time = clock_gettime(ClockId::ThreadCPUTime);
+    // Neither is negative, and there are fewer than 10⁹ nanoseconds.
+    Duration::new(time.tv_sec as u64, time.tv_nsec as u32)
 }
 
 /// Has the peak of this process's memory counted anew; returns whether the system does that.

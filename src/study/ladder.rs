@@ -263,10 +263,14 @@ impl Runs<'_> {
 fn evaluate(
     scene: &Scene,
     own: &Choice,
-    done: Vec<(Choice, Measurement)>,
+    mut done: Vec<(Choice, Measurement)>,
     reference: Option<(Choice, Measurement)>,
 ) -> Study {
     // Without a run of its own the best of the others is the reference, and no point itself.
+    let reference = reference.or_else(|| {
+        let best = most_accurate(&done, own)?;
+        Some(done.remove(best))
+    });
     let best = reference
         .as_ref()
         .and_then(|(_, measured)| measured.outcome.as_ref().ok());
@@ -289,6 +293,27 @@ fn evaluate(
         space_error: None,
     });
     Study::new(&scene.name, points, reference)
+}
+
+/// The one that serves best as a reference among several, by the scene's own rule: on the finest mesh the
+/// one with the smallest tolerance.
+fn most_accurate(done: &[(Choice, Measurement)], own: &Choice) -> Option<usize> {
+    let usable = done
+        .iter()
+        .enumerate()
+        .filter_map(|(index, (choice, measured))| {
+            let is_like = choice.quadrature == own.quadrature && measured.outcome.is_ok();
+            match choice.pace {
+                Pace::Tolerance(tolerance) if is_like => Some((index, choice.cells, tolerance)),
+                _ => None,
+            }
+        });
+    let usable: Vec<_> = usable.collect();
+    // One alone would be compared with nothing.
+    let best = usable
+        .iter()
+        .max_by(|a, b| a.1.cmp(&b.1).then(b.2.total_cmp(&a.2)));
+    best.filter(|_| done.len() > 1).map(|(index, ..)| *index)
 }
 
 /// The part of a solution's error that is due to its steps: its distance to the one with the smallest

@@ -4,7 +4,7 @@ use super::choice::Choice;
 use super::clock::{Stopwatch, forget_peak_memory, peak_memory};
 use super::distance::Solution;
 use crate::scene::Scene;
-use crate::simulation::{Schedule, Simulation};
+use crate::simulation::{ErrorBudget, Schedule, Simulation};
 use std::time::Duration;
 
 /// What a run took, and what came out.
@@ -20,6 +20,8 @@ pub(super) struct Measurement {
     pub(super) refused: u64,
     pub(super) newton: u64,
     pub(super) krylov: u64,
+    /// The errors that the run itself estimated.
+    pub(super) estimates: ErrorBudget,
     /// The state at T, or why there is none.
     pub(super) outcome: Result<Solution, Failure>,
 }
@@ -53,6 +55,7 @@ pub(super) fn measure(
         refused: 0,
         newton: 0,
         krylov: 0,
+        estimates: ErrorBudget::default(),
         outcome: Err(Failure::Ended),
     };
     measurement.outcome = advance(&scene, &watch, limit, go_on, &mut measurement);
@@ -91,5 +94,6 @@ fn advance(
         measurement.refused += u64::from(report.refused);
         measurement.newton += u64::from(report.newton);
         measurement.krylov += u64::from(report.krylov);
+        measurement.estimates = report.budget;
     }
 }

@@ -42,14 +42,20 @@ impl fmt::Display for RunPrice {
     }
 }
 
-/// The calibration takes about so long.
+/// A calibration takes about so much computing,
 const CALIBRATION: Duration = Duration::from_millis(1500);
+
+/// and no longer than this where the machine is busy with other things.
+const PATIENCE: Duration = Duration::from_secs(15);
 
 /// After so many steps the guesses are as good as they get.
 const SETTLED: u64 = 64;
 
 /// The last steps of a calibration count.
 const LAST: usize = 12;
+
+/// It has so many steps at least: the first ones are dearer than the others.
+const FEWEST: usize = 4;
 
 /// Cells of the coarse mesh, as a part of the scene's.
 const COARSER: usize = 4;
@@ -75,9 +81,7 @@ fn fixed(scene: &Scene, steps: u64) -> Result<RunPrice, SimulationError> {
     let setup = watch.elapsed();
     let mut times = Vec::new();
     let mut before = watch.elapsed();
-    while (times.len() as u64) < steps.min(SETTLED)
-        && (times.is_empty() || watch.wall() < CALIBRATION)
-    {
+    while (times.len() as u64) < steps.min(SETTLED) && (times.len() < FEWEST || !is_over(&watch)) {
         simulation.advance()?;
         let now = watch.elapsed();
         times.push((now - before).as_secs_f64());
@@ -85,7 +89,7 @@ fn fixed(scene: &Scene, steps: u64) -> Result<RunPrice, SimulationError> {
     }
     let made: f64 = times.iter().sum();
     let last = &times[times.len().saturating_sub(LAST)..];
-    let further = (steps - times.len() as u64) as f64 * mean(last);
+    let further = (steps - times.len() as u64) as f64 * middle(last);
     Ok(RunPrice {
         steps,
         seconds: setup.as_secs_f64() + made + further,
@@ -109,7 +113,7 @@ fn chosen(scene: &Scene) -> Result<RunPrice, SimulationError> {
     let share = loop {
         let report = simulation.report();
         let share = schedule.share(report.step, report.t);
-        if share >= 1.0 || (watch.wall() > CALIBRATION && !steps.is_empty()) {
+        if share >= 1.0 || (is_over(&watch) && !steps.is_empty()) {
             break share;
         }
         let report = simulation.advance()?;
@@ -140,13 +144,13 @@ fn chosen(scene: &Scene) -> Result<RunPrice, SimulationError> {
     let mut times = Vec::new();
     let mut before = setup;
     // The first is dearer than the others, and a change of the way to solve falls into the next ones.
-    while times.len() < 6 && (times.len() < 2 || watch.wall() < CALIBRATION) {
+    while times.len() < 8 && (times.len() < 2 || !is_over(&watch)) {
         simulation.advance()?;
         let now = watch.elapsed();
         times.push((now - before).as_secs_f64());
         before = now;
     }
-    let a_step = times.last().copied().unwrap_or_default();
+    let a_step = middle(&times[times.len() / 2..]);
     Ok(RunPrice {
         steps: number,
         seconds: setup.as_secs_f64() + (attempts + missing) as f64 * a_step,
@@ -154,6 +158,13 @@ fn chosen(scene: &Scene) -> Result<RunPrice, SimulationError> {
     })
 }
 
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len().max(1) as f64
+fn is_over(watch: &Stopwatch) -> bool {
+    watch.elapsed() > CALIBRATION || watch.wall() > PATIENCE
+}
+
+/// The median: a step that was held up by something says nothing of the others.
+fn middle(values: &[f64]) -> f64 {
+    let mut values = values.to_vec();
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or_default()
 }

@@ -41,6 +41,12 @@ pub struct Point {
     /// ‖φ − φ'‖ at T against the most accurate steps on the same mesh: the part of the error that is
     /// due to the steps. For the most accurate ones themselves it is extrapolated.
     pub time_error: Option<f64>,
+    /// The error of the steps that the run itself estimated, in φ.
+    pub estimated_time: Option<f64>,
+    /// That of the mesh.
+    pub estimated_space: Option<f64>,
+    /// That of the iterations.
+    pub estimated_algebra: Option<f64>,
     /// Why there is no result.
     pub failure: Option<String>,
     /// Whether no other point is both cheaper and more accurate in φ.
@@ -70,6 +76,9 @@ impl Point {
             krylov: measured.krylov,
             errors: None,
             time_error: None,
+            estimated_time: measured.estimates.time,
+            estimated_space: measured.estimates.space,
+            estimated_algebra: measured.estimates.algebra,
             failure: match &measured.outcome {
                 Ok(_) => None,
                 Err(Failure::Failed(reason)) => Some(reason.clone()),
@@ -270,11 +279,44 @@ impl Study {
         }
     }
 
+    /// How the estimates of the runs compare with what was measured: estimate over error, the least and the
+    /// greatest of all points, of the steps and of the mesh. Of the steps those with the smallest tolerance on
+    /// their mesh do not count, for the others are measured against them; of the mesh only points count
+    /// whose steps have less than a tenth of the error.
+    pub fn effectivities(&self) -> [Option<[f64; 2]>; 2] {
+        let ratios = |of: &dyn Fn(&Point) -> Option<f64>| {
+            let ratios = self.points.iter().filter_map(of);
+            ratios
+                .filter(|ratio| ratio.is_finite())
+                .fold(None, |range, ratio| {
+                    let [least, greatest] = range.unwrap_or([ratio; 2]);
+                    Some([f64::min(least, ratio), f64::max(greatest, ratio)])
+                })
+        };
+        let is_smallest = |point: &Point| {
+            let rungs = self.rungs(point.cells);
+            rungs
+                .last()
+                .is_some_and(|(_, last)| std::ptr::eq(*last, point))
+        };
+        let time = |point: &Point| {
+            let error = point.time_error.filter(|_| !is_smallest(point))?;
+            Some(point.estimated_time? / error)
+        };
+        let space = |point: &Point| {
+            let error = point.error()?;
+            let is_of_mesh = point.time_error.is_some_and(|time| time < 0.1 * error);
+            Some(point.estimated_space.filter(|_| is_of_mesh)? / error)
+        };
+        [ratios(&time), ratios(&space)]
+    }
+
     /// The points as CSV.
     pub fn to_csv(&self) -> String {
         let mut text =
             "cells,step,tolerance,quadrature,iteration,own,seconds,memory,steps,refused,\
-                        newton,krylov,phi,membrane,d,E_total,B,time_error,pareto,failure,nodes\n"
+                        newton,krylov,phi,membrane,d,E_total,B,time_error,\
+                        estimated_time,estimated_space,estimated_algebra,pareto,failure,nodes\n"
                 .to_owned();
         let number = |value: Option<f64>| value.map_or(String::new(), |it| Number(it).to_string());
         for point in &self.points {
@@ -304,6 +346,9 @@ impl Study {
                 number(errors.map(|it| it.energy)),
                 number(errors.map(|it| it.surface_area)),
                 number(point.time_error),
+                number(point.estimated_time),
+                number(point.estimated_space),
+                number(point.estimated_algebra),
                 u8::from(point.is_pareto).to_string(),
                 quoted(point.failure.as_deref().unwrap_or_default()),
                 point.nodes.to_string(),

@@ -148,3 +148,13 @@ fn the_number_of_chosen_steps_is_foreseen() {
     assert!((0.5..2.0).contains(&ratio), "{ratio}");
     assert!(foreseen.seconds > 0.0 && foreseen.memory > 6_000_000);
 }
+
+#[test]
+fn estimates_are_compared_with_what_was_measured() {
+    let [time, space] = CALM_STUDY.effectivities();
+    let ([least, greatest], [low, high]) = (time.expect("steps"), space.expect("mesh"));
+    assert!(0.0 < least && least <= greatest, "{least} {greatest}");
+    // A sum of what the equations damp: no less than a third of the error.
+    assert!(least > 0.33, "{least}");
+    assert!(0.0 < low && low <= high, "{low} {high}");
+}

@@ -1,11 +1,15 @@
 //! Fuzzing of everything that is read back: the scene, with its overrides, formulas and files of nodal
-//! values, and a run's folder with its tables and fields. Whatever the bytes: no panic, no hang, no
+//! values, and a run's folder with its tables, fields and checkpoints. Whatever the bytes: no panic, no hang, no
 //! memory beyond a bound; and a scene that is read is written and read again as the same.
+//!
+//! (`run.json` is for others to read; vesica never reads it back.)
 //!
 //! An input is a good file with a few changes, or noise; it follows from its number alone, so that
 //! what fails can be repeated. The quick part runs with all tests; a million inputs with
 //!
 //!     cargo test --release --test fuzz -- --ignored --nocapture
+//!
+//! FUZZ_FIRST=N begins with input N: for others than were run before, or one again.
 
 mod memory;
 mod mutation;
@@ -17,7 +21,8 @@ use std::time::{Duration, Instant};
 
 use mutation::Mutation;
 use vesica::record::{
-    Columns, Ending, IfOccupied, Preparation, RunFolder, Settings, read_fields, read_run,
+    Columns, Ending, Found, IfOccupied, KeptRun, Preparation, Resumption, RunFolder, RunKeeper,
+    Settings, read_fields, read_run,
 };
 use vesica::scene::{Expression, Scene, Triangulation, preset, preset_names, write_mesh};
 use vesica::simulation::Simulation;
@@ -149,8 +154,8 @@ fn mesh_target() -> Target {
     }
 }
 
-/// Records a run of two steps.
-fn record(folder: &Path) {
+/// Records a run of two steps, and gives its scene.
+fn record(folder: &Path) -> Scene {
     let mut no_files = |_: &str| Err(ErrorKind::NotFound.into());
     let mut scene = Scene::parse(SMALL, "small", &[], &mut no_files).expect("a scene");
     scene.time.end = 2.0 * scene.time.step;
@@ -173,6 +178,7 @@ fn record(folder: &Path) {
     recorder
         .finish(&mut simulation, Ending::Done)
         .expect("it is written");
+    scene
 }
 
 fn run_targets(folder: &Path) -> Vec<Target> {
@@ -218,18 +224,110 @@ fn run_targets(folder: &Path) -> Vec<Target> {
     vec![tables, fields, whole]
 }
 
+/// How a checkpoint begins: eight bytes that tell what it is, and four of its version; then its length.
+const CHECKPOINT_HEADER: usize = 8 + 4 + 8;
+
+/// Makes a checkpoint's length and checksum fit what stands between them, so that what is wrong is
+/// in the content alone.
+fn seal(bytes: &mut Vec<u8>) {
+    if let Some(length) = bytes.len().checked_sub(CHECKPOINT_HEADER + 4) {
+        bytes[CHECKPOINT_HEADER - 8..CHECKPOINT_HEADER]
+            .copy_from_slice(&(length as u64).to_le_bytes());
+        bytes.truncate(CHECKPOINT_HEADER + length);
+        let checksum = crc32fast::hash(bytes);
+        bytes.extend_from_slice(&checksum.to_le_bytes());
+    }
+}
+
+/// The checkpoint of a run, and the state that the app keeps of one: as the bytes are, and sealed. What
+/// is accepted goes on for a step, which is solved or not.
+fn checkpoint_targets(folder: &Path) -> Vec<Target> {
+    let scene = record(folder);
+    let newest = folder.join("checkpoint.bin");
+    let older = folder.join("checkpoint-older.bin");
+    let seed = fs::read(&newest).expect("the run has written it");
+    let names = ["history.csv", "shape.csv", "ledger.csv"].map(|name| folder.join(name));
+    let tables = names.map(|path| (fs::read(&path).expect("the run has written it"), path));
+    let taken_up = Target {
+        name: "checkpoint of a run",
+        seeds: vec![seed],
+        read: Box::new({
+            let (folder, scene) = (folder.to_owned(), scene.clone());
+            move |bytes| {
+                let mut sealed = bytes.to_vec();
+                seal(&mut sealed);
+                for bytes in [bytes, &sealed] {
+                    fs::write(&newest, bytes).expect("it is written");
+                    let _ = fs::remove_file(&older);
+                    let Ok(Found::Run(found)) = Resumption::find(&folder, &scene) else {
+                        continue;
+                    };
+                    let mut simulation = Simulation::new(&scene).expect("a small scene");
+                    let settings = found.settings();
+                    if found.start(&scene, settings, &mut simulation).is_ok() {
+                        let _ = simulation.advance();
+                    }
+                    for (text, path) in &tables {
+                        fs::write(path, text).expect("it is written");
+                    }
+                }
+            }
+        }),
+    };
+    let kept = folder.join("kept");
+    let mut simulation = Simulation::new(&scene).expect("a small scene");
+    simulation.advance().expect("a solvable step");
+    let mut run = KeptRun::new(&scene);
+    simulation.remember(&mut run.memory);
+    run.rows.push(simulation.report());
+    RunKeeper::new(&kept, "small", &scene)
+        .keep(&run)
+        .expect("it is written");
+    let mut files = fs::read_dir(&kept).expect("a folder").flatten();
+    let path = files.next().expect("a kept run").path();
+    let in_the_app = Target {
+        name: "kept run of the app",
+        seeds: vec![fs::read(&path).expect("it is there")],
+        read: Box::new(move |bytes| {
+            let mut sealed = bytes.to_vec();
+            seal(&mut sealed);
+            for bytes in [bytes, &sealed] {
+                fs::write(&path, bytes).expect("it is written");
+                let Some(run) = KeptRun::find(&kept, "small", &scene) else {
+                    continue;
+                };
+                let mut simulation = Simulation::new(&scene).expect("a small scene");
+                if simulation.recall(&run.memory).is_ok() {
+                    let _ = simulation.advance();
+                }
+            }
+        }),
+    };
+    vec![taken_up, in_the_app]
+}
+
+/// The number of the first input.
+fn first() -> u64 {
+    let first = std::env::var("FUZZ_FIRST").ok();
+    first.map_or(0, |first| {
+        first.parse().expect("FUZZ_FIRST is a whole number")
+    })
+}
+
 fn fuzz(count: u64) {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folders = [(); 2].map(|()| tempfile::tempdir().expect("a folder"));
+    let [for_reading, for_resuming] = folders.each_ref().map(|folder| folder.path());
     let mut targets = vec![
         scene_target(),
         formula_target(),
         nodal_target(),
         mesh_target(),
     ];
-    targets.extend(run_targets(folder.path()));
+    targets.extend(run_targets(for_reading));
+    targets.extend(checkpoint_targets(for_resuming));
     for target in &targets {
         let (mut slowest, mut most) = ((Duration::ZERO, 0), 0);
-        for number in 0..count {
+        for number in first()..first() + count {
             let input = Mutation::new(number).of(&target.seeds);
             memory::start();
             let begun = Instant::now();
@@ -258,7 +356,7 @@ fn bytes_are_read_or_refused() {
 }
 
 #[test]
-#[ignore = "minutes: more than a million inputs"]
+#[ignore = "minutes: 1.6 million inputs"]
 fn a_million_inputs_are_read_or_refused() {
     fuzz(LONG);
 }

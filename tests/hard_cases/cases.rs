@@ -66,6 +66,22 @@ pub const CASES: &[Case] = &[
         text: include_str!("scenes/step-1.toml"),
     },
     Case {
+        name: "step-1-40-cells",
+        steps: 2,
+        long_steps: 20,
+        symmetric: false,
+        course: Course::Plain,
+        text: include_str!("scenes/step-1-40-cells.toml"),
+    },
+    Case {
+        name: "random-9",
+        steps: 1,
+        long_steps: 10,
+        symmetric: false,
+        course: Course::Plain,
+        text: include_str!("scenes/random-9.toml"),
+    },
+    Case {
         name: "random-1e-6",
         steps: 10,
         long_steps: 100,

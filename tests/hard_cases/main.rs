@@ -90,7 +90,7 @@ fn the_oracles_can_fail() {
     assert!(worst.complaints().is_empty());
     worst.law_residual = 1.1e-8;
     assert_eq!(worst.complaints().len(), 1);
-    worst.least_dissipation = -1.1e-14;
+    worst.least_dissipation = Some(-1.1e-14);
     worst.rise = 1.1e-12;
     worst.drift = 1.1e-13;
     worst.asymmetry = Some(1e-3);

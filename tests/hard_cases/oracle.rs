@@ -33,7 +33,8 @@ pub struct Worst {
     pub steps: u64,
     pub smallest_dt: f64,
     pub law_residual: f64,
-    pub least_dissipation: f64,
+    /// The least Δt·ND of any effect at any step, over S; `None`: no effect has one.
+    pub least_dissipation: Option<f64>,
     pub rise: f64,
     pub drift: f64,
     pub asymmetry: Option<f64>,
@@ -52,8 +53,9 @@ impl Worst {
             ),
             (
                 "the least dissipation over S is",
-                self.least_dissipation,
-                self.least_dissipation >= DISSIPATION,
+                self.least_dissipation.unwrap_or(0.0),
+                self.least_dissipation
+                    .is_none_or(|least| least >= DISSIPATION),
             ),
             ("over S the energy rises by", self.rise, self.rise <= RISE),
             ("the volume drifts by", self.drift, self.drift <= DRIFT),
@@ -82,23 +84,22 @@ impl fmt::Display for Worst {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | ",
+            "{} | {:.1e} | {:.1e} | {} | {:.1e} | {:.1e} | {} | {}",
             self.steps,
             self.smallest_dt,
             self.law_residual,
-            self.least_dissipation,
+            cell(self.least_dissipation),
             self.rise,
-            self.drift
-        )?;
-        match self.asymmetry {
-            Some(asymmetry) => write!(f, "{asymmetry:.1e} | ")?,
-            None => write!(f, "- | ")?,
-        }
-        match self.shift {
-            Some(shift) => write!(f, "{shift:.1e}"),
-            None => write!(f, "-"),
-        }
+            self.drift,
+            cell(self.asymmetry),
+            cell(self.shift),
+        )
     }
+}
+
+/// A cell of the table for what not every case has.
+fn cell(value: Option<f64>) -> String {
+    value.map_or("-".to_owned(), |value| format!("{value:.1e}"))
 }
 
 /// What is known of a step.
@@ -147,7 +148,8 @@ impl<'a> Watch<'a> {
             .iter()
             .filter(|term| term.name.starts_with("ND_"))
         {
-            worst.least_dissipation = worst.least_dissipation.min(term.value / scale);
+            let least = worst.least_dissipation.unwrap_or(f64::INFINITY);
+            worst.least_dissipation = Some(least.min(term.value / scale));
         }
         worst.rise = worst.rise.max((step.total_energy - self.before) / scale);
         let drift = (step.phase_integral - self.volume).abs() / self.size;

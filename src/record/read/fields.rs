@@ -1,12 +1,12 @@
 //! The fields of a VTU file, as this program writes it.
 
-use super::{ReadError, WrongArray};
+use super::super::whole::read_text;
+use super::{LARGEST, ReadError, WrongArray};
 use crate::fem::Mesh;
 use crate::scheme::State;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use roxmltree::{Document, Node};
-use std::fs;
 use std::path::Path;
 
 /// What a VTU file holds.
@@ -25,7 +25,7 @@ pub struct StoredFields {
 /// # Errors
 /// [`ReadError`]: which file, which array, and what is wrong with it.
 pub fn read_fields(path: &Path) -> Result<StoredFields, ReadError> {
-    let text = fs::read_to_string(path).map_err(|reason| ReadError::Unreadable {
+    let text = read_text(path, LARGEST).map_err(|reason| ReadError::Unreadable {
         path: path.to_owned(),
         reason,
     })?;
@@ -155,6 +155,7 @@ impl<'a> Arrays<'a> {
 mod tests {
     use super::super::super::vtu::write_fields;
     use super::*;
+    use std::fs;
 
     fn example(director: bool) -> (Mesh, State) {
         let mesh = Mesh::structured(3, 0.1, 5).expect("a fair mesh");

@@ -5,6 +5,9 @@ mod fields;
 mod run;
 mod table;
 
+/// Bytes of a table, or of a file of fields, at most.
+const LARGEST: u64 = 1 << 32;
+
 pub use error::{ReadError, WrongArray};
 pub use fields::{StoredFields, read_fields};
 pub use run::{RecordedFields, RecordedRun, read_run};

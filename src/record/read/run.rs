@@ -41,7 +41,7 @@ pub struct RecordedRun {
 /// [`ReadError`]: what is missing or damaged.
 pub fn read_run(folder: &Path) -> Result<RecordedRun, ReadError> {
     for missing in ["scene.toml", "history.csv"] {
-        if !folder.join(missing).is_file() {
+        if !folder.join(missing).exists() {
             return Err(ReadError::NotARun {
                 folder: folder.to_owned(),
                 missing,

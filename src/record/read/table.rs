@@ -1,8 +1,8 @@
 //! Tables of numbers, read back.
 
 use super::super::Columns;
-use super::ReadError;
-use std::fs;
+use super::super::whole::read_text;
+use super::{LARGEST, ReadError};
 use std::path::Path;
 
 /// Reads a table. An empty cell is NaN. What follows the last whole line is left out: a run that
@@ -11,7 +11,7 @@ use std::path::Path;
 /// # Errors
 /// [`ReadError`] with line and column.
 pub(in super::super) fn read_table(path: &Path) -> Result<Columns, ReadError> {
-    let text = fs::read_to_string(path).map_err(|reason| ReadError::Unreadable {
+    let text = read_text(path, LARGEST).map_err(|reason| ReadError::Unreadable {
         path: path.to_owned(),
         reason,
     })?;
@@ -54,6 +54,7 @@ pub(in super::super) fn read_table(path: &Path) -> Result<Columns, ReadError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     fn read(text: &str) -> Result<Columns, ReadError> {
         let folder = tempfile::tempdir().expect("a folder");

@@ -2,6 +2,7 @@
 //! steps do no work for it. And substep 1 is solved where it matters, no more and no less.
 
 use super::super::director::{Demand, DirectorStep};
+use super::super::region::{Criterion, Region};
 use super::super::*;
 use crate::linalg::count::{self, Counts};
 
@@ -188,9 +189,10 @@ fn substep_1_leaves_out_what_does_not_matter() {
     }
 }
 
-/// The region goes with the vesicle: a tweezer draws it away, and the law closes all the same.
+/// A tweezer draws the vesicle away and disturbs φ all around it, so that the region becomes another: the
+/// law closes all the same.
 #[test]
-fn the_region_moves_with_the_vesicle() {
+fn the_law_closes_while_the_region_changes() {
     let settings = [
         QUADRATURES[0],
         "pull.potential='-200000*(x-0.7)^2'",
@@ -209,4 +211,54 @@ fn the_region_moves_with_the_vesicle() {
         regions.insert(director.region().nodes.clone());
     }
     assert!(regions.len() >= 2, "{} regions", regions.len());
+}
+
+/// The region follows a vesicle that is drawn over the mesh: nodes join before it and are left behind it,
+/// what is inside is never left out, and what is far from it always.
+#[test]
+fn the_region_follows_the_vesicle() {
+    let scheme = scheme(&scene(&[QUADRATURES[0]]));
+    let (space, radius, width) = (&scheme.space, 0.15, 0.025);
+    let criterion = Criterion {
+        reach: scheme.effects.director_reach(),
+        largest_eigenvalue: space.stiffness().eigenvalue_bound(space.nodal_weights()),
+        length: 1.0,
+        energy_scale: energy_scale(&scheme.report.energies),
+        inertia: 0.5 * DT,
+        coupled: false,
+    };
+    let mut region = Region::default();
+    let mut before = vec![false; space.nodes()];
+    for step in 0..=10 {
+        let x = 0.35 + 0.03 * f64::from(step);
+        let places = space.mesh().nodes().iter();
+        let outside = places.map(|place| (place[0] - x).hypot(place[1] - 0.5) - radius);
+        let outside: Vec<f64> = outside.collect();
+        let profile = |outside: &f64| (-outside / (2.0_f64.sqrt() * width)).tanh();
+        let phi: Vec<f64> = outside.iter().map(profile).collect();
+        let moved = region.follow(space, &phi, &criterion).expect("a part");
+        assert!(moved, "step {step}");
+        assert!(!region.follow(space, &phi, &criterion).expect("the same"));
+        let mut now = vec![false; space.nodes()];
+        region
+            .nodes
+            .iter()
+            .for_each(|&node| now[node as usize] = true);
+        for (node, outside) in outside.iter().enumerate() {
+            assert!(now[node] || *outside > 0.0, "step {step}: {node} is inside");
+            assert!(!now[node] || *outside < 0.45, "step {step}: {node} is far");
+        }
+        let count = |came: bool| {
+            let pairs = before.iter().zip(&now);
+            pairs
+                .filter(|(before, now)| **now == came && **before != came)
+                .count()
+        };
+        let (joined, left) = (count(true), count(false));
+        assert!(
+            joined > 0 && (step == 0 || left > 0),
+            "{joined} joined, {left} left"
+        );
+        before = now;
+    }
 }

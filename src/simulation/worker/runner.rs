@@ -16,6 +16,8 @@ use crate::scene::{AnchoringKind, Scene};
 pub(super) struct Runner<Sink> {
     orders: Orders,
     commands: Receiver<Command>,
+    /// What came while a hard step was taken.
+    waiting: Option<Command>,
     teller: Teller<Sink>,
     mailbox: Mailbox,
     canvases: Canvases,
@@ -66,6 +68,7 @@ impl<Sink: Fn(Message)> Runner<Sink> {
             },
             orders,
             commands,
+            waiting: None,
             mailbox,
             canvases: Canvases::default(),
             computing,
@@ -132,9 +135,10 @@ impl<Sink: Fn(Message)> Runner<Sink> {
                 }
                 told = rest;
             }
-            let command = match rest {
-                Some(_) => self.commands.recv().map_err(|_| TryRecvError::Disconnected),
-                None => self.commands.try_recv(),
+            let command = match (self.waiting.take(), rest) {
+                (Some(command), _) => Ok(command),
+                (None, Some(_)) => self.commands.recv().map_err(|_| TryRecvError::Disconnected),
+                (None, None) => self.commands.try_recv(),
             };
             match command {
                 Err(TryRecvError::Empty) => {
@@ -200,19 +204,36 @@ impl<Sink: Fn(Message)> Runner<Sink> {
         }
     }
 
-    /// One step and all that is to be told of it.
+    /// One step and all that is to be told of it. One that takes long is left when a command comes.
     fn step(
         &mut self,
         simulation: &mut Simulation,
         schedule: &Schedule,
     ) -> Result<(), SimulationError> {
         let begun = Instant::now();
-        let advanced = simulation.advance().map(|_| ());
+        let (commands, waiting) = (&self.commands, &mut self.waiting);
+        let advanced = simulation.advance_unless(&mut |_| {
+            if waiting.is_none() {
+                *waiting = match commands.try_recv() {
+                    Ok(command) => Some(command),
+                    Err(TryRecvError::Disconnected) => Some(Command::End),
+                    Err(TryRecvError::Empty) => None,
+                };
+            }
+            waiting.is_some()
+        });
         let nanoseconds = u64::try_from(begun.elapsed().as_nanos()).unwrap_or(u64::MAX);
         self.computing.fetch_add(nanoseconds, Ordering::Relaxed);
-        if let Err(error) = advanced {
+        let is_whole = match advanced {
+            Ok(is_whole) => is_whole,
+            Err(error) => {
+                self.show(simulation);
+                return Err(error);
+            }
+        };
+        if !is_whole {
             self.show(simulation);
-            return Err(error);
+            return Ok(());
         }
         if self.mailbox.is_empty() {
             self.show(simulation);

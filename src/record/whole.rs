@@ -1,0 +1,130 @@
+//! Files that are read whole, within bounds: whatever stands under a name, nobody waits for ever, and
+//! memory has an end.
+
+use std::fs::{self, File};
+use std::io::{self, IsTerminal, Read};
+use std::path::Path;
+use std::sync::mpsc;
+use std::thread;
+use std::time::Duration;
+
+/// How long a pipe may have nobody who writes.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+/// The text of a file: see [`read_bytes`].
+///
+/// # Errors
+/// Those of [`read_bytes`], or that it is no text.
+pub(super) fn read_text(path: &Path, limit: u64) -> io::Result<String> {
+    String::from_utf8(read_bytes(path, limit)?)
+        .map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is no text in UTF-8"))
+}
+
+/// The bytes of a file, at most `limit` of them. A pipe will do where somebody writes into it, as what
+/// the shell makes of `<(…)`; a device will not.
+///
+/// # Errors
+/// What the system says, or that it is too large, a device, or a pipe without a writer.
+pub(super) fn read_bytes(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
+    let metadata = fs::metadata(path)?;
+    let file = if metadata.is_dir() {
+        return Err(io::ErrorKind::IsADirectory.into());
+    } else if metadata.is_file() {
+        if metadata.len() > limit {
+            return Err(too_large(limit));
+        }
+        File::open(path)?
+    } else if is_pipe(&metadata) {
+        open_pipe(path)?
+    } else {
+        let file = File::open(path)?;
+        if !file.is_terminal() {
+            let message = "it is a device, not a file";
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
+        }
+        file
+    };
+    let mut bytes = Vec::new();
+    file.take(limit.saturating_add(1)).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > limit {
+        return Err(too_large(limit));
+    }
+    Ok(bytes)
+}
+
+fn too_large(limit: u64) -> io::Error {
+    let message = format!("it is larger than {} MB", limit >> 20);
+    io::Error::new(io::ErrorKind::FileTooLarge, message)
+}
+
+#[cfg(unix)]
+fn is_pipe(metadata: &fs::Metadata) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    metadata.file_type().is_fifo()
+}
+
+#[cfg(not(unix))]
+fn is_pipe(_metadata: &fs::Metadata) -> bool {
+    false
+}
+
+/// Opens a pipe. That waits until somebody opens it for writing, so it is done beside: a thread that
+/// waits in vain ends with the process.
+fn open_pipe(path: &Path) -> io::Result<File> {
+    let (sender, opened) = mpsc::channel();
+    let path = path.to_owned();
+    thread::Builder::new().spawn(move || {
+        // Whoever has lost patience has gone.
+        let _ = sender.send(File::open(path));
+    })?;
+    opened.recv_timeout(PATIENCE).unwrap_or_else(|_| {
+        let seconds = PATIENCE.as_secs();
+        let message = format!("it is a pipe, and for {seconds} s nobody has written into it");
+        Err(io::Error::new(io::ErrorKind::TimedOut, message))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_within_the_limit_is_read_and_no_other() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.txt");
+        fs::write(&path, "four").expect("it is written");
+        assert_eq!(read_text(&path, 4).expect("four bytes"), "four");
+        let error = read_text(&path, 3).expect_err("too large");
+        assert_eq!(error.kind(), io::ErrorKind::FileTooLarge);
+        fs::write(&path, b"\xff").expect("it is written");
+        let error = read_text(&path, 9).expect_err("no text");
+        assert_eq!(error.kind(), io::ErrorKind::InvalidData);
+        let error = read_text(folder.path(), 9).expect_err("a folder");
+        assert_eq!(error.kind(), io::ErrorKind::IsADirectory);
+        let error = read_text(&path.join("b"), 9).expect_err("below a file");
+        assert_eq!(error.kind(), io::ErrorKind::NotADirectory);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_device_is_refused_and_a_pipe_needs_a_writer() {
+        let error = read_text(Path::new("/dev/zero"), 9).expect_err("no end");
+        assert!(error.to_string().contains("a device"), "{error}");
+        let folder = tempfile::tempdir().expect("a folder");
+        let pipe = |name: &str| {
+            let path = folder.path().join(name);
+            let made = std::process::Command::new("mkfifo").arg(&path).status();
+            assert!(made.expect("mkfifo").success());
+            path
+        };
+        let error = read_text(&pipe("one"), 9).expect_err("nobody writes");
+        assert_eq!(error.kind(), io::ErrorKind::TimedOut, "{error}");
+        let path = pipe("other");
+        let written = {
+            let path = path.clone();
+            thread::spawn(move || fs::write(path, "told"))
+        };
+        assert_eq!(read_text(&path, 9).expect("a writer"), "told");
+        written.join().expect("a thread").expect("it is written");
+    }
+}
