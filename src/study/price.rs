@@ -4,15 +4,14 @@
 //! iteration are as good as they get; the last of them tell what every further step takes.
 //!
 //! **Chosen steps.** How many there will be does not depend much on the mesh, so the scene is run to its
-//! end on a coarse one. What a step takes is measured on the scene's own mesh, at the Δt that was
-//! typical on the coarse one.
+//! end on a coarse one. What a step takes is measured on the scene's own mesh, with its first steps.
 //!
 //! **Memory** is what [`memory_held`] says, with the sparse factor where the calibration turned to it or
 //! long chosen steps will.
 
 use super::choice::{Choice, can_change_mesh};
 use super::clock::Stopwatch;
-use crate::scene::{Order, Scene};
+use crate::scene::Scene;
 use crate::simulation::{Schedule, Simulation, SimulationError, memory_held, step_count};
 use std::fmt;
 use std::time::Duration;
@@ -52,10 +51,13 @@ const PATIENCE: Duration = Duration::from_secs(15);
 const SETTLED: u64 = 64;
 
 /// The last steps of a calibration count.
-const LAST: usize = 12;
+const LAST: usize = 8;
 
-/// It has so many steps at least: the first ones are dearer than the others.
-const FEWEST: usize = 4;
+/// It has so many steps at least, for the first ones are dearer than the others,
+const FEWEST: usize = 20;
+
+/// unless they take longer than this.
+const LONGEST: Duration = Duration::from_secs(5);
 
 /// Cells of the coarse mesh, as a part of the scene's.
 const COARSER: usize = 4;
@@ -81,7 +83,9 @@ fn fixed(scene: &Scene, steps: u64) -> Result<RunPrice, SimulationError> {
     let setup = watch.elapsed();
     let mut times = Vec::new();
     let mut before = watch.elapsed();
-    while (times.len() as u64) < steps.min(SETTLED) && (times.len() < FEWEST || !is_over(&watch)) {
+    while (times.len() as u64) < steps.min(SETTLED)
+        && (!is_over(&watch) || (times.len() < FEWEST && watch.elapsed() < LONGEST))
+    {
         simulation.advance()?;
         let now = watch.elapsed();
         times.push((now - before).as_secs_f64());
@@ -126,34 +130,28 @@ fn chosen(scene: &Scene) -> Result<RunPrice, SimulationError> {
         None => 0,
     };
     let number = steps.len() as u64 + missing;
-    steps.sort_by(f64::total_cmp);
-    let typical = steps
-        .get(steps.len() / 2)
-        .copied()
-        .unwrap_or(scene.time.step);
-
-    let mut fine = scene.clone();
-    (fine.time.tolerance, fine.time.step) = (None, typical);
-    fine.time.order = match scene.time.order {
-        Order::First => Order::Second,
-        order => order,
-    };
     let watch = Stopwatch::start();
-    let mut simulation = Simulation::new(&fine)?;
+    let mut simulation = Simulation::new(scene)?;
     let setup = watch.elapsed();
     let mut times = Vec::new();
     let mut before = setup;
-    // The first is dearer than the others, and a change of the way to solve falls into the next ones.
-    while times.len() < 8 && (times.len() < 2 || !is_over(&watch)) {
+    while times.is_empty() || !is_over(&watch) {
+        let report = simulation.report();
+        if report.t >= scene.time.end {
+            break;
+        }
         simulation.advance()?;
         let now = watch.elapsed();
         times.push((now - before).as_secs_f64());
         before = now;
     }
+    let made: f64 = times.iter().sum();
+    let further = (attempts + missing).saturating_sub(times.len() as u64);
+    // The first steps are dearer than the others.
     let a_step = middle(&times[times.len() / 2..]);
     Ok(RunPrice {
         steps: number,
-        seconds: setup.as_secs_f64() + (attempts + missing) as f64 * a_step,
+        seconds: setup.as_secs_f64() + made + further as f64 * a_step,
         memory: memory_held(scene, true),
     })
 }

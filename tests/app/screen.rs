@@ -187,7 +187,7 @@ fn a_pasted_text_is_no_command_and_a_name_where_one_is_typed() {
 }
 
 #[test]
-fn a_run_folder_opens_its_scene() {
+fn the_run_of_a_folder_is_shown_as_it_stands() {
     let folder = folder();
     let run = std::process::Command::new(VESICA)
         .args([
@@ -204,8 +204,10 @@ fn a_run_folder_opens_its_scene() {
         .expect("it starts");
     assert!(run.success());
     let mut app = Pty::start((100, 30), folder.path(), &[VESICA, "first"], &[]);
+    app.wait_text("first at step 2");
+    app.type_keys("y");
     app.wait_text("done");
-    app.wait_text("first");
+    app.wait_text("2/2");
     app.type_keys("qy");
     app.assert_restored(0);
 }
