@@ -119,12 +119,21 @@ fn budget<'a>(report: &Report, costs: &Costs, width: u16, theme: &Theme) -> Opti
     let budget = report.budget;
     let (largest, _) = budget.largest()?;
     let algebra = if width >= 46 { "algebra" } else { "alg." };
-    let mut spans = vec![Span::styled(" error", theme.muted())];
-    for (part, name, error) in [
+    let mut parts = vec![
         (ErrorPart::Time, "time", budget.time),
         (ErrorPart::Space, "space", budget.space),
         (ErrorPart::Algebra, algebra, budget.algebra),
-    ] {
+    ];
+    // For all three there is no room: the smallest is that which matters least.
+    if width < 40 {
+        let size = |index: &usize| parts[*index].2.unwrap_or(0.0);
+        let smallest = (0..parts.len()).min_by(|a, b| size(a).total_cmp(&size(b)));
+        if let Some(index) = smallest {
+            parts.remove(index);
+        }
+    }
+    let mut spans = vec![Span::styled(" error", theme.muted())];
+    for (part, name, error) in parts {
         spans.push(Span::styled(format!(" {name} "), theme.muted()));
         let value = error.map_or("-".to_owned(), |error| brief(error, 2));
         spans.push(match part == largest {
