@@ -58,10 +58,13 @@ pub fn draw(
             continue;
         };
         // At least one level, so that the curve is seen where it is lowest.
-        let [low, high] = column.map(|value| {
+        let mut levels = column.map(|value| {
             let level = 1.0 + scale.share(value) * (full - 1) as f64;
             (level.round() as usize).clamp(1, full)
         });
+        // A logarithmic scale has the least value, if it is negative, above the greatest.
+        levels.sort_unstable();
+        let [low, high] = levels;
         for (row, y) in (area.top()..area.bottom()).rev().enumerate() {
             let within = |level: usize| level.saturating_sub(row * resolution).min(resolution);
             let (symbol, style) = fill(within(low), within(high), colour, theme);
@@ -184,6 +187,21 @@ mod tests {
         draw(series, frame, Color::Reset, theme, area, &mut buffer);
         let row = |y| (0..10).map(|x| buffer[(x, y)].symbol()).collect();
         (0..rows).map(row).collect()
+    }
+
+    #[test]
+    fn a_logarithmic_scale_bears_both_signs_in_a_column() {
+        let values: Vec<f64> = (0..40)
+            .map(|n| if n % 4 == 0 { -100.0 } else { 0.1 })
+            .collect();
+        let frame = Frame {
+            horizon: 39,
+            logarithmic: true,
+            ..PLAIN
+        };
+        let theme = Theme::new(ColorTier::None, true);
+        let rows = drawn(&series(&values), &frame, &theme, 2);
+        assert!(rows.iter().all(|row| row.chars().count() == 10), "{rows:?}");
     }
 
     #[test]
