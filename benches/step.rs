@@ -30,15 +30,20 @@ const QUADRATURES: [&str; 2] = ["lumped", "consistent"];
 /// Steps before the first that is measured: the extrapolated guess needs a few to be good.
 const WARM_UP: usize = 10;
 
-fn case3(cells: usize, quadrature: &str, linear: &str) -> Scene {
+/// Case 3 with some values of its own.
+fn case3_with(overrides: &[String]) -> Scene {
     let text = find_preset("case3").expect("it is built in");
-    let overrides = [
+    let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+    Scene::parse(text, "preset case3", overrides, &mut no_files).expect("a sound scene")
+}
+
+/// Case 3 on a grid.
+fn case3(cells: usize, quadrature: &str, linear: &str) -> Scene {
+    case3_with(&[
         format!("mesh.cells={cells}"),
         format!("solver.quadrature={quadrature}"),
         format!("solver.linear={linear}"),
-    ];
-    let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
-    Scene::parse(text, "preset case3", &overrides, &mut no_files).expect("a sound scene")
+    ])
 }
 
 /// Edges of Delaunay meshes with about as many nodes as the structured ones of 60, 120 and 240 cells.
@@ -46,21 +51,30 @@ const EDGES: [(f64, usize); 3] = [(0.0178, 60), (0.00888, 120), (0.00445, 240)];
 
 /// Case 3 on a Delaunay mesh.
 fn case3_on_triangles(edge: f64, quadrature: &str) -> Scene {
-    let text = find_preset("case3").expect("it is built in");
-    let overrides = [
+    case3_with(&[
         "mesh.kind=delaunay".to_owned(),
         format!("mesh.size={edge}"),
         format!("solver.quadrature={quadrature}"),
         "solver.linear=shifted".to_owned(),
-    ];
-    let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
-    Scene::parse(text, "preset case3", &overrides, &mut no_files).expect("a sound scene")
+    ])
 }
 
 fn scheme(scene: &Scene) -> Scheme {
     let mesh = Mesh::of(scene).expect("a fair mesh");
     let initial = initial_fields(scene, &mesh).expect("φ⁰ and d⁰ exist");
     Scheme::new(scene, mesh, initial.phi, initial.director).expect("the factor can be analysed")
+}
+
+/// A scheme after the first ten steps.
+fn warmed_up(scene: &Scene) -> Scheme {
+    take_first_steps(scheme(scene), scene)
+}
+
+fn take_first_steps(mut scheme: Scheme, scene: &Scene) -> Scheme {
+    for _ in 0..WARM_UP {
+        scheme.step(scene.time.step).expect("a solvable step");
+    }
+    scheme
 }
 
 fn nodes(cells: usize) -> Throughput {
@@ -77,26 +91,30 @@ fn group<'a>(criterion: &'a mut Criterion, phase: &str) -> BenchmarkGroup<'a, Wa
     group
 }
 
-/// Whole steps, after the first ten.
+/// Measures whole steps of a scene, after the first ten; `cells` are those of a grid of as many nodes.
+fn measure_steps(
+    group: &mut BenchmarkGroup<'_, WallTime>,
+    quadrature: &str,
+    cells: usize,
+    scene: &Scene,
+) {
+    let dt = scene.time.step;
+    let mut ready = None;
+    group.throughput(nodes(cells));
+    group.bench_function(BenchmarkId::new(quadrature, cells), |bencher| {
+        let scheme = ready.get_or_insert_with(|| warmed_up(scene));
+        bencher.iter(|| scheme.step(dt).expect("a solvable step").krylov);
+    });
+}
+
+/// Whole steps on a grid.
 fn whole_steps(criterion: &mut Criterion) {
     for (linear, sizes) in [("transform", &CELLS[..]), ("factor", &CELLS[..2])] {
         let mut group = group(criterion, &format!("step/{linear}"));
         for quadrature in QUADRATURES {
             for &cells in sizes {
                 let scene = case3(cells, quadrature, linear);
-                let dt = scene.time.step;
-                let mut ready = None;
-                group.throughput(nodes(cells));
-                group.bench_function(BenchmarkId::new(quadrature, cells), |bencher| {
-                    let scheme = ready.get_or_insert_with(|| {
-                        let mut scheme = scheme(&scene);
-                        for _ in 0..WARM_UP {
-                            scheme.step(dt).expect("a solvable step");
-                        }
-                        scheme
-                    });
-                    bencher.iter(|| scheme.step(dt).expect("a solvable step").krylov);
-                });
+                measure_steps(&mut group, quadrature, cells, &scene);
             }
         }
     }
@@ -108,19 +126,7 @@ fn steps_on_triangles(criterion: &mut Criterion) {
     for quadrature in QUADRATURES {
         for (edge, cells) in EDGES {
             let scene = case3_on_triangles(edge, quadrature);
-            let dt = scene.time.step;
-            let mut ready = None;
-            group.throughput(nodes(cells));
-            group.bench_function(BenchmarkId::new(quadrature, cells), |bencher| {
-                let scheme = ready.get_or_insert_with(|| {
-                    let mut scheme = scheme(&scene);
-                    for _ in 0..WARM_UP {
-                        scheme.step(dt).expect("a solvable step");
-                    }
-                    scheme
-                });
-                bencher.iter(|| scheme.step(dt).expect("a solvable step").krylov);
-            });
+            measure_steps(&mut group, quadrature, cells, &scene);
         }
     }
 }
@@ -131,12 +137,7 @@ type Phase = fn(&mut Phases);
 /// A step's phases, standing at the guess of a step after the first ten.
 fn phases_of(cells: usize, quadrature: &str, linear: &str) -> Phases {
     let scene = case3(cells, quadrature, linear);
-    let dt = scene.time.step;
-    let mut scheme = scheme(&scene);
-    for _ in 0..WARM_UP {
-        scheme.step(dt).expect("a solvable step");
-    }
-    Phases::new(scheme, dt).expect("a solvable step")
+    Phases::new(warmed_up(&scene), scene.time.step).expect("a solvable step")
 }
 
 /// One sparse LDLᵀ factor of the three fields' system: what other costs can be compared with on any
@@ -181,9 +182,7 @@ fn director_everywhere(criterion: &mut Criterion) {
                 let scene = case3(120, quadrature, "transform");
                 let mut scheme = scheme(&scene);
                 scheme.effects_mut().add(Anywhere);
-                for _ in 0..WARM_UP {
-                    scheme.step(scene.time.step).expect("a solvable step");
-                }
+                let scheme = take_first_steps(scheme, &scene);
                 Phases::new(scheme, scene.time.step).expect("a solvable step")
             });
             bencher.iter(|| black_box(phases.director().expect("a solvable substep")));

@@ -228,8 +228,7 @@ impl Recorder {
         simulation: &mut Simulation,
         computing: Duration,
     ) -> Result<(), RecordError> {
-        let events = simulation.drain_events();
-        self.summary.events.extend(events.iter().map(Into::into));
+        self.take_events(simulation);
         self.summary.linear_method = Some(simulation.linear_method());
         self.summary.seconds = seconds(computing);
 
@@ -284,8 +283,7 @@ impl Recorder {
         simulation: &mut Simulation,
         computing: Duration,
     ) -> Result<(), RecordError> {
-        let events = simulation.drain_events();
-        self.summary.events.extend(events.iter().map(Into::into));
+        self.take_events(simulation);
         self.summary.seconds = seconds(computing);
         self.flushed = Instant::now();
         let written = self.flush().and(self.write_unwritten(simulation.mesh()));
@@ -314,8 +312,7 @@ impl Recorder {
         simulation: &mut Simulation,
         ending: Ending,
     ) -> Result<RunSummary, RecordError> {
-        let events = simulation.drain_events();
-        self.summary.events.extend(events.iter().map(Into::into));
+        self.take_events(simulation);
         let snapshots = self.write_unwritten(simulation.mesh());
         let saved = self.checkpoint(simulation);
         let report = simulation.report();
@@ -340,6 +337,12 @@ impl Recorder {
         let summarised = self.summarise();
         written.and(summarised)?;
         Ok(self.summary)
+    }
+
+    /// Moves to the summary what has happened since it was last asked.
+    fn take_events(&mut self, simulation: &mut Simulation) {
+        let events = simulation.drain_events();
+        self.summary.events.extend(events.iter().map(Into::into));
     }
 
     /// Saves the state, from which the run can be taken up again.

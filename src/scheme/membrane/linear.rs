@@ -1,0 +1,406 @@
+//! The linear systems of substep 2: by which of several ways they are solved, and how accurately.
+//!
+//! On the fast path ω and μ are eliminated, and GMRES works on φ alone, preconditioned by the inverse of the
+//! bulk operator: by cosine transforms on a grid, by factors of shifted Laplacians on any mesh. The other
+//! way is a sparse factor of all three fields.
+
+use serde::{Deserialize, Serialize};
+
+use crate::fem::Space;
+use crate::linalg::{Gmres, LinalgError, LinearOperator, vector};
+use crate::scene::LinearMethod;
+
+use super::super::factored::{FactorMemory, FactoredPreconditioner, ThreeFieldOperator};
+use super::super::faults;
+use super::super::shifted::ShiftedPreconditioner;
+use super::super::transform::{BulkPreconditioner, ReducedOperator};
+use super::{Limits, MembraneStep, Places};
+
+/// Limit of GMRES's iterations in one solve.
+const KRYLOV_LIMIT: usize = 200;
+
+/// Vectors that GMRES keeps.
+const RESTART: usize = 60;
+
+/// The inverse of the bulk operator.
+#[derive(Debug)]
+pub(super) enum Bulk {
+    /// By cosine transforms, on a grid.
+    Transform(Box<BulkPreconditioner>),
+    /// By factors of shifted Laplacians, on any mesh.
+    Shifted(Box<ShiftedPreconditioner>),
+}
+
+impl Bulk {
+    fn prepare(&mut self, space: &Space, mobility: f64, width: f64) -> Result<(), LinalgError> {
+        match self {
+            Self::Transform(transform) => {
+                transform.prepare(mobility, width);
+                Ok(())
+            }
+            Self::Shifted(shifted) => shifted.prepare(space, mobility, width),
+        }
+    }
+
+    /// What it is called in messages.
+    fn method(&self) -> &'static str {
+        match self {
+            Self::Transform(_) => "GMRES with the cosine transform",
+            Self::Shifted(_) => "GMRES with the shifted Laplacians",
+        }
+    }
+}
+
+impl LinearOperator for Bulk {
+    fn apply(&mut self, x: &[f64], y: &mut [f64]) {
+        match self {
+            Self::Transform(transform) => transform.apply(x, y),
+            Self::Shifted(shifted) => shifted.apply(x, y),
+        }
+    }
+}
+
+/// How a linear system is solved.
+#[derive(Debug)]
+pub(super) enum Path {
+    /// One field, preconditioned by the bulk operator: the fast path.
+    Reduced {
+        preconditioner: Bulk,
+        scratch: [Vec<f64>; 4],
+    },
+    Factor {
+        preconditioner: Box<FactoredPreconditioner>,
+    },
+}
+
+/// A way to solve the linear systems, with its vectors.
+#[derive(Debug)]
+pub(super) struct LinearSolver {
+    pub(super) path: Path,
+    gmres: Gmres,
+    right_side: Vec<f64>,
+    pub(super) increment: Vec<f64>,
+}
+
+impl LinearSolver {
+    /// By the method that a scene asks for, where it can be had: on a grid, on any mesh, or with a clamped
+    /// wall.
+    pub(super) fn of(
+        space: &Space,
+        method: LinearMethod,
+        clamped: bool,
+        fixed: &[bool],
+    ) -> Result<Self, LinalgError> {
+        match (method, space.mesh().grid()) {
+            (LinearMethod::Factor, _) => Self::factor(space, fixed),
+            _ if clamped => Self::factor(space, fixed),
+            (LinearMethod::Automatic | LinearMethod::Transform, Some(grid)) => {
+                let transform = BulkPreconditioner::new(space, grid);
+                Ok(Self::reduced(space, Bulk::Transform(Box::new(transform))))
+            }
+            _ => {
+                let shifted = ShiftedPreconditioner::new(space)?;
+                Ok(Self::reduced(space, Bulk::Shifted(Box::new(shifted))))
+            }
+        }
+    }
+
+    /// For so many unknowns.
+    fn new(path: Path, unknowns: usize) -> Self {
+        Self {
+            path,
+            gmres: Gmres::new(unknowns, RESTART),
+            right_side: vec![0.0; unknowns],
+            increment: vec![0.0; unknowns],
+        }
+    }
+
+    fn reduced(space: &Space, bulk: Bulk) -> Self {
+        let vector = || vec![0.0; space.nodes()];
+        let path = Path::Reduced {
+            preconditioner: bulk,
+            scratch: [vector(), vector(), vector(), vector()],
+        };
+        Self::new(path, space.nodes())
+    }
+
+    fn factor(space: &Space, fixed: &[bool]) -> Result<Self, LinalgError> {
+        let preconditioner = Box::new(FactoredPreconditioner::new(space, fixed.to_vec())?);
+        Ok(Self::new(
+            Path::Factor { preconditioner },
+            3 * space.nodes(),
+        ))
+    }
+
+    /// Whether it is the fast path.
+    fn is_fast(&self) -> bool {
+        matches!(self.path, Path::Reduced { .. })
+    }
+
+    fn preconditioner(&self) -> Option<&FactoredPreconditioner> {
+        match &self.path {
+            Path::Reduced { .. } => None,
+            Path::Factor { preconditioner } => Some(preconditioner),
+        }
+    }
+
+    fn preconditioner_mut(&mut self) -> Option<&mut FactoredPreconditioner> {
+        match &mut self.path {
+            Path::Reduced { .. } => None,
+            Path::Factor { preconditioner } => Some(preconditioner),
+        }
+    }
+}
+
+/// How the linear systems are solved at present, and the factor that is kept.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(in crate::scheme) struct LinearMemory {
+    is_fast: bool,
+    factor: FactorMemory,
+}
+
+#[cfg(test)]
+impl LinearMemory {
+    pub(in crate::scheme) fn has_no_factor(&self) -> bool {
+        self.factor.is_empty()
+    }
+
+    pub(in crate::scheme) fn forget_factor(&mut self) {
+        self.factor.clear();
+    }
+}
+
+impl MembraneStep {
+    /// Whether the fast path is in use.
+    pub(in crate::scheme) fn is_fast(&self) -> bool {
+        self.linear.is_fast()
+    }
+
+    /// How the linear systems are solved at present, in a word.
+    pub(in crate::scheme) fn linear_method(&self) -> &'static str {
+        match &self.linear.path {
+            Path::Factor { .. } => "factor",
+            Path::Reduced { preconditioner, .. } => match preconditioner {
+                Bulk::Transform(_) => "transform",
+                Bulk::Shifted(_) => "shifted",
+            },
+        }
+    }
+
+    /// Leaves the fast path for the factor.
+    pub(in crate::scheme) fn fall_back(&mut self, space: &Space) -> Result<(), LinalgError> {
+        if self.is_fast() {
+            let factor = match self.spare.take() {
+                Some(factor) => factor,
+                None => LinearSolver::factor(space, &self.fixed)?,
+            };
+            self.spare = Some(std::mem::replace(&mut self.linear, factor));
+        }
+        Ok(())
+    }
+
+    /// Goes back to the fast path, if it was left.
+    pub(in crate::scheme) fn return_to_fast(&mut self) {
+        if let Some(spare) = self.spare.as_mut().filter(|spare| spare.is_fast()) {
+            std::mem::swap(spare, &mut self.linear);
+        }
+    }
+
+    /// How the linear systems are solved at present. All else is made anew in every step.
+    pub(in crate::scheme) fn remember(&self, memory: &mut LinearMemory) {
+        memory.is_fast = self.is_fast();
+        let mut solvers = std::iter::once(&self.linear).chain(&self.spare);
+        match solvers.find_map(LinearSolver::preconditioner) {
+            Some(factor) => factor.remember(&mut memory.factor),
+            None => memory.factor.clear(),
+        }
+    }
+
+    /// Whether this step can solve the linear systems as another did.
+    pub(in crate::scheme) fn can_recall(&self, memory: &LinearMemory) -> bool {
+        let mut solvers = std::iter::once(&self.linear).chain(&self.spare);
+        !memory.is_fast || solvers.any(LinearSolver::is_fast)
+    }
+
+    /// Solves the linear systems from now on as they were then, with the same factor.
+    ///
+    /// # Errors
+    /// What a factor may run into.
+    pub(in crate::scheme) fn recall(
+        &mut self,
+        space: &Space,
+        memory: &LinearMemory,
+    ) -> Result<(), LinalgError> {
+        if memory.is_fast {
+            self.return_to_fast();
+        } else {
+            self.fall_back(space)?;
+        }
+        let solvers = std::iter::once(&mut self.linear).chain(&mut self.spare);
+        let mut factors = solvers.filter_map(LinearSolver::preconditioner_mut);
+        match factors.next() {
+            Some(factor) => factor.recall(&memory.factor),
+            None if memory.factor.is_empty() => Ok(()),
+            None => {
+                let mut solver = LinearSolver::factor(space, &self.fixed)?;
+                if let Some(factor) = solver.preconditioner_mut() {
+                    factor.recall(&memory.factor)?;
+                }
+                self.spare = Some(solver);
+                Ok(())
+            }
+        }
+    }
+
+    /// To what norm the linearised system is solved: to what the energy law allows (by
+    /// the inequality of Cauchy and Schwarz for r₁ᵀμ), but at least by a factor of ten and not
+    /// further than Newton's method can use.
+    pub(super) fn linear_goal(&mut self, places: &Places<'_>, limits: Limits, norm: f64) -> f64 {
+        let weights = places.space.nodal_weights();
+        let domain = vector::sum(weights);
+        let mean = vector::dot(weights, &places.to.mu) / domain;
+        let square = vector::weighted_square(&places.to.mu, weights) - mean * mean * domain;
+        let potential = square.max(0.0).sqrt().max(f64::MIN_POSITIVE);
+        let wanted = limits.law_tolerance * places.energy_scale / potential;
+        wanted.clamp(1e-8 * norm, 0.1 * norm)
+    }
+
+    /// Solves for the increment; returns the Krylov iterations.
+    pub(super) fn solve_linearised(
+        &mut self,
+        places: &Places<'_>,
+        goal: f64,
+    ) -> Result<u32, LinalgError> {
+        let space = places.space;
+        let mobility = places.dt * self.mobility;
+        let width = places.effects.bending.interface_width();
+        let size = space.nodes();
+        let floor = self.rounding_floor(places);
+        let (r1, rest) = self.linear.right_side.split_at_mut(size);
+        let rows = r1.iter_mut().zip(&self.residual[0]).zip(&self.root_weights);
+        rows.for_each(|((b, r), root)| *b = -r / root);
+        let outcome = match &mut self.linear.path {
+            Path::Reduced {
+                preconditioner,
+                scratch,
+            } => {
+                preconditioner.prepare(space, mobility, width)?;
+                let mut operator = ReducedOperator {
+                    space,
+                    linearised: &self.linearised,
+                    mass_inverse: &mut self.mass_inverse,
+                    mobility,
+                    root_weights: &self.root_weights,
+                    scratch,
+                };
+                let (b, x) = (&self.linear.right_side, &mut self.linear.increment);
+                let outcome = self.linear.gmres.solve(
+                    &mut operator,
+                    preconditioner,
+                    b,
+                    x,
+                    goal,
+                    KRYLOV_LIMIT,
+                )?;
+                if !outcome.converged && outcome.residual > floor {
+                    return Err(LinalgError::NotConverged {
+                        method: preconditioner.method(),
+                        iterations: outcome.iterations,
+                        residual: outcome.residual / vector::norm(b),
+                        tolerance: goal / vector::norm(b),
+                    });
+                }
+                outcome
+            }
+            Path::Factor { preconditioner } => {
+                let (r2, r3) = rest.split_at_mut(size);
+                let weights = space.nodal_weights();
+                let size_of = |field: &[f64]| {
+                    vector::weighted_square(field, weights)
+                        .sqrt()
+                        .max(f64::MIN_POSITIVE)
+                };
+                let row_scales = [
+                    1.0,
+                    size_of(&places.to.mu).recip(),
+                    (width * size_of(&places.to.omega)).recip(),
+                ];
+                let rows = r2.iter_mut().zip(&self.residual[1]).zip(&self.root_weights);
+                rows.for_each(|((b, r), root)| *b = -row_scales[1] * r / root);
+                r3.fill(0.0);
+                let mut operator = ThreeFieldOperator {
+                    space,
+                    linearised: &self.linearised,
+                    mobility,
+                    width,
+                    fixed: &self.fixed,
+                    row_scales,
+                    root_weights: &self.root_weights,
+                };
+                let (b, x) = (&self.linear.right_side, &mut self.linear.increment);
+                let goal = goal.min(1e-2 * vector::norm(b));
+                loop {
+                    let linearised = &self.linearised;
+                    let fresh =
+                        preconditioner.prepare(space, linearised, mobility, width, row_scales)?;
+                    let outcome = self.linear.gmres.solve(
+                        &mut operator,
+                        &mut **preconditioner,
+                        b,
+                        x,
+                        goal,
+                        KRYLOV_LIMIT,
+                    )?;
+                    preconditioner.used(outcome.iterations);
+                    // A new factor that misses the goal still gives a direction; the damping judges it.
+                    if outcome.converged || fresh {
+                        break outcome;
+                    }
+                    preconditioner.expire();
+                }
+            }
+        };
+        faults::tap(faults::Place::Increment, &mut self.linear.increment);
+        if !self.linear.increment.iter().all(|value| value.is_finite()) {
+            return Err(LinalgError::NotFinite {
+                place: "GMRES",
+                iteration: outcome.iterations,
+            });
+        }
+        self.conserve(places);
+        Ok(outcome.iterations as u32)
+    }
+
+    /// Shifts φ's increment by a constant such that ∫φ = ∫φⁿ to rounding after it, however
+    /// loosely the system was solved and however large a μ rounding has had to deal with in Kμ, whose
+    /// sum is 0. At the wall a given φ stays.
+    fn conserve(&mut self, places: &Places<'_>) {
+        let weights = places.space.nodal_weights();
+        let increment = &mut self.linear.increment[..places.space.nodes()];
+        let (mut missing, mut free) = (0.0, 0.0);
+        for (node, weight) in weights.iter().enumerate() {
+            missing -= weight * (places.to.phi[node] - places.from.phi[node] + increment[node]);
+            free += if self.fixed[node] { 0.0 } else { *weight };
+        }
+        let shift = missing / free;
+        for (step, fixed) in increment.iter_mut().zip(&self.fixed) {
+            *step += if *fixed { 0.0 } else { shift };
+        }
+    }
+
+    /// About what rounding makes of r₁: three products with the stiffness matrix lie between φ and it.
+    pub(super) fn rounding_floor(&self, places: &Places<'_>) -> f64 {
+        let space = places.space;
+        let bulk = places.dt * self.mobility * places.effects.bending.interface_width();
+        let weights = space.nodal_weights();
+        let phi = vector::weighted_square(&places.to.phi, weights).sqrt();
+        10.0 * f64::EPSILON * (1.0 + bulk * self.largest_eigenvalue.powi(3)) * phi
+    }
+
+    /// Has the next step make a new factor.
+    pub(in crate::scheme) fn forget(&mut self) {
+        if let Path::Factor { preconditioner } = &mut self.linear.path {
+            preconditioner.expire();
+        }
+    }
+}
