@@ -294,7 +294,6 @@ fn beta_is_the_target_times_the_first_area() {
     assert_eq!(lines.next(), Some("a-homeotropic,0,0,0,1.5,1.875"));
 }
 
-/// A PNG file's pixels, and its width.
 #[test]
 fn what_is_no_number_does_no_harm() {
     let folder = tempfile::tempdir().expect("a folder");

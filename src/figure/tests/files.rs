@@ -7,6 +7,7 @@ use super::super::provenance::{Provenance, Shown};
 use super::super::*;
 use super::*;
 
+/// A PNG file's pixels, and its width.
 fn decoded(file: &[u8]) -> (Vec<u8>, usize, ::png::Info<'static>) {
     let decoder = ::png::Decoder::new(std::io::Cursor::new(file));
     let mut reader = decoder.read_info().expect("a PNG");
