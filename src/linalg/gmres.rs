@@ -1,4 +1,8 @@
 //! GMRES, preconditioned from the right, so that the residual that it minimises is the true one.
+//!
+//! P⁻¹ of every vector of the basis is kept (Saad's flexible variant): the solution takes no further
+//! application of P⁻¹, and that P⁻¹ is linear to some seven digits only, where it is applied in single
+//! precision, does no harm.
 
 use super::{LinalgError, LinearOperator, vector};
 
@@ -13,8 +17,9 @@ pub struct Gmres {
     /// The right-hand side of the least-squares problem.
     target: Vec<f64>,
     coefficients: Vec<f64>,
-    combination: Vec<f64>,
-    preconditioned: Vec<f64>,
+    /// P⁻¹ of the basis.
+    directions: Vec<Vec<f64>>,
+    product: Vec<f64>,
 }
 
 /// How a solve ended. That the goal was missed is no error here: the caller knows whether what was
@@ -38,8 +43,8 @@ impl Gmres {
             rotations: vec![(1.0, 0.0); restart],
             target: vec![0.0; restart + 1],
             coefficients: vec![0.0; restart],
-            combination: vec![0.0; size],
-            preconditioned: vec![0.0; size],
+            directions: vec![vec![0.0; size]; restart],
+            product: vec![0.0; size],
         }
     }
 
@@ -91,10 +96,10 @@ impl Gmres {
                     });
                 }
             }
-            self.add_combination(preconditioner, columns, x);
+            self.add_combination(columns, x);
             if residual > goal && iterations < limit {
-                matrix.apply(x, &mut self.preconditioned);
-                for ((r, b), p) in self.basis[0].iter_mut().zip(b).zip(&self.preconditioned) {
+                matrix.apply(x, &mut self.product);
+                for ((r, b), p) in self.basis[0].iter_mut().zip(b).zip(&self.product) {
                     *r = b - p;
                 }
                 residual = vector::norm(&self.basis[0]);
@@ -111,8 +116,9 @@ impl Gmres {
     ) {
         let (old, new) = self.basis.split_at_mut(column + 1);
         let next = &mut new[0];
-        preconditioner.apply(&old[column], &mut self.preconditioned);
-        matrix.apply(&self.preconditioned, next);
+        let direction = &mut self.directions[column];
+        preconditioner.apply(&old[column], direction);
+        matrix.apply(direction, next);
         let entries = &mut self.hessenberg[column];
         for (entry, v) in entries.iter_mut().zip(old.iter()) {
             *entry = vector::dot(next, v);
@@ -149,12 +155,7 @@ impl Gmres {
     }
 
     /// x ← x + P⁻¹ V y with the y that minimises the residual.
-    fn add_combination(
-        &mut self,
-        preconditioner: &mut impl LinearOperator,
-        columns: usize,
-        x: &mut [f64],
-    ) {
+    fn add_combination(&mut self, columns: usize, x: &mut [f64]) {
         for row in (0..columns).rev() {
             let known: f64 = (row + 1..columns)
                 .map(|column| self.hessenberg[column][row] * self.coefficients[column])
@@ -167,12 +168,9 @@ impl Gmres {
                 (self.target[row] - known) / pivot
             };
         }
-        self.combination.fill(0.0);
-        for (coefficient, v) in self.coefficients[..columns].iter().zip(&self.basis) {
-            vector::add_scaled(&mut self.combination, *coefficient, v);
+        for (coefficient, direction) in self.coefficients[..columns].iter().zip(&self.directions) {
+            vector::add_scaled(x, *coefficient, direction);
         }
-        preconditioner.apply(&self.combination, &mut self.preconditioned);
-        vector::add_scaled(x, 1.0, &self.preconditioned);
     }
 }
 

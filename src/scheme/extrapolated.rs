@@ -35,7 +35,7 @@
 //! all parts of it: else the results would belong to different equations. The work of noise may raise
 //! the energy; the combination is then compared with E(yⁿ) and that work.
 
-use super::{Phase, Scheme, State, StepError, StepReport, energy_scale, sweep};
+use super::{Phase, Scheme, State, StepError, StepReport, Stopping, energy_scale, sweep};
 use crate::linalg::vector;
 use crate::physics::{NamedValue, potentials};
 use serde::{Deserialize, Serialize};
@@ -252,6 +252,7 @@ impl Scheme {
         watch: &mut dyn FnMut(Phase),
     ) -> Result<Difference, StepError> {
         self.length = dt;
+        self.stopping = Stopping::ChangesToCome;
         copy(&mut trial.start, &self.state);
         trial.start_report.clone_from(&self.report);
         let mut work = Work([0; 3]);

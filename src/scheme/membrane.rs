@@ -22,7 +22,7 @@ use super::{Phase, State, StepError};
 
 use linear::{LinearSolver, Path};
 
-pub(super) use iteration::{Limits, Work};
+pub(super) use iteration::{Limits, Stopping, Work};
 pub(super) use linear::LinearMemory;
 
 /// Accuracy of the solves with the mass matrix, over the tolerance of the energy law: so far below it

@@ -33,7 +33,7 @@ use director::{Demand, DirectorStep};
 use extrapolated::Trial;
 use faults::Place;
 use history::History;
-use membrane::{Limits, MembraneStep, Places, Samples, Work};
+use membrane::{Limits, MembraneStep, Places, Samples, Stopping, Work};
 
 pub use error::StepError;
 pub use extrapolated::Difference;
@@ -72,6 +72,7 @@ pub struct Scheme {
     slowness: Slowness,
     /// The Δt by which the way to solve is chosen: that of the whole step, where parts of it are taken too.
     length: f64,
+    stopping: Stopping,
     /// The clock of the history: only differences matter.
     t: f64,
     report: StepReport,
@@ -137,6 +138,7 @@ impl Scheme {
             newton_detour: None,
             slowness,
             length: 0.0,
+            stopping: Stopping::LastChange,
             t: 0.0,
             report: StepReport::default(),
             next_report: StepReport::default(),
@@ -234,6 +236,7 @@ impl Scheme {
         self.set_interval(dt);
         let energy_scale = energy_scale(&self.report.energies);
         self.length = dt;
+        self.stopping = Stopping::LastChange;
         self.history.extrapolate(self.t + dt, &mut self.next);
         let mut report = std::mem::take(&mut self.next_report);
         let outcome = self.try_step(dt, energy_scale, &mut report, watch);
@@ -364,6 +367,7 @@ impl Scheme {
     fn limits(&self, iteration: Iteration) -> Limits {
         Limits {
             iteration,
+            stopping: self.stopping,
             tolerance: self.solver.tolerance,
             law_tolerance: self.solver.law_tolerance,
         }

@@ -8,6 +8,7 @@ mod editing;
 mod farewell;
 pub mod figures;
 pub mod glyphs;
+mod heap;
 pub mod history;
 mod incoming;
 mod input;

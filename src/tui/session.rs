@@ -27,7 +27,7 @@ use super::terminal::{self, Terminal};
 use super::theme::{ColorTier, Theme};
 use super::update::update;
 use super::watch::Watch;
-use super::{editing, job_control, opening, panel, pricing};
+use super::{editing, heap, job_control, opening, panel, pricing};
 use crate::record::Settings;
 use crate::scene::{AnchoringKind, Scene};
 use crate::simulation::{Command, Continuity, Orders, Picture, RunId, Worker};
@@ -73,6 +73,7 @@ pub enum AppError {
 /// # Errors
 /// [`AppError`]; the terminal is as it was before.
 pub fn run(options: Options) -> Result<Ending, AppError> {
+    heap::give_back_large_blocks();
     let theme = Theme::detect(options.tier, |name| std::env::var(name).ok());
     // NO_COLOR is the theme's affair, and a person may overrule it. (crossterm, on its own, would
     // send resets of all attributes in place of the colours.)

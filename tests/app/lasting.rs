@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use std::time::{Duration, Instant};
 
 /// Keys that lead nowhere from where they could not be left by Escape, and what follows them.
-const KEYS: [&str; 38] = [
+const KEYS: [&str; 41] = [
     "1",
     "2",
     "3",
@@ -46,6 +46,9 @@ const KEYS: [&str; 38] = [
     "ocircle\r",
     "onowhere\r\x1b",
     "qn",
+    "p",
+    "w",
+    "iy",
     "\x1a",
 ];
 
