@@ -6,7 +6,7 @@ use super::run::some_step;
 use super::signals::EndSignal;
 use crate::figure::{FigureOptions, save_study};
 use crate::record::load_scene;
-use crate::study::{Budget, Choice, Point, Study, chart, study};
+use crate::study::{Budget, Choice, FinishedRun, FinishedRuns, Point, Study, chart, study};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -35,6 +35,15 @@ pub(super) struct Arguments {
           allow_negative_numbers = true)]
     budget: Option<u64>,
 
+    /// The folder of a finished run, of any scene that ends at the same time, to be compared with the
+    /// others; can be given several times
+    #[arg(long, value_name = "RUN")]
+    beside: Vec<PathBuf>,
+
+    /// The folder of a finished run to measure the errors against, in place of a finer run
+    #[arg(long, value_name = "RUN")]
+    against: Option<PathBuf>,
+
     /// More meshes, smaller tolerances, a finer reference
     #[arg(long)]
     full: bool,
@@ -54,6 +63,15 @@ pub(super) fn accuracy(arguments: &Arguments) -> Result<(), CliError> {
         time: Duration::from_secs(arguments.budget.unwrap_or(default)),
         full: arguments.full,
     };
+    let read = |path: &PathBuf| FinishedRun::read(path, &loaded.scene);
+    let finished = FinishedRuns {
+        beside: arguments
+            .beside
+            .iter()
+            .map(read)
+            .collect::<Result<_, _>>()?,
+        against: arguments.against.as_ref().map(read).transpose()?,
+    };
     let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::stderr());
     // The template is right; if it ever were not, the plain bar serves.
     if let Ok(style) = ProgressStyle::with_template("{bar:24} {percent:>3} %  {elapsed}  {msg}") {
@@ -64,13 +82,23 @@ pub(super) fn accuracy(arguments: &Arguments) -> Result<(), CliError> {
         bar.set_message(format!("{} cells, {}", choice.cells, choice.pace));
         signal.received().is_none()
     };
-    let result = study(&loaded.scene, budget, &mut watch);
+    let result = study(&loaded.scene, budget, finished, &mut watch);
     bar.finish_and_clear();
     let result = result?;
     print(&result)?;
     let name = loaded.name.to_string_lossy();
     let command = format!(
-        "vesica accuracy {name}{} --budget {}{}",
+        "vesica accuracy {name}{}{}{} --budget {}{}",
+        arguments
+            .beside
+            .iter()
+            .map(|run| format!(" --beside {}", run.display()))
+            .collect::<String>(),
+        arguments
+            .against
+            .iter()
+            .map(|run| format!(" --against {}", run.display()))
+            .collect::<String>(),
         if arguments.full { " --full" } else { "" },
         budget.time.as_secs(),
         arguments
@@ -112,8 +140,11 @@ fn print(study: &Study) -> Result<(), CliError> {
             })
         };
         output::line(format_args!(
-            "Reference: {} cells, {} ({:.1} s); its own error in φ is {} from its mesh and {} from its steps.",
-            reference.cells,
+            "Reference: {}, {} ({:.1} s); its own error in φ is {} from its mesh and {} from its steps.",
+            match &reference.run {
+                Some(run) => run.clone(),
+                None => format!("{} cells", reference.cells),
+            },
             reference.pace,
             reference.seconds,
             part(reference.space_error),
@@ -171,6 +202,10 @@ fn row(point: &Point) -> String {
         number(errors.map(|it| it.energy)),
         number(point.time_error),
     );
+    if let Some(run) = &point.run {
+        row.push_str("  ");
+        row.push_str(run);
+    }
     if let Some(reason) = &point.failure {
         row.push_str("  ");
         row.push_str(reason);

@@ -5,7 +5,7 @@ use crate::figure::FigureError;
 use crate::record::{CheckpointError, LoadError, ReadError, RecordError};
 use crate::scene::UnknownPreset;
 use crate::simulation::SimulationError;
-use crate::study::StudyError;
+use crate::study::{FinishedRunError, StudyError};
 use crate::tui::AppError;
 use std::ffi::OsString;
 use std::io;
@@ -99,6 +99,9 @@ pub(super) enum CliError {
     /// There is no study of accuracy.
     #[error(transparent)]
     Accuracy(#[from] StudyError),
+    /// A finished run cannot take part in it.
+    #[error(transparent)]
+    FinishedRun(#[from] FinishedRunError),
     /// A run was made but not all of it could be recorded.
     #[error(
         "not all of the run could be recorded: {error}\nwhat there is stands in {}",
@@ -202,6 +205,7 @@ impl CliError {
             | CliError::NoTerminal { .. }
             | CliError::Check { .. }
             | CliError::Read(_)
+            | CliError::FinishedRun(_)
             | CliError::SetInRun { .. }
             | CliError::Figure(
                 FigureError::Width { .. }

@@ -86,9 +86,7 @@ fn draw(study: &Study, title: &str, options: &FigureOptions) -> Drawing {
         drawing.label(&line, size, [margin, top], Across::Left, Along::Top);
         top += line_height(size);
     }
-    let mut meshes: Vec<usize> = study.points.iter().map(|point| point.cells).collect();
-    meshes.sort_unstable();
-    meshes.dedup();
+    let meshes = study.meshes();
     let colour = |cells: usize| {
         let number = meshes.iter().position(|mesh| *mesh == cells).unwrap_or(0);
         LINE_COLOURS[number % LINE_COLOURS.len()]
@@ -106,8 +104,8 @@ fn draw(study: &Study, title: &str, options: &FigureOptions) -> Drawing {
         drawing.label(&label, size, at, Across::Left, Along::Top);
         x += 3.8 * size + label.width(size);
     }
-    let notes = "star: the scene’s own; square: other steps, rule or iteration; dashed: floor of the \
-                 mesh; grey: Pareto front; cross: no result";
+    let notes = "star: the scene’s own; square: other steps, rule or iteration; black, named: a finished \
+                 run; dashed: floor of the mesh; grey: Pareto front; cross: no result";
     top += line_height(size);
     for line in Label::text(notes).wrapped(size, width - 2.0 * margin) {
         drawing.label(&line, size, [margin, top], Across::Left, Along::Top);
@@ -207,6 +205,19 @@ impl Axes {
         }
     }
 
+    /// A name beside a point, on the side where there is room.
+    fn name(&self, drawing: &mut Drawing, name: &str, [x, y]: [f64; 2]) {
+        let label = Label::text(name);
+        let gap = 0.6 * self.size;
+        let fits = x + gap + label.width(self.size) < self.place.right;
+        let (x, across) = if fits {
+            (x + gap, Across::Left)
+        } else {
+            (x - gap, Across::Right)
+        };
+        drawing.label(&label, self.size, [x, y], across, Along::Middle);
+    }
+
     fn draw_points(
         &self,
         drawing: &mut Drawing,
@@ -259,9 +270,15 @@ impl Axes {
                 continue;
             };
             let at = self.at(point.seconds, error);
+            if let Some(run) = &point.run {
+                drawing.polygon(disc(at, 0.3 * size), Colour::BLACK);
+                self.name(drawing, run, at);
+            }
             if point.is_own {
                 drawing.polygon(star(at, 0.75 * size), Colour::BLACK);
                 drawing.polygon(star(at, 0.55 * size), colour);
+            } else if point.run.is_some() {
+                // It has been drawn.
             } else if is_plain(study, point) {
                 drawing.polygon(disc(at, 0.3 * size), colour);
             } else {
@@ -274,7 +291,8 @@ impl Axes {
 /// Whether a point belongs to the line of its mesh.
 fn is_plain(study: &Study, point: &Point) -> bool {
     let first = study.points.first();
-    matches!(point.pace, Pace::Tolerance(_))
+    point.run.is_none()
+        && matches!(point.pace, Pace::Tolerance(_))
         && first.is_some_and(|first| {
             (first.quadrature, first.iteration) == (point.quadrature, point.iteration)
         })

@@ -212,6 +212,31 @@ impl Resumption {
         Ok((recorder, self.problems))
     }
 
+    /// Brings the simulation, which is new and of the same scene, to where the run was, and tells how that
+    /// went. Changes no file.
+    ///
+    /// # Errors
+    /// [`CheckpointError::Unusable`].
+    pub fn look(
+        mut self,
+        scene: &Scene,
+        simulation: &mut Simulation,
+    ) -> Result<RunSummary, CheckpointError> {
+        let schedule = self.settings().schedule(scene);
+        match self.choose(simulation) {
+            Some((_, content, _)) => Ok(RunSummary::resumed(
+                scene,
+                schedule.steps,
+                content.totals,
+                simulation,
+            )),
+            None => Err(CheckpointError::Unusable {
+                folder: self.folder().to_owned(),
+                problems: self.problems,
+            }),
+        }
+    }
+
     /// The first candidate whose state and tables are right.
     fn choose(
         &mut self,

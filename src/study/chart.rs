@@ -7,7 +7,7 @@ const COLUMNS: usize = 64;
 const ROWS: usize = 18;
 
 /// The logarithm of the error of φ, upward, against the logarithm of the seconds, in characters: a
-/// letter for each mesh, a star for the scene's own choice, a cross for a run without result.
+/// letter for each mesh, a digit for each finished run, a star for the scene's own choice, a cross for a run without result.
 pub fn chart(study: &Study) -> String {
     let points: Vec<&Point> = study
         .points
@@ -26,6 +26,11 @@ pub fn chart(study: &Study) -> String {
         return String::new();
     }
     let meshes = study.meshes();
+    let runs: Vec<&String> = study
+        .points
+        .iter()
+        .filter_map(|it| it.run.as_ref())
+        .collect();
     let place = |value: f64, [low, high]: [f64; 2], count: usize| {
         (((value.log10() - low) / (high - low) * (count - 1) as f64).round() as usize)
             .min(count - 1)
@@ -37,7 +42,10 @@ pub fn chart(study: &Study) -> String {
             .iter()
             .position(|cells| *cells == point.cells)
             .unwrap_or(0);
-        let letter = char::from(b'a' + (mesh as u8).min(25));
+        let letter = match runs.iter().position(|run| Some(*run) == point.run.as_ref()) {
+            Some(run) => char::from(b'1' + (run as u8).min(8)),
+            None => char::from(b'a' + (mesh as u8).min(25)),
+        };
         match point.error() {
             Some(error) => {
                 let row = ROWS - 1 - place(error, errors, ROWS);
@@ -72,9 +80,11 @@ pub fn chart(study: &Study) -> String {
         COLUMNS - ends[0].len()
     );
     let letters = meshes.iter().enumerate();
-    let letters: Vec<String> = letters
+    let mut letters: Vec<String> = letters
         .map(|(mesh, cells)| format!("{} {cells} cells", char::from(b'a' + (mesh as u8).min(25))))
         .collect();
+    let digits = runs.iter().enumerate();
+    letters.extend(digits.map(|(run, name)| format!("{} {name}", run + 1)));
     let _ = writeln!(
         text,
         "        {}   * the scene's own   x no result",

@@ -8,6 +8,7 @@
 
 use super::choice::{Choice, Pace, can_change_mesh};
 use super::distance::Solution;
+use super::finished::{FinishedRun, FinishedRuns};
 use super::measure::{Failure, Measurement, measure};
 use super::report::{Point, Reference, Study};
 use crate::scene::{Iteration, Quadrature, Scene};
@@ -53,7 +54,7 @@ const PATIENCE: f64 = 2.0;
 /// The share of the budget that the reference may take.
 const REFERENCE_SHARE: f64 = 0.5;
 
-/// Makes the runs of a study. `watch` is told which run is under way and how far it is (0 to 1), and
+/// Makes the runs of a study, and puts those beside them that are finished. `watch` is told which run is under way and how far it is (0 to 1), and
 /// says whether to go on; without it the study ends with what there is.
 ///
 /// # Errors
@@ -61,10 +62,14 @@ const REFERENCE_SHARE: f64 = 0.5;
 pub fn study(
     scene: &Scene,
     budget: Budget,
+    finished: FinishedRuns,
     watch: &mut dyn FnMut(&Choice, f64) -> bool,
 ) -> Result<Study, StudyError> {
     let own = Choice::of(scene);
-    let choices = ladder(scene, budget.full);
+    let mut choices = ladder(scene, budget.full);
+    if finished.beside.iter().any(|run| run.is_own) {
+        choices.retain(|choice| *choice != own);
+    }
     let mut runs = Runs {
         scene,
         budget,
@@ -93,7 +98,10 @@ pub fn study(
     }
     // The cheap ones first, so that prices are known better and better.
     let mut rest = choices[1..].to_vec();
-    let halfway = 1.0 - REFERENCE_SHARE;
+    let halfway = match finished.against {
+        None => 1.0 - REFERENCE_SHARE,
+        Some(_) => 1.0,
+    };
     while !rest.is_empty() && !runs.ended {
         rest.sort_by(|a, b| runs.price(b).total_cmp(&runs.price(a)));
         let Some(next) = rest.pop() else { break };
@@ -102,8 +110,13 @@ pub fn study(
         }
         runs.make(next, halfway);
     }
-    let reference = runs.reference();
-    Ok(evaluate(scene, &own, runs.done, reference))
+    let reference = match finished.against {
+        None => runs
+            .reference()
+            .map(|(choice, measured)| (None, choice, measured)),
+        Some(run) => Some((Some(run.name), run.choice, run.measurement)),
+    };
+    Ok(evaluate(scene, &own, runs.done, finished.beside, reference))
 }
 
 /// The choices of a study, the cheapest first.
@@ -264,16 +277,18 @@ fn evaluate(
     scene: &Scene,
     own: &Choice,
     mut done: Vec<(Choice, Measurement)>,
-    reference: Option<(Choice, Measurement)>,
+    beside: Vec<FinishedRun>,
+    reference: Option<(Option<String>, Choice, Measurement)>,
 ) -> Study {
     // Without a run of its own the best of the others is the reference, and no point itself.
     let reference = reference.or_else(|| {
         let best = most_accurate(&done, own)?;
-        Some(done.remove(best))
+        let (choice, measured) = done.remove(best);
+        Some((None, choice, measured))
     });
     let best = reference
         .as_ref()
-        .and_then(|(_, measured)| measured.outcome.as_ref().ok());
+        .and_then(|(.., measured)| measured.outcome.as_ref().ok());
     let mut points: Vec<Point> = done
         .iter()
         .map(|(choice, measured)| Point::new(choice, own, measured))
@@ -285,7 +300,15 @@ fn evaluate(
         point.errors = best.map(|best| solution.errors(best));
         point.time_error = time_error(&done, choice, solution);
     }
-    let reference = reference.map(|(choice, measured)| Reference {
+    points.extend(beside.iter().map(|run| {
+        let solution = run.measurement.outcome.as_ref().ok();
+        Point {
+            errors: solution.zip(best).map(|(it, best)| it.errors(best)),
+            ..Point::of_run(run)
+        }
+    }));
+    let reference = reference.map(|(run, choice, measured)| Reference {
+        run,
         cells: choice.cells,
         pace: choice.pace,
         seconds: measured.seconds,

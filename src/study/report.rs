@@ -3,6 +3,7 @@
 use super::advice::{Advice, advice};
 use super::choice::{Choice, Pace};
 use super::distance::Errors;
+use super::finished::FinishedRun;
 use super::measure::{Failure, Measurement};
 use crate::record::Number;
 use crate::scene::{Iteration, Quadrature};
@@ -22,6 +23,9 @@ pub struct Point {
     pub quadrature: &'static str,
     /// "newton" or "lagged".
     pub iteration: &'static str,
+    /// The name of the folder, if it is a finished run that was read; it may be of any scene, and no other
+    /// point is compared with it but by the reference.
+    pub run: Option<String>,
     /// Whether the scene asks for just this.
     pub is_own: bool,
     /// Computing time, set-up and steps, in seconds: what the processor spent on the run's thread.
@@ -67,6 +71,7 @@ impl Point {
                 Iteration::Newton => "newton",
                 Iteration::Lagged => "lagged",
             },
+            run: None,
             is_own: choice == own,
             seconds: measured.seconds,
             memory: measured.memory,
@@ -92,6 +97,15 @@ impl Point {
         }
     }
 
+    pub(super) fn of_run(run: &FinishedRun) -> Self {
+        let point = Self::new(&run.choice, &run.choice, &run.measurement);
+        Self {
+            run: Some(run.name.clone()),
+            is_own: run.is_own,
+            ..point
+        }
+    }
+
     /// ‖φ − φ*‖, where it is known.
     pub fn error(&self) -> Option<f64> {
         Some(self.errors?.phase)
@@ -101,6 +115,8 @@ impl Point {
 /// What the errors are measured against.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Reference {
+    /// The name of the folder, if it is a finished run that was read.
+    pub run: Option<String>,
     /// 1/h.
     pub cells: usize,
     /// How long its steps are.
@@ -207,7 +223,7 @@ impl Study {
         let mut rungs: Vec<(f64, &Point)> = self
             .points
             .iter()
-            .filter(|point| point.cells == cells)
+            .filter(|point| point.run.is_none() && point.cells == cells)
             .filter(|point| {
                 main.is_some_and(|main| {
                     (point.quadrature, point.iteration) == (main.quadrature, main.iteration)
@@ -222,9 +238,10 @@ impl Study {
         rungs
     }
 
-    /// The meshes, coarsest first.
-    pub(super) fn meshes(&self) -> Vec<usize> {
-        let mut meshes: Vec<usize> = self.points.iter().map(|point| point.cells).collect();
+    /// The meshes of the runs that were made, by 1/h, coarsest first.
+    pub fn meshes(&self) -> Vec<usize> {
+        let made = self.points.iter().filter(|point| point.run.is_none());
+        let mut meshes: Vec<usize> = made.map(|point| point.cells).collect();
         meshes.sort_unstable();
         meshes.dedup();
         meshes
@@ -271,7 +288,8 @@ impl Study {
         });
         if let Some(reference) = &mut self.reference {
             reference.time_error = time;
-            reference.space_error = finest.and_then(|(cells, error)| {
+            let comparable = finest.filter(|_| reference.run.is_none());
+            reference.space_error = comparable.and_then(|(cells, error)| {
                 let ratio = reference.cells as f64 / cells as f64;
                 let order = order?.last.clamp(1.0, 2.0);
                 (ratio > 1.0).then(|| error / (ratio.powf(order) - 1.0))
@@ -316,7 +334,7 @@ impl Study {
         let mut text =
             "cells,step,tolerance,quadrature,iteration,own,seconds,memory,steps,refused,\
                         newton,krylov,phi,membrane,d,E_total,B,time_error,\
-                        estimated_time,estimated_space,estimated_algebra,pareto,failure,nodes\n"
+                        estimated_time,estimated_space,estimated_algebra,pareto,failure,nodes,run\n"
                 .to_owned();
         let number = |value: Option<f64>| value.map_or(String::new(), |it| Number(it).to_string());
         for point in &self.points {
@@ -352,6 +370,7 @@ impl Study {
                 u8::from(point.is_pareto).to_string(),
                 quoted(point.failure.as_deref().unwrap_or_default()),
                 point.nodes.to_string(),
+                quoted(point.run.as_deref().unwrap_or_default()),
             ];
             // Writing to a string does not fail.
             let _ = writeln!(text, "{}", cells.join(","));

@@ -1,0 +1,93 @@
+//! `vesica accuracy` with runs that are finished.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+/// An ellipse that rounds off.
+const SCENE: &str = "\
+[mesh]
+cells = 16
+[vesicle]
+shape = \"ellipse\"
+half_axes = [0.3, 0.2]
+[time]
+tolerance = 1e-3
+end = 2e-5
+[membrane]
+interface_width = 0.06
+[area]
+target = 1.1
+";
+
+fn vesica(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_vesica"))
+        .current_dir(folder)
+        .args(arguments)
+        .stdin(Stdio::null())
+        .output()
+        .expect("vesica starts")
+}
+
+#[track_caller]
+fn done(output: &Output) {
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{told}");
+}
+
+#[test]
+fn finished_runs_on_any_mesh_are_compared_with_one_of_them() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    fs::write(folder.join("scene.toml"), SCENE).expect("it can be written");
+    let run = |name: &str, settings: &[&str]| {
+        let mut arguments = vec!["run", "scene.toml", "--quiet", "--out", name];
+        settings
+            .iter()
+            .for_each(|setting| arguments.extend(["--set", setting]));
+        done(&vesica(folder, &arguments));
+    };
+    run("own", &[]);
+    run("finer", &["mesh.cells=32"]);
+    run("finest", &["mesh.cells=64"]);
+    run("scattered", &["mesh.kind=delaunay", "mesh.size=0.03"]);
+    run("short", &["time.end=1e-5"]);
+
+    let compared = ["accuracy", "scene.toml", "--budget", "600"];
+    let beside = [
+        "--beside",
+        "own",
+        "--beside",
+        "finer",
+        "--beside",
+        "scattered",
+    ];
+    let against = ["--against", "finest"];
+    let output = vesica(folder, &[&compared[..], &beside, &against].concat());
+    done(&output);
+    let told = String::from_utf8_lossy(&output.stdout);
+    assert!(told.contains("Reference: finest"), "{told}");
+    let text = fs::read_to_string(folder.join("accuracy/scene-accuracy.json")).expect("it is there");
+    let study: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let points = study["points"].as_array().expect("points");
+    let point = |run: &str| {
+        let mut points = points.iter();
+        points.find(|it| it["run"] == run).expect("it is there")
+    };
+    let error = |run: &str| point(run)["errors"]["phase"].as_f64().expect("a number");
+    assert!(error("finer") < 0.5 * error("own"), "{told}");
+    assert!(error("scattered") < 0.5 * error("own"), "{told}");
+    assert_eq!(point("own")["is_own"], true);
+    assert_eq!(point("finer")["is_own"], false);
+    // What was made before is not made again; what was made now agrees with it.
+    let made: Vec<_> = points.iter().filter(|it| it["run"].is_null()).collect();
+    assert!(!made.is_empty() && made.iter().all(|it| it["is_own"] == false));
+    assert_eq!(study["reference"]["run"], "finest");
+
+    for (wrong, message) in [("short", "--resume"), ("nowhere", "no run in nowhere")] {
+        let output = vesica(folder, &[&compared[..], &["--against", wrong]].concat());
+        assert_eq!(output.status.code(), Some(2));
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert!(told.contains(message), "{told}");
+    }
+}
