@@ -67,7 +67,8 @@ fn finished_runs_on_any_mesh_are_compared_with_one_of_them() {
     done(&output);
     let told = String::from_utf8_lossy(&output.stdout);
     assert!(told.contains("Reference: finest"), "{told}");
-    let text = fs::read_to_string(folder.join("accuracy/scene-accuracy.json")).expect("it is there");
+    let text =
+        fs::read_to_string(folder.join("accuracy/scene-accuracy.json")).expect("it is there");
     let study: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     let points = study["points"].as_array().expect("points");
     let point = |run: &str| {

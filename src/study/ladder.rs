@@ -82,8 +82,10 @@ pub fn study(
         return Err(StudyError::Ended);
     };
     runs.make(*first, 1.0);
+    let is_enough = finished.against.is_some() && !finished.beside.is_empty();
     match &runs.done[0].1.outcome {
         Ok(_) => {}
+        Err(_) if is_enough => {}
         Err(Failure::Ended) => return Err(StudyError::Ended),
         Err(reason) => {
             return Err(StudyError::Nothing {

@@ -3,15 +3,17 @@
 //! **Fixed steps.** The scene's own first steps are made for a second or two, until the guesses of the
 //! iteration are as good as they get; the last of them tell what every further step takes.
 //!
-//! **Chosen steps.** How many there will be does not depend much on the mesh, so the scene is run to its
-//! end on a coarse one. What a step takes is measured on the scene's own mesh, with its first steps.
+//! **Chosen steps.** What a step takes is measured on the scene's own mesh, with its first steps. How many
+//! there will be does not depend much on the mesh; so the scene is run to its end, or as far as time
+//! permits, on a coarse one, and where that is coarser than its own, with a larger tolerance, from which the
+//! number is extrapolated.
 //!
 //! **Memory** is what [`memory_held`] says, with the sparse factor where the calibration turned to it or
 //! long chosen steps will.
 
-use super::choice::{Choice, can_change_mesh};
+use super::choice::can_change_mesh;
 use super::clock::Stopwatch;
-use crate::scene::Scene;
+use crate::scene::{LinearMethod, Mesh, Scene};
 use crate::simulation::{Schedule, Simulation, SimulationError, memory_held, step_count};
 use std::fmt;
 use std::time::Duration;
@@ -59,11 +61,26 @@ const FEWEST: usize = 20;
 /// unless they take longer than this.
 const LONGEST: Duration = Duration::from_secs(5);
 
-/// Cells of the coarse mesh, as a part of the scene's.
-const COARSER: usize = 4;
+/// Cells of the coarse mesh: with fewer the physics is another one.
+const COARSE_CELLS: usize = 48;
 
-/// With fewer cells the physics is another one.
-const FEWEST_CELLS: usize = 48;
+/// By how much the tolerance is larger there.
+const LOOSER: f64 = 8.0;
+
+/// The number of steps falls with the tolerance to this power over the order. In theory 1; with a larger
+/// tolerance more steps are cut off at the times that must be met, or refused. What case 3 shows at 32, 48
+/// and 60 cells with third order: 2.4 times the steps for an eighth of the tolerance.
+const NUMBER_EXPONENT: f64 = 1.26;
+
+/// A step so many times as long as the one before is as long as it may be: it does not depend on the
+/// tolerance.
+const FREE_GROWTH: f64 = 4.0;
+
+/// The coarse run may take this part of what the whole is expected to,
+const COARSE_SHARE: f64 = 0.05;
+
+/// but at most this long.
+const COARSE_LIMIT: Duration = Duration::from_secs(5);
 
 /// What a run of the scene will take on this machine. Takes a second or two, and longer only where a
 /// single step does.
@@ -102,37 +119,6 @@ fn fixed(scene: &Scene, steps: u64) -> Result<RunPrice, SimulationError> {
 }
 
 fn chosen(scene: &Scene) -> Result<RunPrice, SimulationError> {
-    let own = Choice::of(scene);
-    let cells = if can_change_mesh(scene) {
-        (own.cells / COARSER).max(FEWEST_CELLS).min(own.cells)
-    } else {
-        own.cells
-    };
-    let coarse = Choice { cells, ..own }.applied_to(scene);
-    let schedule = Schedule::new(&coarse.time, 1, 1);
-    let watch = Stopwatch::start();
-    let mut simulation = Simulation::new(&coarse)?;
-    let mut steps = Vec::new();
-    let mut attempts = 0_u64;
-    let share = loop {
-        let report = simulation.report();
-        let share = schedule.share(report.step, report.t);
-        if share >= 1.0 || (is_over(&watch) && !steps.is_empty()) {
-            break share;
-        }
-        let report = simulation.advance()?;
-        steps.push(report.dt);
-        attempts += 1 + u64::from(report.refused);
-    };
-    // A relaxation slows down, and its steps grow about as √t: that is what case 3 shows.
-    let (t, end) = (simulation.report().t, scene.time.end);
-    let missing = match steps.last() {
-        Some(last) if share < 1.0 => {
-            (2.0 * (end.sqrt() - t.sqrt()).max(0.0) * t.sqrt() / last).ceil() as u64
-        }
-        _ => 0,
-    };
-    let number = steps.len() as u64 + missing;
     let watch = Stopwatch::start();
     let mut simulation = Simulation::new(scene)?;
     let setup = watch.elapsed();
@@ -148,15 +134,111 @@ fn chosen(scene: &Scene) -> Result<RunPrice, SimulationError> {
         times.push((now - before).as_secs_f64());
         before = now;
     }
-    let made: f64 = times.iter().sum();
-    let further = (attempts + missing).saturating_sub(times.len() as u64);
     // The first steps are dearer than the others.
     let a_step = middle(&times[times.len() / 2..]);
+    let is_done = simulation.report().t >= scene.time.end;
+    let number = match is_done {
+        true => Steps::of(times.len() as u64),
+        false => Steps::foreseen(scene, 50.0 * a_step)?,
+    };
+    let made: f64 = times.iter().sum();
+    let further = number.attempted.saturating_sub(times.len() as u64);
     Ok(RunPrice {
-        steps: number,
+        steps: number.accepted,
         seconds: setup.as_secs_f64() + made + further as f64 * a_step,
         memory: memory_held(scene, true),
     })
+}
+
+/// How many steps there will be.
+#[derive(Debug, Clone, Copy)]
+struct Steps {
+    accepted: u64,
+    /// With those that are refused.
+    attempted: u64,
+}
+
+impl Steps {
+    fn of(number: u64) -> Self {
+        Self {
+            accepted: number,
+            attempted: number,
+        }
+    }
+
+    /// For a scene whose run takes about so many seconds.
+    fn foreseen(scene: &Scene, seconds: f64) -> Result<Self, SimulationError> {
+        let coarse = coarse(scene);
+        let limit = Duration::from_secs_f64(COARSE_SHARE * seconds)
+            .max(CALIBRATION)
+            .min(COARSE_LIMIT);
+        let schedule = Schedule::new(&coarse.time, 1, 1);
+        let watch = Stopwatch::start();
+        let mut simulation = Simulation::new(&coarse)?;
+        let (mut number, mut free, mut refused) = (0.0, 0.0, 0.0);
+        let mut last = 0.0;
+        let share = loop {
+            let report = simulation.report();
+            let share = schedule.share(report.step, report.t);
+            let is_over = watch.elapsed() > limit || watch.wall() > PATIENCE;
+            if share >= 1.0 || (is_over && last > 0.0) {
+                break share;
+            }
+            let report = simulation.advance()?;
+            number += 1.0;
+            refused += f64::from(report.refused);
+            if report.dt >= FREE_GROWTH * last {
+                free += 1.0;
+            }
+            last = report.dt;
+        };
+        // A relaxation slows down, and its steps grow about as √t: that is what case 3 shows.
+        let (t, end) = (simulation.report().t, scene.time.end);
+        let missing = if share < 1.0 {
+            2.0 * (end.sqrt() - t.sqrt()).max(0.0) * t.sqrt() / last
+        } else {
+            0.0
+        };
+        let growth = match (coarse.time.tolerance, scene.time.tolerance) {
+            (Some(coarse), Some(own)) => {
+                (coarse / own).powf(NUMBER_EXPONENT / scene.time.order.chains() as f64)
+            }
+            _ => 1.0,
+        };
+        let accepted = free + growth * (number - free + missing);
+        // Refusals are the coarse mesh's own affair where there is a finer one.
+        let attempted = if growth > 1.0 {
+            accepted
+        } else {
+            accepted + refused
+        };
+        let whole = |number: f64| number.ceil() as u64;
+        Ok(Self {
+            accepted: whole(accepted),
+            attempted: whole(attempted),
+        })
+    }
+}
+
+/// The scene as it is run to count its steps.
+fn coarse(scene: &Scene) -> Scene {
+    let mut coarse = scene.clone();
+    let is_finer = match &scene.mesh {
+        Mesh::Structured { cells, .. } => *cells > COARSE_CELLS,
+        // Of the same square.
+        Mesh::Delaunay { .. } => true,
+        Mesh::File(_) => false,
+    };
+    if can_change_mesh(scene) && is_finer {
+        coarse.mesh = Mesh::Structured {
+            cells: COARSE_CELLS,
+            jitter: 0.0,
+            seed: 1,
+        };
+        coarse.solver.linear = LinearMethod::Automatic;
+        coarse.time.tolerance = scene.time.tolerance.map(|tolerance| LOOSER * tolerance);
+    }
+    coarse
 }
 
 fn is_over(watch: &Stopwatch) -> bool {
