@@ -5,7 +5,7 @@ use thiserror::Error;
 use super::error::{DidYouMean, Quoted};
 use super::near::nearest;
 
-const PRESETS: [(&str, &str); 14] = [
+const PRESETS: [(&str, &str); 18] = [
     ("case1", include_str!("../../presets/case1.toml")),
     ("case2", include_str!("../../presets/case2.toml")),
     ("case3", include_str!("../../presets/case3.toml")),
@@ -26,6 +26,10 @@ const PRESETS: [(&str, &str); 14] = [
         "case4-draft",
         include_str!("../../presets/case4-draft.toml"),
     ),
+    ("case1-fine", include_str!("../../presets/case1-fine.toml")),
+    ("case2-fine", include_str!("../../presets/case2-fine.toml")),
+    ("case3-fine", include_str!("../../presets/case3-fine.toml")),
+    ("case4-fine", include_str!("../../presets/case4-fine.toml")),
     ("bending", include_str!("../../presets/bending.toml")),
     ("circle", include_str!("../../presets/circle.toml")),
     ("curvature", include_str!("../../presets/curvature.toml")),

@@ -140,7 +140,11 @@ fn a_preset_is_chosen_or_completed() {
             "case1-draft",
             "case2-draft",
             "case3-draft",
-            "case4-draft"
+            "case4-draft",
+            "case1-fine",
+            "case2-fine",
+            "case3-fine",
+            "case4-fine"
         ]
     );
     let mut rig = Rig::new();
@@ -154,9 +158,9 @@ fn a_preset_is_chosen_or_completed() {
     rig.press(KeyCode::Up);
     assert_eq!(typed(&rig).1, None);
     rig.press(KeyCode::Up);
-    assert_eq!(typed(&rig).1, Some(7));
+    assert_eq!(typed(&rig).1, Some(11));
     rig.press(KeyCode::Tab);
-    assert_eq!(typed(&rig), ("case4-draft", None, None));
+    assert_eq!(typed(&rig), ("case4-fine", None, None));
     rig.press_control('u');
     rig.keys("nothing like it");
     rig.press(KeyCode::Down);
