@@ -149,9 +149,12 @@ fn cheaper(study: &Study, judged: &Point) -> Option<String> {
         .filter(|point| point.error().is_some_and(|it| it <= 1.05 * error))
         .min_by(|a, b| a.seconds.total_cmp(&b.seconds))?;
     (best.seconds < 0.8 * judged.seconds).then(|| {
+        let mesh = match &best.run {
+            Some(run) => format!("The run {run} with {} nodes", best.nodes),
+            None => format!("{} cells", best.cells),
+        };
         format!(
-            "{} cells and {} ({}, {}) give the same error in {:.2} of the time.",
-            best.cells,
+            "{mesh} and {} ({}, {}) give the same error in {:.2} of the time.",
             best.pace,
             best.quadrature,
             best.iteration,

@@ -55,8 +55,9 @@ const SETTLED: u64 = 64;
 /// The last steps of a calibration count.
 const LAST: usize = 8;
 
-/// It has so many steps at least, for the first ones are dearer than the others,
-const FEWEST: usize = 20;
+/// It has so many steps at least, for the first ones are dearer than the others: up to the 35th of case 3
+/// takes two iterations of Newton's method, every later one a single one,
+const FEWEST: usize = 48;
 
 /// unless they take longer than this.
 const LONGEST: Duration = Duration::from_secs(5);
