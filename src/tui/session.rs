@@ -73,7 +73,7 @@ pub enum AppError {
 /// # Errors
 /// [`AppError`]; the terminal is as it was before.
 pub fn run(options: Options) -> Result<Ending, AppError> {
-    heap::give_back_what_is_freed();
+    heap::give_back_large_blocks();
     let theme = Theme::detect(options.tier, |name| std::env::var(name).ok());
     // NO_COLOR is the theme's affair, and a person may overrule it. (crossterm, on its own, would
     // send resets of all attributes in place of the colours.)
