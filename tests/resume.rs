@@ -668,7 +668,7 @@ fn a_scene_that_needs_more_memory_than_there_is_is_refused() {
             status,
         );
         assert!(
-            told.contains("888 GB") && told.contains("mesh.cells"),
+            told.contains("1360 GB") && told.contains("mesh.cells"),
             "{told}"
         );
     }
