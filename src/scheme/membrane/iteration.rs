@@ -156,6 +156,7 @@ impl MembraneStep {
                 .filter(|(_, fixed)| **fixed)
                 .for_each(|((to, from), _)| *to = *from);
         }
+        self.conserve_guess(places);
         for effect in places.effects.iter_mut() {
             effect.follow_correction(0.0);
         }

@@ -375,17 +375,30 @@ impl MembraneStep {
     /// loosely the system was solved and however large a μ rounding has had to deal with in Kμ, whose
     /// sum is 0. At the wall a given φ stays.
     fn conserve(&mut self, places: &Places<'_>) {
-        let weights = places.space.nodal_weights();
-        let increment = &mut self.linear.increment[..places.space.nodes()];
+        let increment = &self.linear.increment;
+        let shift = self.conserving_shift(places, |node| increment[node]);
+        let free = self.fixed.iter().zip(&mut self.linear.increment);
+        free.filter(|(fixed, _)| !**fixed)
+            .for_each(|(_, step)| *step += shift);
+    }
+
+    /// The same for the guess: a damped correction would leave a part of what is missing there, and
+    /// the guesses of later steps are made from this one's φ.
+    pub(super) fn conserve_guess(&self, places: &mut Places<'_>) {
+        let shift = self.conserving_shift(places, |_| 0.0);
+        let free = self.fixed.iter().zip(&mut places.to.phi);
+        free.filter(|(fixed, _)| !**fixed)
+            .for_each(|(_, phi)| *phi += shift);
+    }
+
+    /// The constant by which φ must be shifted where it is free, such that ∫φ = ∫φⁿ after this increment.
+    fn conserving_shift(&self, places: &Places<'_>, increment: impl Fn(usize) -> f64) -> f64 {
         let (mut missing, mut free) = (0.0, 0.0);
-        for (node, weight) in weights.iter().enumerate() {
-            missing -= weight * (places.to.phi[node] - places.from.phi[node] + increment[node]);
+        for (node, weight) in places.space.nodal_weights().iter().enumerate() {
+            missing -= weight * (places.to.phi[node] - places.from.phi[node] + increment(node));
             free += if self.fixed[node] { 0.0 } else { *weight };
         }
-        let shift = missing / free;
-        for (step, fixed) in increment.iter_mut().zip(&self.fixed) {
-            *step += if *fixed { 0.0 } else { shift };
-        }
+        missing / free
     }
 
     /// About what rounding makes of r₁: three products with the stiffness matrix lie between φ and it.
