@@ -9,6 +9,7 @@ mod factor;
 mod gmres;
 mod shifted;
 mod sparse;
+mod supernodal;
 pub mod vector;
 
 pub use conjugate_gradients::{ConjugateGradients, Solution};
