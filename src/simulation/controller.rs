@@ -8,7 +8,8 @@
 //! that error is proportional to τ.
 //!
 //! The times at which a run must be, those of snapshots and T, are met exactly: a step that would
-//! pass one ends there, and the one before is shortened so that the two are of equal length.
+//! pass one ends there, and the one before is shortened so that the two are of equal length; what is left over
+//! by a few per cent is taken along.
 
 use serde::{Deserialize, Serialize};
 
@@ -20,6 +21,10 @@ const LARGEST_CHANGE: f64 = 5.0;
 
 /// Growth by less than this is not worth another matrix and a worse guess.
 const LEAST_GROWTH: f64 = 1.15;
+
+/// By how much a step may be longer than planned in order to land: e then grows by 1.05ᵏ, to less than
+/// σᵏ allows for.
+const STRETCH: f64 = 1.05;
 
 /// After a step that could not be solved.
 const AFTER_FAILURE: f64 = 0.25;
@@ -78,12 +83,12 @@ impl Controller {
     /// The step to try from t, when the run must be at `landing` exactly.
     pub(super) fn attempt(&self, t: f64, landing: f64) -> Attempt {
         let rest = landing - t;
-        if rest <= self.next * (1.0 + 1e-6) {
+        if rest <= STRETCH * self.next {
             Attempt {
                 dt: rest,
                 end: landing,
             }
-        } else if rest < 2.0 * self.next {
+        } else if rest < 2.0 * STRETCH * self.next {
             let dt = 0.5 * rest;
             Attempt { dt, end: t + dt }
         } else {
@@ -206,6 +211,13 @@ mod tests {
         // A gradual one by none: the predictive rule.
         let (_, refused) = run(1e-4, &[1.0], |t| 1e2 * (4.0 * t).exp());
         assert_eq!(refused, 0);
+    }
+
+    #[test]
+    fn what_is_left_over_before_a_landing_is_taken_along() {
+        let controller = Controller::new(1e-4, 2, 1.0);
+        let lengths = [0.5, 1.04, 1.06, 2.08, 2.2].map(|rest| controller.attempt(0.0, rest).dt);
+        assert_eq!(lengths, [0.5, 1.04, 0.53, 1.04, 1.0]);
     }
 
     #[test]
