@@ -2,7 +2,7 @@
 //! without allocation.
 //!
 //! No pivoting: indefinite matrices are factored as they come, after a symmetric scaling that
-//! brings every row to a largest entry of about 1, and in single precision: to solve is to read the
+//! brings every row to a largest entry of about 1, with what is too small for a pivot made larger, and in single precision: to solve is to read the
 //! factor twice, and half the bytes take half the time. That is good for a preconditioner, of a method
 //! that does not ask for a linear one, and for nothing else: the caller must check the residual of what
 //! it solves.
@@ -30,6 +30,12 @@ const RELAXATION: [(usize, f64); 4] = [(4, 0.3), (16, 0.2), (48, 0.1), (usize::M
 
 /// The library's own "always" is 0, which a factor that takes no operations does not exceed.
 const ALWAYS_SUPERNODES: SupernodalThreshold = SupernodalThreshold(-1.0);
+
+/// A pivot that is no larger than this is rounding, the entries being about 1; one of this size takes its
+/// place. The matrix is then another by a matrix of rank one, for which a Krylov method needs one iteration
+/// more.
+const NO_PIVOT: f32 = f32::EPSILON;
+const LEAST_PIVOT: f32 = 3.5e-4;
 
 /// A factored symmetric matrix.
 pub struct Ldlt {
@@ -134,7 +140,7 @@ impl Ldlt {
     /// mirrored entries the one in the upper triangle is read.
     ///
     /// # Errors
-    /// `Factorisation` on a zero pivot, `NotFinite` where the matrix is not finite.
+    /// `Factorisation` where the factor overflows, `NotFinite` where the matrix is not finite.
     pub fn refactor(&mut self, values: &[f64]) -> Result<(), LinalgError> {
         for (value, &source) in self.values.iter_mut().zip(&self.sources) {
             *value = values[source as usize];
@@ -161,7 +167,11 @@ impl Ldlt {
                 &mut self.factor,
                 SparseColMatRef::new(structure, &self.scaled),
                 Side::Lower,
-                LdltRegularization::default(),
+                LdltRegularization {
+                    dynamic_regularization_epsilon: NO_PIVOT,
+                    dynamic_regularization_delta: LEAST_PIVOT,
+                    ..LdltRegularization::default()
+                },
                 Par::Seq,
                 MemStack::new(&mut self.factor_memory),
                 Default::default(),
@@ -309,6 +319,26 @@ mod tests {
             assert!(errors[0] < 1e-2, "{errors:?}");
             assert!(errors[5] < 1e-10, "{errors:?}");
             values.iter_mut().for_each(|value| *value *= 2.0);
+        }
+    }
+
+    #[test]
+    fn a_pivot_of_zero_makes_a_factor_that_is_less_exact() {
+        // [0 1; 1 0], twice: no order of its rows has other pivots.
+        let rows = (0..4_u32).map(|row| vec![row / 2 * 2, row / 2 * 2 + 1]);
+        let pattern = Pattern::from_rows(rows.collect());
+        let mut values = vec![0.0; pattern.stored()];
+        for row in 0..4 {
+            let other = row ^ 1;
+            let position = pattern.position(row, other).expect("an entry");
+            values[position] = 1.0;
+        }
+        let mut factor = Ldlt::analyse(&pattern).expect("a small pattern");
+        factor.refactor(&values).expect("a small pivot");
+        let mut x = [1.0, 2.0, 3.0, 4.0];
+        factor.solve_in_place(&mut x);
+        for (x, exact) in x.into_iter().zip([2.0, 1.0, 4.0, 3.0]) {
+            assert!((x - exact).abs() < 2e-3, "{x} {exact}");
         }
     }
 
