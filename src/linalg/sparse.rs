@@ -179,6 +179,21 @@ impl Pattern {
         }
     }
 
+    /// Calls `each(row, products)` for every row, with what N matrices make of N vectors there: for operators
+    /// that are a combination of several, in one sweep.
+    pub fn for_each_row<const N: usize>(
+        &self,
+        matrices: [&[f64]; N],
+        vectors: [&[f64]; N],
+        mut each: impl FnMut(usize, [f64; N]),
+    ) {
+        self.for_each_block(matrices, vectors, |first, sums| {
+            for lane in 0..LANES.min(self.size - first) {
+                each(first + lane, sums.map(|sums| sums[lane]));
+            }
+        });
+    }
+
     /// y ← A x.
     pub fn multiply(&self, a: &[f64], x: &[f64], y: &mut [f64]) {
         self.for_each_block([a], [x], |first, [sums]| {
@@ -358,6 +373,13 @@ mod tests {
             for (y, (ax, az)) in y.iter().zip(ax.iter().zip(&az)) {
                 assert_eq!(*y, ax + 6.0 * az);
             }
+            let mut rows = Vec::new();
+            a.pattern
+                .for_each_row([&a.values, &doubled], [&x, &z], |row, [ax, az]| {
+                    rows.push((row, ax, az));
+                });
+            let expected = (0..size).map(|row| (row, ax[row], 2.0 * az[row]));
+            assert!(rows.into_iter().eq(expected));
             let form: f64 = ax.iter().zip(&x).map(|(ax, x)| ax * x).sum();
             assert_eq!(a.quadratic_form(&x), form);
         }

@@ -78,14 +78,17 @@ impl Supernodes {
             let place = &mut factor[self.entries(number)];
             let entries = &mut self.entries[..place.len()];
             entries.copy_from_slice(place);
-            let mut place = place.iter_mut();
+            let mut free = place;
             let mut put = |rows: std::ops::Range<usize>, panel: std::ops::Range<usize>| {
                 for column in panel {
-                    let entries = &entries[column * height..][rows.clone()];
-                    place
-                        .by_ref()
-                        .zip(entries)
-                        .for_each(|(to, from)| *to = *from);
+                    let from = &entries[column * height..][rows.clone()];
+                    let (to, rest) = std::mem::take(&mut free).split_at_mut(from.len());
+                    match (to.first_chunk_mut::<ROWS>(), from.first_chunk::<ROWS>()) {
+                        // Of a size that is known: one instruction, not a call.
+                        (Some(to), Some(from)) => *to = *from,
+                        _ => to.copy_from_slice(from),
+                    }
+                    free = rest;
                 }
             };
             for first in (0..columns).step_by(COLUMNS) {

@@ -21,6 +21,11 @@ use super::linearised::Linearised;
 /// about as much as five to ten solves.
 const STALE_AFTER: usize = 8;
 
+/// A factor serves for a Δt this many times longer or shorter than its own: it takes an iteration more in each
+/// solve. The parts of an extrapolated step of third order, Δt, Δt/2 and Δt/3 long, so take two factors and
+/// not three; that saved 7 % of Table 1's run.
+const RANGE: f64 = 1.6;
+
 /// The entries (row field, column field) of the 3 × 3 blocks that are stored; fields in the order
 /// φ, ω, μ. The first three follow the stiffness pattern, the others the mass pattern.
 const BLOCKS: [(usize, usize); 7] = [(0, 0), (0, 1), (1, 0), (2, 2), (0, 2), (2, 0), (1, 1)];
@@ -77,7 +82,8 @@ struct Age {
 
 impl Age {
     fn must_refresh(&self, mobility: f64) -> bool {
-        self.made_for != Some(mobility) || self.last_iterations > STALE_AFTER
+        let fits = |made_for: f64| (made_for / mobility).max(mobility / made_for) <= RANGE;
+        !self.made_for.is_some_and(fits) || self.last_iterations > STALE_AFTER
     }
 }
 
@@ -284,28 +290,47 @@ impl LinearOperator for ThreeFieldOperator<'_> {
         let (omega, mu) = rest.split_at(size);
         let (y1, rest) = y.split_at_mut(size);
         let (y2, y3) = rest.split_at_mut(size);
-        let (space, linearised) = (self.space, self.linearised);
-        space.mass().multiply(phi, y1);
-        space.stiffness().multiply_add(self.mobility, mu, y1);
-        linearised.local.multiply(phi, y2);
-        linearised.secant.multiply_add(1.0, omega, y2);
-        space.mass().multiply_add(-1.0, mu, y2);
+        let linearised = self.linearised;
+        y2.fill(0.0);
         for term in &linearised.rank_one {
             let along = term.scale * vector::dot(&term.row, phi);
             vector::add_scaled(y2, along, &term.column);
         }
-        linearised.tangent.multiply(phi, y3);
-        y3.iter_mut().for_each(|entry| *entry *= -self.width);
-        space.mass().multiply_add(self.width, omega, y3);
-        for (y, fixed) in y2.iter_mut().zip(self.fixed) {
-            if *fixed {
-                *y = 0.0;
+        let [s1, s2, s3] = self.row_scales;
+        // The matrices are too large for a near cache: all in one sweep.
+        let mut write = |row: usize, [k_mu, c_phi, a_omega, t_phi]: [f64; 4], mass: [f64; 3]| {
+            let inverse_root = self.root_weights[row].recip();
+            y1[row] = s1 * inverse_root * (mass[0] + self.mobility * k_mu);
+            y2[row] = if self.fixed[row] {
+                0.0
+            } else {
+                s2 * inverse_root * (y2[row] + c_phi + a_omega - mass[2])
+            };
+            y3[row] = s3 * inverse_root * self.width * (mass[1] - t_phi);
+        };
+        let matrices = [
+            &self.space.stiffness().values[..],
+            &linearised.local.values,
+            &linearised.secant.values,
+            &linearised.tangent.values,
+        ];
+        let vectors = [mu, phi, omega, phi];
+        let pattern = &self.space.assembly().pattern;
+        match self.space.mass() {
+            MassForm::Sparse(mass) => {
+                let ([k, c, a, t], m) = (matrices, &mass.values[..]);
+                let vectors = [mu, phi, omega, phi, phi, omega, mu];
+                pattern.for_each_row([k, c, a, t, m, m, m], vectors, |row, products| {
+                    let [k_mu, c_phi, a_omega, t_phi, mass @ ..] = products;
+                    write(row, [k_mu, c_phi, a_omega, t_phi], mass);
+                });
             }
-        }
-        for (rows, scale) in [y1, y2, y3].into_iter().zip(self.row_scales) {
-            rows.iter_mut()
-                .zip(self.root_weights)
-                .for_each(|(y, root)| *y *= scale / root);
+            MassForm::Nodal(weights) => {
+                pattern.for_each_row(matrices, vectors, |row, products| {
+                    let mass = [phi, omega, mu].map(|field| weights[row] * field[row]);
+                    write(row, products, mass);
+                });
+            }
         }
         faults::tap(Place::Product, y);
     }
@@ -314,6 +339,84 @@ impl LinearOperator for ThreeFieldOperator<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::Arc;
+
+    use crate::fem::{Mesh, Rule};
+    use crate::linalg::SparseMatrix;
+    use crate::physics::RankOne;
+
+    #[test]
+    fn the_three_equations_in_one_sweep_are_those_of_the_matrices() {
+        for rule in [Rule::Consistent, Rule::Lumped] {
+            let mesh = Mesh::structured(5, 0.3, 7).expect("a fair mesh");
+            let space = Space::new(Arc::new(mesh), rule);
+            let size = space.nodes();
+            let wave = |frequency: f64| -> Vec<f64> {
+                (0..size)
+                    .map(|node| (frequency * node as f64).sin())
+                    .collect()
+            };
+            let mut linearised = Linearised::new(&space);
+            let fill = |matrix: &mut SparseMatrix, frequency: f64| {
+                for row in 0..size {
+                    let pattern = matrix.pattern.clone();
+                    for (position, column) in pattern.row(row) {
+                        matrix.values[position] =
+                            (frequency * f64::from(column)).cos() + row as f64;
+                    }
+                }
+            };
+            fill(&mut linearised.local, 1.0);
+            fill(&mut linearised.secant, 2.0);
+            fill(&mut linearised.tangent, 3.0);
+            linearised.rank_one.push(RankOne {
+                scale: 0.5,
+                column: wave(4.0),
+                row: wave(5.0),
+            });
+            let mut fixed = vec![false; size];
+            fixed[1] = true;
+            let root_weights: Vec<f64> = space.nodal_weights().iter().map(|w| w.sqrt()).collect();
+            let (mobility, width, row_scales) = (0.3, 0.2, [1.0, 0.7, 0.9]);
+            let mut operator = ThreeFieldOperator {
+                space: &space,
+                linearised: &linearised,
+                mobility,
+                width,
+                fixed: &fixed,
+                row_scales,
+                root_weights: &root_weights,
+            };
+            let [phi, omega, mu] = [0.7, 1.1, 1.3].map(wave);
+            let mut y = vec![0.0; 3 * size];
+            operator.apply(&[&phi[..], &omega, &mu].concat(), &mut y);
+
+            let mut expected = [vec![0.0; size], vec![0.0; size], vec![0.0; size]];
+            space.mass().multiply(&phi, &mut expected[0]);
+            space
+                .stiffness()
+                .multiply_add(mobility, &mu, &mut expected[0]);
+            linearised.local.multiply(&phi, &mut expected[1]);
+            linearised
+                .secant
+                .multiply_add(1.0, &omega, &mut expected[1]);
+            space.mass().multiply_add(-1.0, &mu, &mut expected[1]);
+            let along = 0.5 * vector::dot(&wave(5.0), &phi);
+            vector::add_scaled(&mut expected[1], along, &wave(4.0));
+            expected[1][1] = 0.0;
+            linearised.tangent.multiply(&phi, &mut expected[2]);
+            expected[2].iter_mut().for_each(|entry| *entry *= -width);
+            space.mass().multiply_add(width, &omega, &mut expected[2]);
+            for (row, y) in y.iter().enumerate() {
+                let (field, node) = (row / size, row % size);
+                let expected = row_scales[field] * expected[field][node] / root_weights[node];
+                assert!(
+                    (y - expected).abs() <= 1e-11,
+                    "{rule:?} {field} {node}: {y} {expected}"
+                );
+            }
+        }
+    }
 
     #[test]
     fn a_factor_is_kept_while_it_serves() {
@@ -321,8 +424,8 @@ mod tests {
             made_for: Some(1e-9),
             last_iterations: STALE_AFTER,
         };
-        assert!(!age.must_refresh(1e-9));
-        assert!(age.must_refresh(2e-9));
+        assert!(!age.must_refresh(1e-9) && !age.must_refresh(1.5e-9));
+        assert!(age.must_refresh(2e-9) && age.must_refresh(5e-10));
         assert!(
             Age {
                 last_iterations: STALE_AFTER + 1,
