@@ -252,7 +252,7 @@ impl Scheme {
         watch: &mut dyn FnMut(Phase),
     ) -> Result<Difference, StepError> {
         self.length = dt;
-        self.stopping = Stopping::ChangesToCome;
+        self.stopping = Stopping::ChangesToCome(None);
         copy(&mut trial.start, &self.state);
         trial.start_report.clone_from(&self.report);
         let mut work = Work([0; 3]);

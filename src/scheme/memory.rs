@@ -174,7 +174,7 @@ impl Scheme {
         report.newton_took_over = None;
         (report.refused_ways, report.damping) = (0, 1.0);
         report.switched = None;
-        report.last_change = 0.0;
+        report.algebraic_error = 0.0;
         self.t = memory.t;
         self.switched = None;
         self.history.copy(&memory.history);

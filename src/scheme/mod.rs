@@ -356,10 +356,13 @@ impl Scheme {
             self.membrane.refine(&mut places, limits, &mut work)?;
             closed = self.close_books(dt, report);
         }
+        if let Stopping::ChangesToCome(known) = &mut self.stopping {
+            *known = work.contraction;
+        }
         report.newton = work.newton;
         report.krylov = work.krylov;
         report.damping = work.damping;
-        report.last_change = work.last_change;
+        report.algebraic_error = work.error;
         watch(Phase::Ledger);
         closed
     }

@@ -48,9 +48,9 @@ pub struct StepReport {
     pub newton: u32,
     /// Products with the linearised operator, all iterations together.
     pub krylov: u32,
-    /// The relative L2 change of φ in the last iteration of substep 2: a bound of what is left of the
-    /// algebraic error.
-    pub last_change: f64,
+    /// What is left of the algebraic error of φ at most, relative, in L2: its change in the last iteration of
+    /// substep 2, or in the parts of an extrapolated step the changes that would follow.
+    pub algebraic_error: f64,
     /// Iterations of the conjugate gradients of substep 1.
     pub director_iterations: u32,
     /// By how much the energy of the state before the step changed because something was switched then,

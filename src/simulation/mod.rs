@@ -258,7 +258,7 @@ impl Simulation {
             return Ok(false);
         }
         self.report.ladder = taken.ladder;
-        let (time, algebra) = (self.report.time_error, self.scheme.report().last_change);
+        let (time, algebra) = (self.report.time_error, self.scheme.report().algebraic_error);
         self.report.budget.add_step(time, algebra);
         self.look();
         watch(Phase::Ledger);

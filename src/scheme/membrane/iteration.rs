@@ -8,24 +8,46 @@
 //! what the two corrections say about the curvature between them.
 //!
 //! **When it ends.** A field has converged when its relative L2 change in the last iteration is at most
-//! the tolerance. In the parts of an extrapolated step, which are long, it is enough that the changes
-//! still to come are: where a change is θ times the one before, all that follow are together at most
-//! θ/(1 − θ) times the last, for θ itself falls as Newton's method converges (Hairer and Wanner, Solving
-//! Ordinary Differential Equations II, IV.8). That saves the last iteration, whose only use is to show
-//! that it was not needed.
+//! the tolerance. The parts of an extrapolated step are long, and of their results φ alone is used. For
+//! them it is enough that the changes of φ still to come are within the tolerance: where a change is θ
+//! times the one before, all that follow are together at most θ/(1 − θ) times the last, for θ itself falls
+//! as Newton's method converges; and a first change, which has none before, is followed by one with the θ
+//! of the part before (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.8). That saves the
+//! last iteration, whose only use is to show that it was not needed. The energy law must hold in any case.
 
 use crate::linalg::vector;
 use crate::scene::Iteration;
 
 use super::{MembraneStep, Phase, Places, StepError};
 
-/// Which change of the fields must be within the tolerance.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// Which change must be within the tolerance.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::scheme) enum Stopping {
-    /// That of the last iteration.
+    /// That of each field in the last iteration.
     LastChange,
-    /// That of all iterations to come, where Newton's method lets it be foreseen.
-    ChangesToCome,
+    /// That of φ in all iterations to come, where Newton's method lets it be foreseen: by what it did in the
+    /// last solve, if there was one.
+    ChangesToCome(Option<Contraction>),
+}
+
+/// A change of φ in one iteration, and θ: how large the next was in comparison.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::scheme) struct Contraction {
+    change: f64,
+    theta: f64,
+}
+
+impl Contraction {
+    /// A bound of all the changes that follow this one: θ/(1 − θ) times it. Newton's θ is proportional to the
+    /// change; that a smaller one has a smaller θ is not made use of.
+    fn changes_after(&self, change: f64) -> f64 {
+        let theta = self.theta * (change / self.change).max(1.0);
+        if theta < LARGEST_THETA {
+            theta / (1.0 - theta) * change
+        } else {
+            change
+        }
+    }
 }
 
 /// What the iteration may do.
@@ -59,6 +81,11 @@ const STALLED_AFTER: u32 = 12;
 /// Above this θ Newton's method has not yet come to where θ falls.
 const LARGEST_THETA: f64 = 0.1;
 
+/// The part of the law's tolerance that substep 2 may use up. The rest is for what else misses: substep 1
+/// and the solves with the mass matrix. Without it a step that ends just within the tolerance is refused
+/// when its books are closed.
+const SHARE_OF_LAW: f64 = 0.8;
+
 /// The accuracy of the energy law that [`MembraneStep::refine`] aims at.
 const REFINED_LAW: f64 = 1e-14;
 
@@ -72,8 +99,10 @@ pub(in crate::scheme) struct Work {
     pub(in crate::scheme) krylov: u32,
     /// The smallest damping factor λ; 1: none was needed.
     pub(in crate::scheme) damping: f64,
-    /// The relative change of φ in the last iteration.
-    pub(in crate::scheme) last_change: f64,
+    /// The estimated relative error of φ: its change in the last iteration, or those to come.
+    pub(in crate::scheme) error: f64,
+    /// How Newton's method converged in the last two undamped iterations.
+    pub(in crate::scheme) contraction: Option<Contraction>,
 }
 
 /// Where a new iterate is, and what it took to find.
@@ -115,22 +144,6 @@ impl Progress {
     }
 }
 
-/// For each field the last change, or a bound of all those to come where the change before allows one
-/// that is smaller: θ/(1 − θ) times the last.
-fn changes_to_come(last: [f64; 3], before: Option<[f64; 3]>) -> [f64; 3] {
-    let Some(before) = before else {
-        return last;
-    };
-    std::array::from_fn(|field| {
-        let theta = last[field] / before[field];
-        if theta < LARGEST_THETA {
-            theta / (1.0 - theta) * last[field]
-        } else {
-            last[field]
-        }
-    })
-}
-
 impl MembraneStep {
     /// Solves substep 2 from the guess in `to`, where φ, ω and μ of the solution are left.
     pub(in crate::scheme) fn solve(
@@ -142,7 +155,11 @@ impl MembraneStep {
             newton: 0,
             krylov: 0,
             damping: 1.0,
-            last_change: 0.0,
+            error: 0.0,
+            contraction: match limits.stopping {
+                Stopping::ChangesToCome(known) => known,
+                Stopping::LastChange => None,
+            },
         };
         if self.clamped {
             // The guess may come from anywhere; the wall does not move.
@@ -171,17 +188,30 @@ impl MembraneStep {
             work.krylov += advance.krylov;
             work.damping = work.damping.min(advance.damping);
             let changes = self.changes(places);
-            work.last_change = changes[0];
+            // The lagged iteration does not speed up, and a damped correction says nothing about the next.
+            let undamped = limits.iteration == Iteration::Newton && advance.damping == 1.0;
+            if let Some(before) = before.filter(|_| undamped) {
+                work.contraction = Some(Contraction {
+                    change: before,
+                    theta: changes[0] / before,
+                });
+            }
+            before = undamped.then_some(changes[0]);
+            let to_come = match (limits.stopping, work.contraction) {
+                (Stopping::ChangesToCome(_), Some(contraction)) if undamped => {
+                    contraction.changes_after(changes[0])
+                }
+                _ => changes[0],
+            };
+            work.error = to_come;
+            let judged = match limits.stopping {
+                Stopping::LastChange => changes.into_iter().fold(0.0, f64::max),
+                Stopping::ChangesToCome(_) => to_come,
+            };
             let law = self.law_defect(places);
             (places.watch)(Phase::Residual);
-            // The lagged iteration does not speed up, and a damped correction says nothing about the next.
-            let foreseeable = limits.stopping == Stopping::ChangesToCome
-                && limits.iteration == Iteration::Newton
-                && advance.damping == 1.0;
-            let judged = changes_to_come(changes, before.filter(|_| foreseeable));
-            before = Some(changes);
-            let converged = judged.iter().all(|change| *change <= limits.tolerance)
-                && law.abs() <= limits.law_tolerance;
+            let converged =
+                judged <= limits.tolerance && law.abs() <= SHARE_OF_LAW * limits.law_tolerance;
             if converged {
                 return Ok(work);
             }
@@ -405,11 +435,20 @@ mod tests {
 
     #[test]
     fn the_changes_to_come_are_bounded_where_they_fall_fast() {
-        let last = [1e-4, 1e-4, 0.0];
-        assert_eq!(changes_to_come(last, None), last);
-        let bounds = changes_to_come(last, Some([1e-2, 2e-4, 0.0]));
-        assert!((bounds[0] - 1e-6 / 0.99).abs() < 1e-18, "{bounds:?}");
-        assert_eq!(bounds[1..], last[1..], "too slow, and no change at all");
+        let after = |change: f64, theta: f64| {
+            let last = Contraction {
+                change: 1e-2,
+                theta,
+            };
+            last.changes_after(change)
+        };
+        assert!((after(1e-4, 1e-2) - 1e-6 / 0.99).abs() < 1e-18);
+        assert!(
+            (after(5e-2, 1e-2) - 2.5e-3 / 0.95).abs() < 1e-15,
+            "a longer one"
+        );
+        assert_eq!(after(1e-4, 0.5), 1e-4, "too slow");
+        assert_eq!(after(1.0, 1e-2), 1.0, "too long");
     }
 
     #[test]

@@ -14,10 +14,15 @@ use super::super::factored::{FactorMemory, FactoredPreconditioner, ThreeFieldOpe
 use super::super::faults;
 use super::super::shifted::ShiftedPreconditioner;
 use super::super::transform::{BulkPreconditioner, ReducedOperator};
-use super::{Limits, MembraneStep, Places};
+use super::{Limits, MembraneStep, Places, Stopping};
 
 /// Limit of GMRES's iterations in one solve.
 const KRYLOV_LIMIT: usize = 200;
+
+/// The parts of an extrapolated step are long: a correction leaves 1e-3 of the residual, nearly, for the
+/// system is not linear, and to solve the linearised one to less than this part of it is of no use. At 1e-4 there
+/// are more corrections, and some systems are solved so poorly that the residual does not fall.
+const LEAST_OF_A_PART: f64 = 1e-5;
 
 /// Vectors that GMRES keeps.
 const RESTART: usize = 60;
@@ -262,7 +267,11 @@ impl MembraneStep {
         let square = vector::weighted_square(&places.to.mu, weights) - mean * mean * domain;
         let potential = square.max(0.0).sqrt().max(f64::MIN_POSITIVE);
         let wanted = limits.law_tolerance * places.energy_scale / potential;
-        wanted.clamp(1e-8 * norm, 0.1 * norm)
+        let least = match limits.stopping {
+            Stopping::LastChange => 1e-8,
+            Stopping::ChangesToCome(_) => LEAST_OF_A_PART,
+        };
+        wanted.clamp(least * norm, 0.1 * norm)
     }
 
     /// Solves for the increment; returns the Krylov iterations.
