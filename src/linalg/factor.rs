@@ -2,8 +2,8 @@
 //! without allocation.
 //!
 //! No pivoting: indefinite matrices are factored as they come, after a symmetric scaling that
-//! brings every row to a largest entry of about 1, with what is too small for a pivot made larger, and in single precision: to solve is to read the
-//! factor twice, and half the bytes take half the time. That is good for a preconditioner, of a method
+//! brings every row to a largest entry of about 1, with what is too small for a pivot made larger, and in
+//! single precision; solves read it in half precision. That is good for a preconditioner, of a method
 //! that does not ask for a linear one, and for nothing else: the caller must check the residual of what
 //! it solves.
 //! Everything runs in sequence (`Par::Seq`): faer 0.24 has open reports of wrong results from its
@@ -11,6 +11,7 @@
 
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
+use faer::perm::PermRef;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky,
@@ -24,8 +25,8 @@ use super::{LinalgError, LinearOperator, Pattern};
 
 /// Adjacent supernodes become one if together they have at most so many columns, and less than this part of
 /// their entries is zero. The library's own choice allows more zeros, which is good where products of small
-/// matrices are slow; here a solve took 4.6 ms with it and 4.3 with this one (Table 1's mesh), a factor
-/// 46 ms with both.
+/// matrices are slow; here the solves are longer with it, and the factor takes the same time
+/// (`cargo bench --bench step -- factor`).
 const RELAXATION: [(usize, f64); 4] = [(4, 0.3), (16, 0.2), (48, 0.1), (usize::MAX, 0.05)];
 
 /// The library's own "always" is 0, which a factor that takes no operations does not exceed.
@@ -70,12 +71,16 @@ impl std::fmt::Debug for Ldlt {
 }
 
 impl Ldlt {
-    /// Analyses a symmetric pattern (ordering and structure of the factor).
+    /// Analyses a symmetric pattern whose rows are eliminated in this order, each once.
     ///
     /// # Errors
     /// `Factorisation` when the library cannot (out of memory, index overflow).
-    pub fn analyse(pattern: &Pattern) -> Result<Self, LinalgError> {
+    pub fn analyse(pattern: &Pattern, order: Vec<u32>) -> Result<Self, LinalgError> {
         let size = pattern.size();
+        let mut inverse = vec![0; size];
+        for (place, row) in (0..).zip(&order) {
+            inverse[*row as usize] = place;
+        }
         let mut column_start = vec![0];
         let (mut rows, mut sources) = (Vec::new(), Vec::new());
         // The pattern is symmetric, so the upper part of row i is the lower part of column i.
@@ -100,17 +105,13 @@ impl Ldlt {
             },
             ..CholeskySymbolicParams::default()
         };
-        let symbolic =
-            factorize_symbolic_cholesky(structure, Side::Lower, SymmetricOrdering::Amd, parameters)
-                .map_err(|error| failed(error.to_string()))?;
+        let ordering = SymmetricOrdering::Custom(PermRef::new_checked(&order, &inverse, size));
+        let symbolic = factorize_symbolic_cholesky(structure, Side::Lower, ordering, parameters)
+            .map_err(|error| failed(error.to_string()))?;
         let SymbolicCholeskyRaw::Supernodal(supernodes) = symbolic.raw() else {
             return Err(failed("the factor has no supernodes".to_owned()));
         };
         let supernodes = Supernodes::new(supernodes);
-        let order = match symbolic.perm() {
-            Some(permutation) => permutation.arrays().0.to_vec(),
-            None => (0..size as u32).collect(),
-        };
         let memory = |request: StackReq| {
             MemBuffer::try_new(request).map_err(|_| failed("not enough memory".to_owned()))
         };
@@ -180,7 +181,7 @@ impl Ldlt {
                 size: self.size,
                 reason: error.to_string(),
             })?;
-        self.supernodes.pack(&mut self.factor);
+        self.supernodes.pack(&self.factor);
         Ok(())
     }
 
@@ -224,7 +225,7 @@ impl Ldlt {
         self.factor.len()
     }
 
-    /// x ← A⁻¹ x, nearly: to what single precision makes of it.
+    /// x ← A⁻¹ x, nearly: to what half precision makes of it.
     pub fn solve_in_place(&mut self, x: &mut [f64]) {
         let mut largest = 0.0_f64;
         for (x, s) in x.iter_mut().zip(&self.scaling) {
@@ -236,8 +237,7 @@ impl Ldlt {
         for (side, row) in self.scaled_side.iter_mut().zip(&self.order) {
             *side = (x[*row as usize] / unit) as f32;
         }
-        self.supernodes
-            .solve_in_place(&self.factor, &mut self.scaled_side);
+        self.supernodes.solve_in_place(&mut self.scaled_side);
         for (side, row) in self.scaled_side.iter().zip(&self.order) {
             let row = *row as usize;
             x[row] = unit * self.scaling[row] * f64::from(*side);
@@ -256,6 +256,12 @@ impl LinearOperator for Ldlt {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::linalg::minimum_degree;
+
+    fn analysed(pattern: &Pattern) -> Ldlt {
+        let order = minimum_degree(pattern).expect("a small pattern");
+        Ldlt::analyse(pattern, order).expect("a small pattern")
+    }
 
     /// An indefinite saddle-point matrix [A B; Bᵀ −I] of 2n unknowns, badly scaled.
     fn saddle(n: usize) -> (Pattern, Vec<f64>) {
@@ -298,7 +304,7 @@ mod tests {
     #[test]
     fn solves_an_indefinite_system_and_can_be_refactored() {
         let (pattern, mut values) = saddle(30);
-        let mut factor = Ldlt::analyse(&pattern).expect("a small pattern");
+        let mut factor = analysed(&pattern);
         for _ in 0..2 {
             factor.refactor(&values).expect("no zero pivot");
             let exact: Vec<f64> = (0..60).map(|i| f64::from(i).sin()).collect();
@@ -316,7 +322,8 @@ mod tests {
                 let differences = x.iter().zip(&exact).map(|(x, e)| (x - e).abs());
                 errors.push(differences.fold(0.0, f64::max));
             }
-            assert!(errors[0] < 1e-2, "{errors:?}");
+            // The first solve has a digit; the second, with the residual, some four more.
+            assert!(errors[0] < 0.2 && errors[1] < 1e-4, "{errors:?}");
             assert!(errors[5] < 1e-10, "{errors:?}");
             values.iter_mut().for_each(|value| *value *= 2.0);
         }
@@ -333,7 +340,7 @@ mod tests {
             let position = pattern.position(row, other).expect("an entry");
             values[position] = 1.0;
         }
-        let mut factor = Ldlt::analyse(&pattern).expect("a small pattern");
+        let mut factor = analysed(&pattern);
         factor.refactor(&values).expect("a small pivot");
         let mut x = [1.0, 2.0, 3.0, 4.0];
         factor.solve_in_place(&mut x);
@@ -347,7 +354,7 @@ mod tests {
         let (pattern, mut values) = saddle(5);
         let corner = pattern.position(0, 0).expect("a diagonal entry");
         values[corner] = f64::INFINITY;
-        let mut factor = Ldlt::analyse(&pattern).expect("a small pattern");
+        let mut factor = analysed(&pattern);
         assert!(factor.refactor(&values).is_err());
     }
 }

@@ -7,6 +7,7 @@ pub(crate) mod count;
 mod error;
 mod factor;
 mod gmres;
+mod order;
 mod shifted;
 mod sparse;
 mod supernodal;
@@ -17,6 +18,7 @@ pub use cosine::{CosineTransform, Multiplier};
 pub use error::LinalgError;
 pub use factor::Ldlt;
 pub use gmres::{Gmres, Outcome};
+pub use order::minimum_degree;
 pub use shifted::ShiftedFactors;
 pub use sparse::{Pattern, SparseMatrix};
 
