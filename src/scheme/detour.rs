@@ -5,40 +5,48 @@ use serde::{Deserialize, Serialize};
 /// Steps with the factor before the fast path is tried again; doubled each time it fails once more.
 const PATIENCE: u32 = 16;
 
-/// So many slow solves one after the other, and the factor takes over. The first solves of a run, whose
-/// guesses are poor, are half as many: with Table 1's step the fast path is the better one from the seventh on, and
-/// a factor, which is kept, would double the memory for nothing.
-const SLOW_SOLVES: u32 = 12;
+/// The same where it was only slow: a slow solve takes as long as some ten with the factor.
+const PATIENCE_WITH_SLOWNESS: u32 = 64;
 
-/// On small meshes both are so fast that a change is not worth telling.
-const LEAST_BREAK_EVEN: f64 = 40.0;
+/// So many slow solves one after the other, and the factor takes over. The first solves of a run, whose
+/// guesses are poor, are slow in any case: with Table 1's step the fast path is the better one from the eighth
+/// on.
+const SLOW_SOLVES: u32 = 10;
+
+/// Iterations of a linear system from which on the sparse factor, made once in a few systems, is clearly faster
+/// than the cosine transform. They take the same time at 13 to 14, on 60, 120 and 240 cells (`vesica run case3
+/// --steps 12 --set time.step=2e-6 --set solver.linear=…`: `milliseconds` over `newton` and `krylov` in
+/// `run.json`).
+const BREAK_EVEN: u32 = 18;
+
+/// The same with the shifted Laplacians, whose iterations take about twice as long.
+const BREAK_EVEN_SHIFTED: u32 = BREAK_EVEN / 2;
 
 /// Whether the fast path is worth its time. It takes more iterations the longer the step is, the
-/// sparse factor about the same time at any Δt: at 120 cells as much as some 40 iterations. That number grows as
-/// the factor does against a product, as the square root of the number of nodes.
+/// sparse factor about the same time at any Δt.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Slowness {
-    /// Iterations of a solve at which both take the same time.
     break_even: u32,
     /// Slow solves since the last that was not.
     slow: u32,
 }
 
 impl Slowness {
-    /// On a mesh of so many nodes, with the fast path of this name.
-    pub(super) fn new(nodes: usize, method: &str) -> Self {
-        // An iteration with the shifted Laplacians takes about twice as long.
-        let share = if method == "shifted" { 0.5 } else { 1.0 };
-        let break_even = share * 0.35 * (nodes as f64).sqrt();
+    /// With the fast path of this name.
+    pub(super) fn new(method: &str) -> Self {
         Self {
-            break_even: break_even.max(LEAST_BREAK_EVEN) as u32,
+            break_even: match method {
+                "shifted" => BREAK_EVEN_SHIFTED,
+                _ => BREAK_EVEN,
+            },
             slow: 0,
         }
     }
 
-    /// A solve took so many iterations; returns whether the factor is to take over.
-    pub(super) fn is_proved_by(&mut self, iterations: u32) -> bool {
-        self.slow = if iterations > self.break_even {
+    /// A step took so many corrections and for them, in all, so many iterations; returns whether the
+    /// factor is to take over.
+    pub(super) fn is_proved_by(&mut self, corrections: u32, iterations: u32) -> bool {
+        self.slow = if iterations > self.break_even * corrections {
             self.slow.saturating_add(1)
         } else {
             0
@@ -49,6 +57,11 @@ impl Slowness {
             self.slow = SLOW_SOLVES - 1;
         }
         proved
+    }
+
+    /// Whether the last solve was fast enough.
+    pub(super) fn is_refuted(self) -> bool {
+        self.slow == 0
     }
 }
 
@@ -64,9 +77,18 @@ pub(super) struct Detour {
 }
 
 impl Detour {
-    /// Begins because the fast path failed or was slow at this Δt; `last` is the detour before, if there was one.
+    /// Begins because the fast path failed at this Δt; `last` is the detour before, if there was one.
     pub(super) fn new(dt: f64, last: Option<Self>) -> Self {
-        let patience = last.map_or(PATIENCE, |last| last.patience.saturating_mul(2));
+        Self::with_patience(PATIENCE, dt, last)
+    }
+
+    /// Begins because the fast path was slow.
+    pub(super) fn from_slowness(dt: f64, last: Option<Self>) -> Self {
+        Self::with_patience(PATIENCE_WITH_SLOWNESS, dt, last)
+    }
+
+    fn with_patience(least: u32, dt: f64, last: Option<Self>) -> Self {
+        let patience = last.map_or(least, |last| last.patience.saturating_mul(2).max(least));
         Self {
             failed_at: dt,
             solved: 0,
@@ -92,19 +114,21 @@ mod tests {
 
     #[test]
     fn slow_solves_in_a_row_prove_it() {
-        let mut slowness = Slowness::new(121 * 121, "transform");
-        let mut hear = |iterations| slowness.is_proved_by(iterations);
+        let mut slowness = Slowness::new("transform");
+        let mut hear = |iterations| slowness.is_proved_by(3, iterations);
         for _ in 1..SLOW_SOLVES {
-            assert!(!hear(43));
+            assert!(!hear(3 * BREAK_EVEN + 1));
         }
-        assert!(!hear(42), "as fast as the factor");
+        assert!(!hear(3 * BREAK_EVEN), "as fast as the factor");
         for _ in 1..SLOW_SOLVES {
-            assert!(!hear(43));
+            assert!(!hear(3 * BREAK_EVEN + 1));
         }
-        assert!(hear(43));
-        assert!(hear(43), "still slow when tried again");
-        assert!(!hear(42), "no longer");
-        assert!(!hear(43), "counts anew");
+        assert!(hear(3 * BREAK_EVEN + 1));
+        assert!(hear(3 * BREAK_EVEN + 1), "still slow when tried again");
+        assert!(!slowness.is_refuted());
+        assert!(!slowness.is_proved_by(3, 3 * BREAK_EVEN), "no longer");
+        assert!(slowness.is_refuted());
+        assert!(!slowness.is_proved_by(3, 3 * BREAK_EVEN + 1), "counts anew");
     }
 
     #[test]
@@ -122,5 +146,11 @@ mod tests {
             again.advance();
         }
         assert!(again.is_over(1e-3));
+        let slow = Detour::from_slowness(1e-3, None);
+        assert!(slow.patience > PATIENCE);
+        assert_eq!(
+            Detour::from_slowness(1e-3, Some(slow)).patience,
+            2 * slow.patience
+        );
     }
 }

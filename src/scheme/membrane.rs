@@ -40,7 +40,7 @@ pub(super) struct MembraneStep {
     fixed: Vec<bool>,
     clamped: bool,
     linear: LinearSolver,
-    /// The other one, once both have been in use.
+    /// The other one, while both are in use in turn.
     spare: Option<LinearSolver>,
     mass_inverse: MassInverse,
     linearised: Linearised,
@@ -262,10 +262,16 @@ impl MembraneStep {
         );
     }
 
-    /// One application of the preconditioner of the fast path; nothing on the other one.
+    /// How many unknowns the linear systems have.
+    pub(super) fn unknowns(&self) -> usize {
+        self.linear.increment.len()
+    }
+
+    /// One application of the preconditioner, as the last solve left it.
     pub(super) fn precondition(&mut self, x: &[f64], y: &mut [f64]) {
-        if let Path::Reduced { preconditioner, .. } = &mut self.linear.path {
-            preconditioner.apply(x, y);
+        match &mut self.linear.path {
+            Path::Reduced { preconditioner, .. } => preconditioner.apply(x, y),
+            Path::Factor { preconditioner } => preconditioner.apply(x, y),
         }
     }
 

@@ -114,7 +114,7 @@ impl Scheme {
             .nematic
             .as_ref()
             .map(|nematic| DirectorStep::new(&space, nematic.mobility));
-        let slowness = Slowness::new(space.nodes(), membrane.linear_method());
+        let slowness = Slowness::new(membrane.linear_method());
         let zeros = vec![0.0; space.nodes()];
         let state = State {
             phi,
@@ -446,15 +446,19 @@ impl Scheme {
         if let Ok(work) = &outcome
             && self.solver.linear == LinearMethod::Automatic
             && self.membrane.is_fast()
-            && self.slowness.is_proved_by(work.krylov)
         {
-            self.detour = Some(Detour::new(length, self.detour));
-            self.membrane
-                .fall_back(&self.space)
-                .map_err(|source| StepError::Membrane {
-                    iteration: 0,
-                    source,
-                })?;
+            if self.slowness.is_proved_by(work.newton, work.krylov) {
+                self.detour = Some(Detour::from_slowness(length, self.detour));
+                self.membrane
+                    .fall_back(&self.space)
+                    .map_err(|source| StepError::Membrane {
+                        iteration: 0,
+                        source,
+                    })?;
+            } else if self.slowness.is_refuted() {
+                // It takes more memory than all the rest.
+                self.membrane.let_factor_go();
+            }
         }
         outcome
     }
