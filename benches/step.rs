@@ -140,17 +140,28 @@ fn phases_of(cells: usize, quadrature: &str, linear: &str) -> Phases {
     Phases::new(warmed_up(&scene), scene.time.step).expect("a solvable step")
 }
 
-/// One sparse LDLᵀ factor of the three fields' system: what other costs can be compared with on any
-/// machine.
+/// The sparse LDLᵀ factor of the three fields' system: made, which other costs can be compared with on any
+/// machine, and solved with.
 fn factor(criterion: &mut Criterion) {
-    let mut group = group(criterion, "factor");
-    for cells in &CELLS[..2] {
-        let mut ready = None;
-        group.throughput(nodes(*cells));
-        group.bench_function(BenchmarkId::new("lumped", cells), |bencher| {
-            let phases = ready.get_or_insert_with(|| phases_of(*cells, "lumped", "factor"));
-            bencher.iter(|| phases.refactor().expect("a regular system"));
-        });
+    let all: [(&str, Phase); 2] = [
+        ("factor", |phases| {
+            phases.refactor().expect("a regular system");
+        }),
+        ("factor-solve", Phases::precondition),
+    ];
+    for (name, phase) in all {
+        let mut group = group(criterion, name);
+        for quadrature in QUADRATURES {
+            for cells in &CELLS[..2] {
+                let mut ready = None;
+                group.throughput(nodes(*cells));
+                group.bench_function(BenchmarkId::new(quadrature, cells), |bencher| {
+                    let phases =
+                        ready.get_or_insert_with(|| phases_of(*cells, quadrature, "factor"));
+                    bencher.iter(|| phase(phases));
+                });
+            }
+        }
     }
 }
 

@@ -23,7 +23,9 @@ impl Phases {
     /// # Errors
     /// [`StepError`]: a phase failed.
     pub fn new(scheme: Scheme, dt: f64) -> Result<Self, StepError> {
-        let vectors = [scheme.state.phi.clone(), scheme.state.phi.clone()];
+        let values = scheme.state.phi.iter().copied().cycle();
+        let vector: Vec<f64> = values.take(scheme.membrane.unknowns()).collect();
+        let vectors = [vector.clone(), vector];
         let mut phases = Self {
             scheme,
             dt,
