@@ -463,7 +463,10 @@ impl Session {
         if self.input.is_none() {
             return Ok(());
         }
-        self.terminal.take_back().map_err(AppError::Terminal)?;
+        // The system also continues what has just lost its terminal. What there is gets saved.
+        if self.terminal.take_back().is_err() {
+            return self.message(Message::HungUp);
+        }
         let (columns, rows) = terminal::size();
         self.message(Message::Resized(columns, rows))?;
         self.message(Message::Continued)?;

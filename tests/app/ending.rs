@@ -143,19 +143,24 @@ fn a_terminal_that_goes_away_ends_the_process() {
         ),
     ];
     for (how, command) in shells {
-        for paused in [false, true] {
+        for state in ["running", "paused", "stopped"] {
             let folder = folder();
             let program = ["sh", "-c", command.as_str()];
             let mut app = Pty::start((100, 30), folder.path(), &program, &[]);
             wait_running(&app);
-            if paused {
+            if state == "paused" {
                 pause(&mut app);
             }
-            app.hang_up();
+            // Continued by the system, the app wants to take back a terminal that has gone.
+            if state == "stopped" {
+                app.hang_up_stopped();
+            } else {
+                app.hang_up();
+            }
             let status = app.exit_status(OUTLIVE);
-            assert_eq!(status, 129, "SIGHUP {how}, paused: {paused}");
+            assert_eq!(status, 129, "SIGHUP {how}, {state}");
             let saved = folder.path().join("saved/small-set/history.csv");
-            assert!(saved.is_file(), "SIGHUP {how}, paused: {paused}");
+            assert!(saved.is_file(), "SIGHUP {how}, {state}");
         }
     }
 }

@@ -208,14 +208,26 @@ impl Pty {
 
     /// Takes the terminal away, as when a window is closed.
     pub fn hang_up(&mut self) {
+        self.read_no_more();
+        self.keys = None;
+        self.master = None;
+    }
+
+    /// The terminal goes away while the program stands still; the system continues it then.
+    pub fn hang_up_stopped(&mut self) {
+        self.read_no_more();
+        self.signal(Signal::SIGSTOP);
+        self.keys = None;
+        self.master = None;
+    }
+
+    fn read_no_more(&mut self) {
         self.seen().stop = true;
         // So that the reader's read returns and it lets go.
         self.resize(101, 35);
         if let Some(reader) = self.reader.take() {
             reader.join().expect("the reader does not panic");
         }
-        self.keys = None;
-        self.master = None;
     }
 
     /// The exit status, once the program has ended.
