@@ -6,7 +6,7 @@ use portable_pty::{Child, CommandBuilder, MasterPty, PtySize, native_pty_system}
 use std::fs;
 use std::io::{Read, Write};
 use std::num::NonZeroU16;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
@@ -299,19 +299,30 @@ pub fn send(pid: u32, signal: Signal) {
     kill(pid, signal).expect("the process is there");
 }
 
-/// The time that the threads of a process have computed whose names begin so.
+/// The processor time of those threads of a process whose names begin so.
 pub fn computed(pid: u32, name: &str) -> Duration {
-    let tasks = fs::read_dir(format!("/proc/{pid}/task"))
+    let read = |task: PathBuf| fs::read_to_string(task.join("schedstat")).ok();
+    let nanoseconds = threads(pid, name)
         .into_iter()
-        .flatten();
-    let read = |task: &fs::DirEntry, file| fs::read_to_string(task.path().join(file)).ok();
-    let nanoseconds = tasks
-        .flatten()
-        .filter(|task| read(task, "comm").is_some_and(|comm| comm.starts_with(name)))
-        .filter_map(|task| read(&task, "schedstat"))
+        .filter_map(read)
         .filter_map(|text| text.split_whitespace().next()?.parse::<u64>().ok())
         .sum();
     Duration::from_nanos(nanoseconds)
+}
+
+/// The folders in `/proc` of those threads of a process whose names begin so.
+pub fn threads(pid: u32, name: &str) -> Vec<PathBuf> {
+    let tasks = fs::read_dir(format!("/proc/{pid}/task"))
+        .into_iter()
+        .flatten();
+    let is_named = |task: &PathBuf| {
+        fs::read_to_string(task.join("comm")).is_ok_and(|comm| comm.starts_with(name))
+    };
+    tasks
+        .flatten()
+        .map(|task| task.path())
+        .filter(is_named)
+        .collect()
 }
 
 /// The memory that a process has, in bytes.
