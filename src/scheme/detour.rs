@@ -43,6 +43,14 @@ impl Slowness {
         }
     }
 
+    /// Where the factor was begun with: a single slow solve is enough then.
+    pub(super) fn suspected(self) -> Self {
+        Self {
+            slow: SLOW_SOLVES - 1,
+            ..self
+        }
+    }
+
     /// A step took so many corrections and for them, in all, so many iterations; returns whether the
     /// factor is to take over.
     pub(super) fn is_proved_by(&mut self, corrections: u32, iterations: u32) -> bool {
@@ -87,6 +95,11 @@ impl Detour {
         Self::with_patience(PATIENCE_WITH_SLOWNESS, dt, last)
     }
 
+    /// Begins with the run: the fast path is expected to be slow at any Δt.
+    pub(super) fn from_the_start() -> Self {
+        Self::from_slowness(0.0, None)
+    }
+
     fn with_patience(least: u32, dt: f64, last: Option<Self>) -> Self {
         let patience = last.map_or(least, |last| last.patience.saturating_mul(2).max(least));
         Self {
@@ -129,6 +142,7 @@ mod tests {
         assert!(!slowness.is_proved_by(3, 3 * BREAK_EVEN), "no longer");
         assert!(slowness.is_refuted());
         assert!(!slowness.is_proved_by(3, 3 * BREAK_EVEN + 1), "counts anew");
+        assert!(slowness.suspected().is_proved_by(3, 3 * BREAK_EVEN + 1));
     }
 
     #[test]
@@ -146,6 +160,7 @@ mod tests {
             again.advance();
         }
         assert!(again.is_over(1e-3));
+        assert!(!Detour::from_the_start().is_over(f64::MIN_POSITIVE));
         let slow = Detour::from_slowness(1e-3, None);
         assert!(slow.patience > PATIENCE);
         assert_eq!(

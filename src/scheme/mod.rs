@@ -146,8 +146,22 @@ impl Scheme {
             interval: None,
             trial: None,
         };
+        if scene.time.tolerance.is_some() && scene.solver.linear == LinearMethod::Automatic {
+            scheme.begin_with_factor()?;
+        }
         scheme.start();
         Ok(scheme)
+    }
+
+    /// Chosen steps are soon so long that the factor is faster: Table 1's run took 5 % longer where that was
+    /// found out by ten slow solves.
+    fn begin_with_factor(&mut self) -> Result<(), LinalgError> {
+        if self.membrane.is_fast() {
+            self.membrane.fall_back(&self.space)?;
+            self.detour = Some(Detour::from_the_start());
+            self.slowness = self.slowness.suspected();
+        }
+        Ok(())
     }
 
     /// ω⁰ and μ⁰ of φ⁰, and the report of the initial state.

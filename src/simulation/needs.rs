@@ -29,11 +29,13 @@ const SHIFTED_FACTOR: f64 = 8.3;
 /// The memory that the run of a scene will take from its start, in bytes; where it turns to the sparse
 /// factor on the way, more: see [`memory_held`].
 pub fn memory_needed(scene: &Scene) -> u64 {
-    let is_clamped = scene.boundary == Boundary::Clamped;
-    memory_held(
-        scene,
-        is_clamped || scene.solver.linear == LinearMethod::Factor,
-    )
+    let begins_with_factor = scene.boundary == Boundary::Clamped
+        || match scene.solver.linear {
+            LinearMethod::Automatic => scene.time.tolerance.is_some(),
+            LinearMethod::Factor => true,
+            LinearMethod::Transform | LinearMethod::Shifted => false,
+        };
+    memory_held(scene, begins_with_factor)
 }
 
 /// Whether a scene's fast path is that by factors of shifted Laplacians.

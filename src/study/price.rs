@@ -8,8 +8,7 @@
 //! as time permits, on a coarse one, and where that is coarser than its own, with a larger tolerance, from
 //! which the number is extrapolated.
 //!
-//! **Memory** is what [`memory_held`] says, with the sparse factor where the calibration turned to it or
-//! long chosen steps will.
+//! **Memory** is what [`memory_held`] says, with the sparse factor where the calibration came to it.
 
 use super::choice::can_change_mesh;
 use super::clock::Stopwatch;
@@ -120,13 +119,8 @@ fn fixed(scene: &Scene, steps: u64) -> Result<RunPrice, SimulationError> {
 }
 
 fn chosen(scene: &Scene) -> Result<RunPrice, SimulationError> {
-    // Which solver the long steps will come to; the first ones would take turns.
-    let mut with_factor = scene.clone();
-    if scene.solver.linear == LinearMethod::Automatic {
-        with_factor.solver.linear = LinearMethod::Factor;
-    }
     let watch = Stopwatch::start();
-    let mut simulation = Simulation::new(&with_factor)?;
+    let mut simulation = Simulation::new(scene)?;
     let setup = watch.elapsed();
     let mut times = Vec::new();
     let mut before = setup;
@@ -152,7 +146,7 @@ fn chosen(scene: &Scene) -> Result<RunPrice, SimulationError> {
     Ok(RunPrice {
         steps: number.accepted,
         seconds: setup.as_secs_f64() + made + further as f64 * a_step,
-        memory: memory_held(scene, true),
+        memory: memory_held(scene, simulation.linear_method() == "factor"),
     })
 }
 
