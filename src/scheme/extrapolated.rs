@@ -70,8 +70,10 @@ struct Waiting {
 pub(super) struct Learnt {
     /// The length of the step; `None`: nothing is known.
     dt: Option<f64>,
-    /// Σ w_j T_j − T_i, of φ: the errors of the results, nearly.
-    errors: Vec<Vec<f64>>,
+    /// What each result in j parts and the states on the way to it miss, of φ: errors[j − 1][i − 1] after the part
+    /// i. That is, nearly, Σ w_j T_j, and what that and the states before the step are interpolated to, less
+    /// the result.
+    errors: Vec<Vec<Vec<f64>>>,
     /// The change of d.
     turn: Option<[Vec<f64>; 2]>,
 }
@@ -81,7 +83,9 @@ impl Learnt {
         let zeros = || vec![0.0; state.phi.len()];
         Self {
             dt: None,
-            errors: (0..chains).map(|_| zeros()).collect(),
+            errors: (1..=chains)
+                .map(|parts| (0..parts).map(|_| zeros()).collect())
+                .collect(),
             turn: state.director.is_some().then(|| [zeros(), zeros()]),
         }
     }
@@ -105,12 +109,19 @@ impl Learnt {
     pub(super) fn fits(&self, state: &State) -> bool {
         let nodes = state.phi.len();
         let turn = self.turn.iter().flatten();
+        let errors = self.errors.iter().flatten();
+        let parts = self.errors.iter().map(Vec::len);
         self.dt.is_none_or(|dt| dt.is_finite() && dt > 0.0)
             && (2..=MOST_CHAINS).contains(&self.errors.len())
+            && parts.eq(1..=self.errors.len())
             && self.turn.is_some() == state.director.is_some()
-            && self.errors.iter().chain(turn).all(|it| it.len() == nodes)
+            && errors.chain(turn).all(|it| it.len() == nodes)
     }
 }
+
+/// A step longer than the last by more than this ratio: what the states within it will have missed, which is not
+/// Δt² alone, cannot be told from those within the last one.
+const LIKE_THE_LAST: f64 = 1.2;
 
 /// Results that are combined at most.
 const MOST_CHAINS: usize = 3;
@@ -283,6 +294,7 @@ impl Scheme {
         work.write_to(report);
 
         self.combine(trial);
+        self.learn(dt, trial);
         let difference = self.difference(trial);
         trial.now.dt = Some(dt);
         watch(Phase::Ledger);
@@ -322,6 +334,8 @@ impl Scheme {
             note(&mut self.next_report);
             std::mem::swap(&mut self.state, &mut self.next);
             std::mem::swap(&mut self.report, &mut self.next_report);
+            // To be compared with the combination.
+            trial.now.errors[parts - 1][part - 1].copy_from_slice(&self.state.phi);
             if part == 1 {
                 trial.finest.clone_from(&self.report);
             } else {
@@ -337,28 +351,32 @@ impl Scheme {
 
     /// A guess for φ, ω, μ and d after `part` of `parts`, into `next`.
     ///
-    /// The errors of the results are expected to have grown since the last step as Δt². Freed of them,
-    /// the extrapolated history or the result of the chain before is where the step leads; a chain
-    /// departs from there by its own error, which grows along the step.
+    /// What the results miss is expected to have grown since the last step as Δt². Freed of that,
+    /// the extrapolated history or the result of the chain before is where the step leads; each state on the way of
+    /// a chain departs from there, or from what is interpolated, by what it missed itself.
     fn guess(&mut self, dt: f64, (part, parts): (usize, usize), trial: &Trial) {
         let share = part as f64 / parts as f64;
         let ratio = trial.last.dt.map(|last| dt / last);
         let growth = ratio.map_or(0.0, |ratio| ratio * ratio);
         let errors = &trial.last.errors;
+        let (here, end) = (self.t + share * dt, self.t + dt);
         let next = &mut self.next;
-        match parts {
-            1 => self.history.extrapolate(self.t + dt, next),
-            _ => {
-                let before = &trial.results[parts - 2];
-                copy(next, before);
-                vector::add_scaled(&mut next.phi, growth, &errors[parts - 2]);
-                if part < parts {
-                    let (here, end) = (self.t + share * dt, self.t + dt);
-                    self.history.interpolate(here, end, next);
-                }
+        if parts == 1 {
+            self.history.extrapolate(end, next);
+        } else {
+            copy(next, &trial.results[parts - 2]);
+            vector::add_scaled(&mut next.phi, growth, &errors[parts - 2][parts - 2]);
+            if part < parts {
+                self.history.interpolate(here, end, next);
             }
         }
-        vector::add_scaled(&mut next.phi, -growth * share, &errors[parts - 1]);
+        let (error, share) = if ratio.is_some_and(|ratio| ratio <= LIKE_THE_LAST) {
+            (&errors[parts - 1][part - 1], 1.0)
+        } else {
+            // What it missed at the end has grown on the way.
+            (&errors[parts - 1][parts - 1], share)
+        };
+        vector::add_scaled(&mut next.phi, -growth * share, error);
         let (Some(to), Some(from)) = (&mut next.director, &trial.start.director) else {
             return;
         };
@@ -377,7 +395,31 @@ impl Scheme {
         }
     }
 
-    /// The estimate; leaves the errors of the results and the change of d in the trial.
+    /// What the results of the step and the states on the way to them miss, for the next guesses.
+    fn learn(&self, dt: f64, trial: &mut Trial) {
+        let Trial {
+            combined,
+            start: here,
+            now,
+            ..
+        } = trial;
+        let end = self.t + dt;
+        let chains = now.errors.len();
+        for (parts, errors) in (1..=chains).zip(&mut now.errors) {
+            for (part, error) in (1..=parts).zip(errors) {
+                copy(here, combined);
+                if part < parts {
+                    let share = part as f64 / parts as f64;
+                    self.history.interpolate(self.t + share * dt, end, here);
+                }
+                for (error, best) in error.iter_mut().zip(&here.phi) {
+                    *error = best - *error;
+                }
+            }
+        }
+    }
+
+    /// The estimate; leaves the change of d in the trial.
     fn difference(&self, trial: &mut Trial) -> Difference {
         let weights = self.space.nodal_weights();
         let Trial {
@@ -386,13 +428,6 @@ impl Scheme {
             now,
             ..
         } = trial;
-        for (error, result) in now.errors.iter_mut().zip(&*results) {
-            for (error, (best, result)) in
-                error.iter_mut().zip(combined.phi.iter().zip(&result.phi))
-            {
-                *error = best - result;
-            }
-        }
         // Σ w_j T_j without the first, of the order below: its distance is the sum of the errors with
         // its weights.
         let chains = results.len();
@@ -400,7 +435,7 @@ impl Scheme {
         let mut phase = 0.0;
         for (node, weight) in weights.iter().enumerate() {
             let sum: f64 = (2..=chains)
-                .map(|j| below(j) * now.errors[j - 1][node])
+                .map(|j| below(j) * now.errors[j - 1][j - 1][node])
                 .sum();
             phase += weight * sum * sum;
         }

@@ -98,7 +98,7 @@ fn extrapolation(scene: &Scene) -> f64 {
     let chains = scene.time.order.chains();
     let director = if scene.nematic.is_some() { 2 } else { 0 };
     let states = (chains + 2) * (3 + director);
-    let learnt = 2 * (chains + director);
+    let learnt = 2 * (chains * (chains + 1) / 2 + director);
     (size_of::<f64>() * (states + learnt)) as f64
 }
 
@@ -185,9 +185,9 @@ mod tests {
     fn steps_that_are_taken_in_several_ways_need_more() {
         let held = |settings: &[&str]| memory_held(&scene(settings), false);
         let more = held(&["time.tolerance=1e-4"]) - held(&[]);
-        // Three results, the state before and the combination, each of φ, ω, μ and d; three errors and a
+        // Three results, the state before and the combination, each of φ, ω, μ and d; what six states missed and a
         // change of d, twice.
-        let vectors = 5 * 5 + 2 * (3 + 2);
+        let vectors = 5 * 5 + 2 * (6 + 2);
         assert!(more.abs_diff(8 * vectors * 121 * 121) <= 1, "{more}");
         assert!(held(&["time.order=2"]) < held(&["time.order=3"]));
     }
