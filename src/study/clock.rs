@@ -1,7 +1,6 @@
-//! What a run takes of the machine: time of its thread, and memory.
+//! The time that a run takes of the machine: that of its thread.
 
 use rustix::time::{ClockId, clock_gettime};
-use std::fs;
 use std::time::{Duration, Instant};
 
 /// Measures the computing time of the thread that it is asked on: what the processor spent on it,
@@ -35,17 +34,4 @@ fn thread_time() -> Duration {
     let time = clock_gettime(ClockId::ThreadCPUTime);
     // Neither is negative, and there are fewer than 10⁹ nanoseconds.
     Duration::new(time.tv_sec as u64, time.tv_nsec as u32)
-}
-
-/// Has the peak of this process's memory counted anew; returns whether the system does that.
-pub(super) fn forget_peak_memory() -> bool {
-    fs::write("/proc/self/clear_refs", "5").is_ok()
-}
-
-/// The most memory that this process has had since then, in bytes.
-pub(super) fn peak_memory() -> Option<u64> {
-    let text = fs::read_to_string("/proc/self/status").ok()?;
-    let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(1024 * kilobytes)
 }

@@ -1,8 +1,9 @@
 //! A scene computed one way, with what it took.
 
 use super::choice::Choice;
-use super::clock::{Stopwatch, forget_peak_memory, peak_memory};
+use super::clock::Stopwatch;
 use super::distance::Solution;
+use super::memory;
 use crate::scene::Scene;
 use crate::simulation::{ErrorBudget, Schedule, Simulation};
 use std::time::Duration;
@@ -12,7 +13,8 @@ use std::time::Duration;
 pub(super) struct Measurement {
     /// Computing time of the run, set-up and steps.
     pub(super) seconds: f64,
-    /// The peak of the process's memory meanwhile, in bytes.
+    /// The most memory that the run had, in bytes, without what the program holds besides; `None` where the
+    /// program's allocator does not count.
     pub(super) memory: Option<u64>,
     /// Nodes of its mesh; 0 where that was not made.
     pub(super) nodes: usize,
@@ -45,7 +47,7 @@ pub(super) fn measure(
     go_on: &mut dyn FnMut(f64) -> bool,
 ) -> Measurement {
     let scene = choice.applied_to(scene);
-    let counts = forget_peak_memory();
+    let before = memory::forget_most();
     let watch = Stopwatch::start();
     let mut measurement = Measurement {
         seconds: 0.0,
@@ -60,7 +62,8 @@ pub(super) fn measure(
     };
     measurement.outcome = advance(&scene, &watch, limit, go_on, &mut measurement);
     measurement.seconds = watch.elapsed().as_secs_f64();
-    measurement.memory = peak_memory().filter(|_| counts);
+    let bytes = u64::try_from(memory::most() - before);
+    measurement.memory = bytes.ok().filter(|bytes| *bytes > 0);
     measurement
 }
 

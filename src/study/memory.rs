@@ -7,16 +7,20 @@ thread_local! {
     /// Bytes taken and not given back by this thread. Constant at the start and without a destructor,
     /// so that the allocator may use it at any time.
     static HELD: Cell<i64> = const { Cell::new(0) };
+    /// The most of them since [`forget_most`].
+    static MOST: Cell<i64> = const { Cell::new(0) };
 }
 
 /// The system's allocator, which counts the bytes that each thread holds. A program that declares it as
-/// its global allocator lets a study tell what an effect takes; without it the study has no such column.
+/// its global allocator lets a study tell what a run or an effect takes; without it the study has no such column.
 /// A step allocates nothing, so counting costs it nothing.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct CountingAllocator;
 
 fn add(bytes: usize) {
-    HELD.with(|held| held.set(held.get() + bytes as i64));
+    let now = held() + bytes as i64;
+    HELD.with(|held| held.set(now));
+    MOST.with(|most| most.set(most.get().max(now)));
 }
 
 fn subtract(bytes: usize) {
@@ -55,4 +59,16 @@ unsafe impl GlobalAlloc for CountingAllocator {
 /// allocator is another one.
 pub(super) fn held() -> i64 {
     HELD.with(Cell::get)
+}
+
+/// Has the most that this thread holds counted anew from what it holds now, which is returned.
+pub(super) fn forget_most() -> i64 {
+    let now = held();
+    MOST.with(|most| most.set(now));
+    now
+}
+
+/// The most bytes that this thread has held since then, counted as [`held`] counts.
+pub(super) fn most() -> i64 {
+    MOST.with(Cell::get)
 }

@@ -30,7 +30,7 @@ pub struct Point {
     pub is_own: bool,
     /// Computing time, set-up and steps, in seconds: what the processor spent on the run's thread.
     pub seconds: f64,
-    /// The peak of the process's memory meanwhile, in bytes.
+    /// The most memory that the run had, in bytes.
     pub memory: Option<u64>,
     /// Accepted steps.
     pub steps: u64,
