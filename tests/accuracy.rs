@@ -84,6 +84,12 @@ fn finished_runs_on_any_mesh_are_compared_with_one_of_them() {
     let made: Vec<_> = points.iter().filter(|it| it["run"].is_null()).collect();
     assert!(!made.is_empty() && made.iter().all(|it| it["is_own"] == false));
     assert_eq!(study["reference"]["run"], "finest");
+    // What a run takes is its own, whatever the study holds besides.
+    let memory = |cells: u64| {
+        let of_mesh = made.iter().filter(|it| it["cells"] == cells);
+        of_mesh.filter_map(|it| it["memory"].as_u64()).max()
+    };
+    assert!(memory(8).is_some() && memory(8) < memory(16), "{made:?}");
 
     for (wrong, message) in [("short", "--resume"), ("nowhere", "no run in nowhere")] {
         let output = vesica(folder, &[&compared[..], &["--against", wrong]].concat());

@@ -45,6 +45,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug)]
 pub(super) struct Trial {
     /// The state before the step, while the scheme stands in the middle of it.
+    ///
+    /// At the step's end also room for what its own states are compared with.
     start: State,
     start_report: StepReport,
     /// T_1 … T_k.
@@ -559,6 +561,56 @@ fn copy(to: &mut State, from: &State) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fem::Mesh;
+    use crate::scene::Scene;
+    use crate::scheme::initial_fields;
+
+    /// From one step to the next that is as long, what the states within it miss is better known from those of the
+    /// last one than as a share of what is missed at the end.
+    #[test]
+    fn what_the_states_within_a_step_missed_foretells_what_they_will() {
+        let text = "
+            mesh.cells = 16
+            vesicle = { shape = 'ellipse', half_axes = [0.3, 0.2], angle = 70 }
+            time = { tolerance = 1e-4, end = 1 }
+            membrane.interface_width = 0.08
+            area.target = 1.1
+        ";
+        let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+        let scene = Scene::parse(text, "the test", &[], &mut no_files).expect("a scene");
+        let mesh = Mesh::of(&scene).expect("a mesh");
+        let initial = initial_fields(&scene, &mesh).expect("initial fields");
+        let mut scheme = Scheme::new(&scene, mesh, initial.phi, None).expect("a scheme");
+        let mut step = || {
+            let outcome = scheme.try_extrapolated(1e-5, 3, true, &mut |_| ());
+            outcome.expect("a step");
+            scheme.accept_extrapolated();
+            // The one that was accepted and the one before: they have changed places.
+            let trial = scheme.trial.as_ref().expect("a trial");
+            [&trial.now, &trial.last].map(|learnt| learnt.errors.clone())
+        };
+        // Once the outline from the scene has come to rest.
+        for _ in 0..39 {
+            step();
+        }
+        let [last, now] = step();
+        for (parts, part) in [(2, 1), (3, 1), (3, 2)] {
+            let missed = &now[parts - 1][part - 1];
+            let distance = |share: f64, foretold: &[f64]| {
+                let pairs = missed.iter().zip(foretold);
+                pairs
+                    .map(|(a, b)| (a - share * b).powi(2))
+                    .sum::<f64>()
+                    .sqrt()
+            };
+            let by_the_state = distance(1.0, &last[parts - 1][part - 1]);
+            let by_the_end = distance(part as f64 / parts as f64, &last[parts - 1][parts - 1]);
+            assert!(
+                by_the_state < 0.7 * by_the_end,
+                "{part} of {parts}: {by_the_state:e} {by_the_end:e}"
+            );
+        }
+    }
 
     #[test]
     fn the_weights_are_those_of_aitken_and_neville() {

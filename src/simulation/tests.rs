@@ -501,3 +501,22 @@ fn a_scene_too_large_to_compute_with_is_refused() {
         assert!(error.contains("too large"), "{settings:?}: {error}");
     }
 }
+
+#[test]
+fn a_run_begins_with_the_solver_whose_memory_is_foreseen() {
+    for (setting, method) in [
+        ("time.step=1e-6", "transform"),
+        ("time.tolerance=1e-4", "factor"),
+        ("mesh.jitter=0.1", "shifted"),
+        ("solver.linear=factor", "factor"),
+        ("domain.boundary=clamped", "factor"),
+    ] {
+        let scene = small(&[setting]);
+        assert_eq!(Simulation::new(&scene).unwrap().linear_method(), method);
+        let foreseen = memory_held(&scene, method == "factor");
+        assert_eq!(memory_needed(&scene), foreseen, "{setting}");
+    }
+    let told = small(&["time.tolerance=1e-4", "solver.linear=transform"]);
+    assert_eq!(Simulation::new(&told).unwrap().linear_method(), "transform");
+    assert_eq!(memory_needed(&told), memory_held(&told, false));
+}
