@@ -7,6 +7,10 @@
 //! the residual at the trial x + λδ, must be shorter than δ. Where it is not, λ is made smaller by
 //! what the two corrections say about the curvature between them.
 //!
+//! **When the equations are not linearised anew.** With the derivative that it has, Newton's method makes the
+//! residual smaller by about the same factor as the last time. Where that factor is small enough for the energy
+//! law to hold after one more iteration, that one is taken with the linearised equations of the last.
+//!
 //! **When it ends.** A field has converged when its relative L2 change in the last iteration is at most
 //! the tolerance. The parts of an extrapolated step are long, and of their results φ alone is used. For
 //! them it is enough that the changes of φ still to come are within the tolerance: where a change is θ
@@ -81,6 +85,9 @@ const STALLED_AFTER: u32 = 12;
 /// Above this θ Newton's method has not yet come to where θ falls.
 const LARGEST_THETA: f64 = 0.1;
 
+/// Above this ratio of a residual to the one before the next iteration has a derivative of its own.
+const FALLS_FAST: f64 = 1e-2;
+
 /// The part of the law's tolerance that substep 2 may use up. The rest is for what else misses: substep 1
 /// and the solves with the mass matrix. Without it a step that ends just within the tolerance is refused
 /// when its books are closed.
@@ -91,6 +98,12 @@ const REFINED_LAW: f64 = 1e-14;
 
 /// Iterations of [`MembraneStep::refine`].
 const REFINEMENTS: u32 = 3;
+
+/// Whether the linearised equations will do for one more iteration where they made the residual so many times as
+/// large and left this defect of the energy law.
+fn serves_again(fell: f64, law: f64, limits: Limits) -> bool {
+    fell <= FALLS_FAST && fell * law.abs() <= SHARE_OF_LAW * limits.law_tolerance
+}
 
 /// What a solved substep 2 took.
 #[derive(Debug, Clone, Copy)]
@@ -180,10 +193,16 @@ impl MembraneStep {
         let mut norm = self.evaluate(places, 0)?;
         let mut progress = Progress::new(norm);
         let mut before = None;
+        let mut keep_linearised = false;
         (places.watch)(Phase::Residual);
         loop {
             work.newton += 1;
+            if !keep_linearised {
+                self.linearise(places, limits.iteration);
+                (places.watch)(Phase::Linearisation);
+            }
             let advance = self.iterate(places, limits, norm, work.newton)?;
+            let fell = advance.norm / norm;
             norm = advance.norm;
             work.krylov += advance.krylov;
             work.damping = work.damping.min(advance.damping);
@@ -215,6 +234,7 @@ impl MembraneStep {
             if converged {
                 return Ok(work);
             }
+            keep_linearised = undamped && serves_again(fell, law, limits);
             if progress.is_stalled([norm, changes[0]]) || work.newton >= limits.iterations() {
                 return Err(self.not_converged(places, limits, work.newton, norm));
             }
@@ -242,6 +262,8 @@ impl MembraneStep {
                 break;
             }
             work.newton += 1;
+            self.linearise(places, limits.iteration);
+            (places.watch)(Phase::Linearisation);
             outcome = match self.iterate(places, limits, norm, work.newton) {
                 Ok(advance) => {
                     work.krylov += advance.krylov;
@@ -261,7 +283,8 @@ impl MembraneStep {
         outcome.map(|_| ())
     }
 
-    /// One iteration from the iterate in `to`, whose residual has this norm.
+    /// One iteration from the iterate in `to`, whose residual has this norm, with the equations as they were
+    /// linearised last.
     fn iterate(
         &mut self,
         places: &mut Places<'_>,
@@ -269,8 +292,6 @@ impl MembraneStep {
         norm: f64,
         iteration: u32,
     ) -> Result<Advance, StepError> {
-        self.linearise(places, limits.iteration);
-        (places.watch)(Phase::Linearisation);
         let goal = self.linear_goal(places, limits, norm);
         let krylov = self
             .solve_linearised(places, goal)
@@ -449,6 +470,20 @@ mod tests {
         );
         assert_eq!(after(1e-4, 0.5), 1e-4, "too slow");
         assert_eq!(after(1.0, 1e-2), 1.0, "too long");
+    }
+
+    #[test]
+    fn the_linearised_equations_serve_again_where_they_lead_to_the_end() {
+        let limits = Limits {
+            iteration: Iteration::Newton,
+            stopping: Stopping::LastChange,
+            tolerance: 1e-6,
+            law_tolerance: 1e-8,
+        };
+        assert!(serves_again(1e-3, -7e-6, limits));
+        assert!(!serves_again(1e-3, 9e-6, limits), "not far enough");
+        assert!(!serves_again(2e-2, 1e-9, limits), "too slow");
+        assert!(!serves_again(f64::NAN, 1e-9, limits));
     }
 
     #[test]

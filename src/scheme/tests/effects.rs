@@ -39,19 +39,19 @@ fn scheme(scene: &Scene) -> Scheme {
     Scheme::new(scene, mesh, initial.phi, initial.director).expect("a scheme")
 }
 
-/// A few steps: where they end, what they did, and their Newton iterations.
+/// A few steps: where they end, what they did, and how often the equations were linearised.
 fn steps(settings: &[&str]) -> (Scheme, Counts, u64) {
     let mut scheme = scheme(&scene(settings));
-    let mut newton = 0;
+    let mut linearised = 0;
     let counts = count::of(|| {
         for step in 1..=STEPS {
-            match scheme.step(DT) {
-                Ok(report) => newton += u64::from(report.newton),
-                Err(error) => panic!("{settings:?} step {step}: {error}"),
+            let mut watch = |phase| linearised += u64::from(phase == Phase::Linearisation);
+            if let Err(error) = scheme.step_watched(DT, &mut watch) {
+                panic!("{settings:?} step {step}: {error}");
             }
         }
     });
-    (scheme, counts, newton)
+    (scheme, counts, linearised)
 }
 
 const QUADRATURES: [&str; 2] = ["solver.quadrature=lumped", "solver.quadrature=consistent"];
@@ -104,30 +104,48 @@ fn an_absent_effect_is_the_limit_of_a_weak_one() {
     }
 }
 
-/// Three matrices an iteration of Newton's method, whatever the effects, and those of substep 1 only
+/// Three matrices whenever the equations are linearised, whatever the effects, and those of substep 1 only
 /// where there is a director.
 #[test]
 fn an_absent_effect_does_no_work() {
     let without = ["anchoring=false", "nematic=false"];
     for off in [&["area=false"][..], &[]] {
-        let (_, counts, newton) = steps(&[&[QUADRATURES[0]], off, &without].concat());
-        assert_eq!(counts.assemblies, 3 * newton, "{off:?}");
+        let (_, counts, linearised) = steps(&[&[QUADRATURES[0]], off, &without].concat());
+        assert_eq!(counts.assemblies, 3 * linearised, "{off:?}");
     }
-    let (_, counts, newton) = steps(&[QUADRATURES[0], "nematic.weight=0", "anchoring=false"]);
+    let (_, counts, linearised) = steps(&[QUADRATURES[0], "nematic.weight=0", "anchoring=false"]);
     assert_eq!(
         counts.assemblies,
-        3 * newton,
+        3 * linearised,
         "nothing acts on the director"
     );
-    let (scheme, counts, newton) = steps(&[QUADRATURES[0]]);
+    let (scheme, counts, linearised) = steps(&[QUADRATURES[0]]);
     // When a region is made, so are its stiffness matrix and nothing else.
     let regions = scheme
         .director
         .as_ref()
         .map_or(0, |step| step.region().parts_made);
     assert!(regions > 0);
-    assert_eq!(counts.assemblies, 3 * newton + u64::from(STEPS) + regions);
+    assert_eq!(
+        counts.assemblies,
+        3 * linearised + u64::from(STEPS) + regions
+    );
     assert!(scheme.report().director_iterations > 0);
+}
+
+/// And not in every iteration of Newton's method: the last ones go on with what the one before had.
+#[test]
+fn the_equations_are_linearised_less_often_than_solved() {
+    let mut scheme = scheme(&scene(&[QUADRATURES[0], "area=false"]));
+    let (mut linearised, mut newton) = (0, 0);
+    for _ in 0..STEPS {
+        let mut watch = |phase| linearised += u32::from(phase == Phase::Linearisation);
+        newton += scheme.step_watched(DT, &mut watch).expect("a step").newton;
+    }
+    assert!(
+        linearised >= STEPS && 4 * linearised <= 3 * newton,
+        "{linearised} {newton}"
+    );
 }
 
 /// The whole mesh, in place of the region, gives the same director up to what may be left out.
