@@ -84,6 +84,8 @@ pub(super) struct Places<'a> {
     pub(super) from: &'a State,
     pub(super) to: &'a mut State,
     pub(super) dt: f64,
+    /// The Δt for which a sparse factor is made where a new one is needed.
+    pub(super) factor_dt: f64,
     /// S, the sum of the absolute energies.
     pub(super) energy_scale: f64,
     /// Told of every phase that ends.
@@ -284,8 +286,8 @@ impl MembraneStep {
     ) -> Result<(), LinalgError> {
         if let Path::Factor { preconditioner } = &mut self.linear.path {
             preconditioner.expire();
-            let mobility = dt * self.mobility;
-            preconditioner.prepare(space, &self.linearised, mobility, width, [1.0; 3])?;
+            let mobilities = [dt * self.mobility; 2];
+            preconditioner.prepare(space, &self.linearised, mobilities, width, [1.0; 3])?;
         }
         Ok(())
     }

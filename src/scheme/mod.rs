@@ -72,6 +72,8 @@ pub struct Scheme {
     slowness: Slowness,
     /// The Δt by which the way to solve is chosen: that of the whole step, where parts of it are taken too.
     length: f64,
+    /// In how many parts it is taken at most.
+    parts: usize,
     stopping: Stopping,
     /// The clock of the history: only differences matter.
     t: f64,
@@ -138,6 +140,7 @@ impl Scheme {
             newton_detour: None,
             slowness,
             length: 0.0,
+            parts: 1,
             stopping: Stopping::LastChange,
             t: 0.0,
             report: StepReport::default(),
@@ -249,7 +252,7 @@ impl Scheme {
     ) -> Result<&StepReport, StepError> {
         self.set_interval(dt);
         let energy_scale = energy_scale(&self.report.energies);
-        self.length = dt;
+        (self.length, self.parts) = (dt, 1);
         self.stopping = Stopping::LastChange;
         self.history.extrapolate(self.t + dt, &mut self.next);
         let mut report = std::mem::take(&mut self.next_report);
@@ -357,6 +360,7 @@ impl Scheme {
         if closed.is_ok() && rise > RISE * energy_scale {
             // Near a state of rest even a residual within the tolerance is more than what dissipates.
             let limits = self.limits(Iteration::Newton);
+            let factor_dt = self.factor_dt();
             let mut places = Places {
                 space: &self.space,
                 effects: &mut self.effects,
@@ -364,6 +368,7 @@ impl Scheme {
                 from: &self.state,
                 to: &mut self.next,
                 dt,
+                factor_dt,
                 energy_scale,
                 watch,
             };
@@ -379,6 +384,11 @@ impl Scheme {
         report.algebraic_error = work.error;
         watch(Phase::Ledger);
         closed
+    }
+
+    /// The Δt in the middle between that of the whole step and that of the shortest parts.
+    fn factor_dt(&self) -> f64 {
+        self.length / (self.parts as f64).sqrt()
     }
 
     fn limits(&self, iteration: Iteration) -> Limits {
@@ -410,6 +420,7 @@ impl Scheme {
             _ => Iteration::Newton,
         };
         let (limits, newton) = (self.limits(iteration), self.limits(Iteration::Newton));
+        let factor_dt = self.factor_dt();
         let mut places = Places {
             space: &self.space,
             effects: &mut self.effects,
@@ -417,6 +428,7 @@ impl Scheme {
             from: &self.state,
             to: &mut self.next,
             dt,
+            factor_dt,
             energy_scale,
             watch,
         };

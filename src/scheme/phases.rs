@@ -133,6 +133,7 @@ impl Phases {
             from: &scheme.state,
             to: &mut scheme.next,
             dt: self.dt,
+            factor_dt: self.dt,
             energy_scale: energy_scale(&scheme.report.energies),
             watch: &mut |_| (),
         };
