@@ -11,8 +11,9 @@
 
 use super::choice::can_change_mesh;
 use super::clock::Stopwatch;
+use crate::record::Settings;
 use crate::scene::{LinearMethod, Mesh, Scene};
-use crate::simulation::{Simulation, SimulationError, memory_held, step_count};
+use crate::simulation::{Schedule, Simulation, SimulationError, memory_held, step_count};
 use std::fmt;
 use std::time::Duration;
 
@@ -31,7 +32,6 @@ impl fmt::Display for RunPrice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("about ")?;
         match self.seconds {
-            s if s < 1.0 => f.write_str("a second")?,
             s if s < 9.5 => write!(f, "{s:.1} s")?,
             s if s < 120.0 => write!(f, "{s:.0} s")?,
             s if s < 7200.0 => write!(f, "{:.0} min", s / 60.0)?,
@@ -117,7 +117,7 @@ fn fixed(scene: &Scene, steps: u64) -> Result<RunPrice, SimulationError> {
 
 fn chosen(scene: &Scene) -> Result<RunPrice, SimulationError> {
     let watch = Stopwatch::start();
-    let mut simulation = Simulation::new(scene)?;
+    let mut simulation = recorded(scene)?;
     let setup = watch.elapsed();
     let end = scene.time.end;
     let mut times = Vec::new();
@@ -139,7 +139,7 @@ fn chosen(scene: &Scene) -> Result<RunPrice, SimulationError> {
         let limit = COARSE_SHARE * a_correction * USUAL_CORRECTIONS;
         let limit = Duration::from_secs_f64(limit).clamp(CALIBRATION, COARSE_LIMIT);
         match coarse(scene) {
-            Some(coarse) => Further::of(Simulation::new(&coarse)?, t, limit)?.on_a_finer_mesh(),
+            Some(coarse) => Further::of(recorded(&coarse)?, t, limit)?.on_a_finer_mesh(),
             None => Further::of(simulation, t, limit)?,
         }
     } else {
@@ -150,6 +150,16 @@ fn chosen(scene: &Scene) -> Result<RunPrice, SimulationError> {
         seconds: setup.as_secs_f64() + made + further.corrections * a_correction,
         memory,
     })
+}
+
+/// A simulation whose chosen steps end where a run's snapshots are taken.
+fn recorded(scene: &Scene) -> Result<Simulation, SimulationError> {
+    let mut simulation = Simulation::new(scene)?;
+    let Settings {
+        every, snapshots, ..
+    } = Settings::default();
+    simulation.follow(&Schedule::new(&scene.time, every, snapshots));
+    Ok(simulation)
 }
 
 /// What a run still takes from a time on.
@@ -285,7 +295,7 @@ mod tests {
             };
             price.to_string()
         };
-        assert_eq!(told(0.3), "about a second and 50 MB, 7 steps");
+        assert_eq!(told(0.34), "about 0.3 s and 50 MB, 7 steps");
         assert_eq!(told(1.43), "about 1.4 s and 50 MB, 7 steps");
         assert_eq!(told(11.6), "about 12 s and 50 MB, 7 steps");
         assert_eq!(told(300.0), "about 5 min and 50 MB, 7 steps");

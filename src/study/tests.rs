@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::scene::Scene;
-use crate::simulation::Simulation;
+use crate::simulation::{Schedule, Simulation};
 use std::sync::LazyLock;
 use std::time::Duration;
 
@@ -163,11 +163,11 @@ fn the_number_of_chosen_steps_is_foreseen() {
     let scene = scene(CALM);
     let foreseen = run_price(&scene).expect("it can be run");
     let mut simulation = Simulation::new(&scene).expect("it is small");
+    simulation.follow(&Schedule::new(&scene.time, 1, 5));
     while simulation.report().t < scene.time.end {
         simulation.advance().expect("solved");
     }
-    let ratio = foreseen.steps as f64 / simulation.report().step as f64;
-    assert!((0.5..2.0).contains(&ratio), "{ratio}");
+    assert_eq!(foreseen.steps, simulation.report().step);
     assert!(foreseen.seconds > 0.0 && foreseen.memory > 6_000_000);
 }
 
