@@ -125,6 +125,19 @@ fn drawings(runs: &[RunData], width: u32) -> Vec<(&'static str, Drawing)> {
     drawings
 }
 
+/// The view of a run's first snapshot.
+fn first_view<'a>(run: &'a RunData, report: &'a Report, field: Field) -> View<'a> {
+    View {
+        name: &run.name,
+        scene: &run.scene,
+        mesh: &run.mesh,
+        state: &run.snapshots[0].state,
+        report,
+        field,
+        command: "",
+    }
+}
+
 /// The views of a run at this width, one for each field.
 fn views(run: &RunData, width: u32) -> Vec<(&'static str, Drawing)> {
     let mut drawings = Vec::new();
@@ -139,15 +152,7 @@ fn views(run: &RunData, width: u32) -> Vec<(&'static str, Drawing)> {
         (density, "view of ε/2 ω²"),
     ] {
         let report = report(run.snapshots[0].step);
-        let view = View {
-            name: &run.name,
-            scene: &run.scene,
-            mesh: &run.mesh,
-            state: &run.snapshots[0].state,
-            report: &report,
-            field,
-            command: "",
-        };
+        let view = first_view(run, &report, field);
         drawings.push((name, view::draw(&view, &label, &options(width))));
     }
     drawings

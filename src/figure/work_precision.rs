@@ -270,19 +270,18 @@ impl Axes {
                 continue;
             };
             let at = self.at(point.seconds, error);
-            if let Some(run) = &point.run {
-                drawing.polygon(disc(at, 0.3 * size), Colour::BLACK);
-                self.name(drawing, run, at);
+            match &point.run {
+                Some(run) => {
+                    drawing.polygon(disc(at, 0.3 * size), Colour::BLACK);
+                    self.name(drawing, run, at);
+                }
+                None if point.is_own => {}
+                None if is_plain(study, point) => drawing.polygon(disc(at, 0.3 * size), colour),
+                None => drawing.line(square(at, 0.3 * size), 1.4 * stroke(size), colour),
             }
             if point.is_own {
                 drawing.polygon(star(at, 0.75 * size), Colour::BLACK);
                 drawing.polygon(star(at, 0.55 * size), colour);
-            } else if point.run.is_some() {
-                // It has been drawn.
-            } else if is_plain(study, point) {
-                drawing.polygon(disc(at, 0.3 * size), colour);
-            } else {
-                drawing.line(square(at, 0.3 * size), 1.4 * stroke(size), colour);
             }
         }
     }

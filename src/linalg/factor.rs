@@ -12,14 +12,15 @@
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
 use faer::perm::PermRef;
+use faer::sparse::SparseColMatRef;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky,
 };
 use faer::sparse::linalg::{SupernodalThreshold, SymbolicSupernodalParams};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Par, Side};
 
+use super::lower::LowerTriangle;
 use super::supernodal::Supernodes;
 use super::{LinalgError, LinearOperator, Pattern};
 
@@ -41,11 +42,7 @@ const LEAST_PIVOT: f32 = 3.5e-4;
 /// A factored symmetric matrix.
 pub struct Ldlt {
     size: usize,
-    /// The lower triangle by columns.
-    column_start: Vec<u32>,
-    rows: Vec<u32>,
-    /// Where the stored lower entries stand among the values of the whole pattern.
-    sources: Vec<u32>,
+    lower: LowerTriangle,
     values: Vec<f64>,
     /// S of the scaled matrix S A S.
     scaling: Vec<f64>,
@@ -81,23 +78,8 @@ impl Ldlt {
         for (place, row) in (0..).zip(&order) {
             inverse[*row as usize] = place;
         }
-        let mut column_start = vec![0];
-        let (mut rows, mut sources) = (Vec::new(), Vec::new());
-        // The pattern is symmetric, so the upper part of row i is the lower part of column i.
-        for column in 0..size {
-            let start = rows.len();
-            for (position, row) in pattern.row(column) {
-                if row as usize >= column {
-                    rows.push(row);
-                    sources.push(position as u32);
-                }
-            }
-            debug_assert!(rows[start..].is_sorted());
-            column_start.push(rows.len() as u32);
-        }
+        let lower = LowerTriangle::of(pattern);
         let failed = |reason: String| LinalgError::Factorisation { size, reason };
-        let structure =
-            SymbolicSparseColMatRef::new_checked(size, size, &column_start, None, &rows);
         let parameters = CholeskySymbolicParams {
             supernodal_flop_ratio_threshold: ALWAYS_SUPERNODES,
             supernodal_params: SymbolicSupernodalParams {
@@ -106,8 +88,9 @@ impl Ldlt {
             ..CholeskySymbolicParams::default()
         };
         let ordering = SymmetricOrdering::Custom(PermRef::new_checked(&order, &inverse, size));
-        let symbolic = factorize_symbolic_cholesky(structure, Side::Lower, ordering, parameters)
-            .map_err(|error| failed(error.to_string()))?;
+        let symbolic =
+            factorize_symbolic_cholesky(lower.structure(), Side::Lower, ordering, parameters)
+                .map_err(|error| failed(error.to_string()))?;
         let SymbolicCholeskyRaw::Supernodal(supernodes) = symbolic.raw() else {
             return Err(failed("the factor has no supernodes".to_owned()));
         };
@@ -118,13 +101,11 @@ impl Ldlt {
         let factor_memory =
             memory(symbolic.factorize_numeric_ldlt_scratch::<f32>(Par::Seq, Default::default()))?;
         let factor = vec![0.0; symbolic.len_val()];
-        let scaled = vec![0.0; rows.len()];
-        let values = vec![0.0; rows.len()];
+        let scaled = vec![0.0; lower.rows().len()];
+        let values = vec![0.0; lower.rows().len()];
         Ok(Self {
             size,
-            column_start,
-            rows,
-            sources,
+            lower,
             values,
             scaling: vec![1.0; size],
             symbolic,
@@ -143,9 +124,7 @@ impl Ldlt {
     /// # Errors
     /// `Factorisation` where the factor overflows, `NotFinite` where the matrix is not finite.
     pub fn refactor(&mut self, values: &[f64]) -> Result<(), LinalgError> {
-        for (value, &source) in self.values.iter_mut().zip(&self.sources) {
-            *value = values[source as usize];
-        }
+        self.lower.gather(|entry| values[entry], &mut self.values);
         self.equilibrate();
         if !self.values.iter().all(|value| value.is_finite()) {
             return Err(LinalgError::NotFinite {
@@ -156,17 +135,10 @@ impl Ldlt {
         for (scaled, value) in self.scaled.iter_mut().zip(&self.values) {
             *scaled = *value as f32;
         }
-        let structure = SymbolicSparseColMatRef::new_checked(
-            self.size,
-            self.size,
-            &self.column_start,
-            None,
-            &self.rows,
-        );
         self.symbolic
             .factorize_numeric_ldlt(
                 &mut self.factor,
-                SparseColMatRef::new(structure, &self.scaled),
+                SparseColMatRef::new(self.lower.structure(), &self.scaled),
                 Side::Lower,
                 LdltRegularization {
                     dynamic_regularization_epsilon: NO_PIVOT,
@@ -192,10 +164,8 @@ impl Ldlt {
         for _ in 0..2 {
             largest.fill(0.0);
             for column in 0..self.size {
-                let range =
-                    self.column_start[column] as usize..self.column_start[column + 1] as usize;
-                for position in range {
-                    let row = self.rows[position] as usize;
+                for position in self.lower.column(column) {
+                    let row = self.lower.rows()[position] as usize;
                     let value = self.values[position].abs();
                     largest[row] = largest[row].max(value);
                     largest[column] = largest[column].max(value);
@@ -209,11 +179,9 @@ impl Ldlt {
                 };
             }
             for column in 0..self.size {
-                let range =
-                    self.column_start[column] as usize..self.column_start[column + 1] as usize;
-                for position in range {
+                for position in self.lower.column(column) {
                     self.values[position] *=
-                        largest[column] * largest[self.rows[position] as usize];
+                        largest[column] * largest[self.lower.rows()[position] as usize];
                 }
                 self.scaling[column] *= largest[column];
             }

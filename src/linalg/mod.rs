@@ -7,6 +7,7 @@ pub(crate) mod count;
 mod error;
 mod factor;
 mod gmres;
+mod lower;
 mod order;
 mod shifted;
 mod sparse;

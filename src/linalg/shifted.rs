@@ -12,24 +12,21 @@
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
+use faer::sparse::SparseColMatRef;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky,
 };
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Par, Side};
 
+use super::lower::LowerTriangle;
 use super::{LinalgError, Pattern};
 
 /// The structure of the factors, and the last few factors that were used.
 pub struct ShiftedFactors {
     size: usize,
-    /// The lower triangle by columns.
-    column_start: Vec<u32>,
-    rows: Vec<u32>,
-    /// Where its entries stand among the values of the pattern.
-    sources: Vec<u32>,
+    lower: LowerTriangle,
     values: Vec<f64>,
     symbolic: SymbolicCholesky<u32>,
     memory: MemBuffer,
@@ -80,27 +77,15 @@ impl ShiftedFactors {
     pub fn analyse(pattern: &Pattern, most_kept: usize) -> Result<Self, LinalgError> {
         let size = pattern.size();
         let failed = |reason: String| LinalgError::Factorisation { size, reason };
-        let mut column_start = vec![0];
-        let (mut rows, mut sources) = (Vec::new(), Vec::new());
-        // The pattern is symmetric, so the upper part of row i is the lower part of column i.
-        for column in 0..size {
-            for (position, row) in pattern.row(column) {
-                if row as usize >= column {
-                    rows.push(row);
-                    sources.push(position as u32);
-                }
-            }
-            column_start.push(rows.len() as u32);
-        }
-        let structure =
-            SymbolicSparseColMatRef::new_checked(size, size, &column_start, None, &rows);
+        let lower = LowerTriangle::of(pattern);
         let parameters = CholeskySymbolicParams {
             supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SIMPLICIAL,
             ..CholeskySymbolicParams::default()
         };
         let ordering = SymmetricOrdering::Amd;
-        let symbolic = factorize_symbolic_cholesky(structure, Side::Lower, ordering, parameters)
-            .map_err(|error| failed(error.to_string()))?;
+        let symbolic =
+            factorize_symbolic_cholesky(lower.structure(), Side::Lower, ordering, parameters)
+                .map_err(|error| failed(error.to_string()))?;
         let SymbolicCholeskyRaw::Simplicial(simplicial) = symbolic.raw() else {
             return Err(failed("the factor is not simplicial".to_owned()));
         };
@@ -131,10 +116,8 @@ impl ShiftedFactors {
             MemBuffer::try_new(request).map_err(|_| failed("not enough memory".to_owned()))?;
         Ok(Self {
             size,
-            values: vec![0.0; rows.len()],
-            column_start,
-            rows,
-            sources,
+            values: vec![0.0; lower.rows().len()],
+            lower,
             scratch: vec![0.0; symbolic.len_val()],
             symbolic,
             memory,
@@ -166,9 +149,8 @@ impl ShiftedFactors {
             self.kept.push(factor);
             return Ok(());
         }
-        for (value, &source) in self.values.iter_mut().zip(&self.sources) {
-            *value = a[source as usize] + shift * b[source as usize];
-        }
+        let sum = |entry: usize| a[entry] + shift * b[entry];
+        self.lower.gather(sum, &mut self.values);
         if !self.values.iter().all(|value| value.is_finite()) {
             return Err(LinalgError::NotFinite {
                 place: "the matrix to factor",
@@ -177,12 +159,10 @@ impl ShiftedFactors {
         }
         let size = self.size;
         let failed = |reason: String| LinalgError::Factorisation { size, reason };
-        let structure =
-            SymbolicSparseColMatRef::new_checked(size, size, &self.column_start, None, &self.rows);
         self.symbolic
             .factorize_numeric_ldlt(
                 &mut self.scratch,
-                SparseColMatRef::new(structure, &self.values),
+                SparseColMatRef::new(self.lower.structure(), &self.values),
                 Side::Lower,
                 LdltRegularization::default(),
                 Par::Seq,

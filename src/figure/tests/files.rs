@@ -172,15 +172,7 @@ fn an_svg_needs_no_font_and_has_the_size_of_the_png() {
 fn golden_drawing() -> Drawing {
     let run = run("golden", "Golden", 1);
     let report = report(0);
-    let view = View {
-        name: &run.name,
-        scene: &run.scene,
-        mesh: &run.mesh,
-        state: &run.snapshots[0].state,
-        report: &report,
-        field: Field::Phase,
-        command: "",
-    };
+    let view = first_view(&run, &report, Field::Phase);
     view::draw(
         &view,
         &RunLabel::new("golden", &run.scene, &[]),
@@ -287,15 +279,7 @@ fn nothing_is_overwritten_unless_it_is_wanted() {
     let folder = tempfile::tempdir().expect("a folder");
     let run = run("a", "Case 3", 1);
     let report = report(0);
-    let view = View {
-        name: &run.name,
-        scene: &run.scene,
-        mesh: &run.mesh,
-        state: &run.snapshots[0].state,
-        report: &report,
-        field: Field::Phase,
-        command: "",
-    };
+    let view = first_view(&run, &report, Field::Phase);
     let save = |existing| {
         let options = FigureOptions {
             existing,
