@@ -1,7 +1,7 @@
 //! What a run will cost, before it is begun.
 //!
-//! **Fixed steps.** The scene's own first steps are made for a second or two, until the guesses of the
-//! iteration are as good as they get; the last of them tell what every further step takes.
+//! **Fixed steps.** The scene's own first steps are made for a second or two. Later ones are cheaper, for their guesses
+//! are better: by how much is told by the iterations that steps on a coarse mesh come down to.
 //!
 //! **Chosen steps.** What a correction of Newton's method takes is measured on the scene's own mesh, with its
 //! first steps. How many further ones there will be does not depend much on the mesh; so they are counted in a
@@ -13,7 +13,9 @@ use super::choice::can_change_mesh;
 use super::clock::Stopwatch;
 use crate::record::Settings;
 use crate::scene::{LinearMethod, Mesh, Scene};
-use crate::simulation::{Schedule, Simulation, SimulationError, memory_held, step_count};
+use crate::simulation::{
+    Phase, Report, Schedule, Simulation, SimulationError, memory_held, step_count,
+};
 use std::fmt;
 use std::time::Duration;
 
@@ -33,7 +35,7 @@ impl fmt::Display for RunPrice {
         f.write_str("about ")?;
         match self.seconds {
             s if s < 9.5 => write!(f, "{s:.1} s")?,
-            s if s < 120.0 => write!(f, "{s:.0} s")?,
+            s if s < 600.0 => write!(f, "{s:.0} s")?,
             s if s < 7200.0 => write!(f, "{:.0} min", s / 60.0)?,
             s => write!(f, "{:.1} h", s / 3600.0)?,
         }
@@ -48,8 +50,11 @@ const CALIBRATION: Duration = Duration::from_millis(1500);
 /// and no longer than this where the machine is busy with other things.
 const PATIENCE: Duration = Duration::from_secs(15);
 
-/// After so many steps the guesses are as good as they get.
+/// Steps that are made at most on the own mesh.
 const SETTLED: u64 = 64;
+
+/// After so many steps the guesses are as good as they get: those of `circle` from the 130th on.
+const SETTLED_COARSE: u64 = 256;
 
 /// The last steps of a calibration count.
 const LAST: usize = 8;
@@ -95,24 +100,89 @@ fn fixed(scene: &Scene, steps: u64) -> Result<RunPrice, SimulationError> {
     let watch = Stopwatch::start();
     let mut simulation = Simulation::new(scene)?;
     let setup = watch.elapsed();
-    let mut times = Vec::new();
-    let mut before = watch.elapsed();
-    while (times.len() as u64) < steps.min(SETTLED)
-        && (!is_over(&watch) || (times.len() < FEWEST && watch.elapsed() < LONGEST))
+    let mut made: Vec<Made> = Vec::new();
+    let mut before = setup;
+    while (made.len() as u64) < steps.min(SETTLED)
+        && (!is_over(&watch) || (made.len() < FEWEST && watch.elapsed() < LONGEST))
     {
-        simulation.advance()?;
+        let report = simulation.advance()?;
         let now = watch.elapsed();
-        times.push((now - before).as_secs_f64());
+        made.push(Made::of(report, (now - before).as_secs_f64()));
         before = now;
     }
-    let made: f64 = times.iter().sum();
-    let last = &times[times.len().saturating_sub(LAST)..];
-    let further = (steps - times.len() as u64) as f64 * middle(last);
+    let left = steps - made.len() as u64;
+    let last = &made[made.len().saturating_sub(LAST)..];
+    let a_step = match coarse(scene) {
+        Some(coarse) if left > 0 => {
+            let work = later_work(&coarse, steps)?;
+            middle(last.iter().map(|made| made.with(work)))
+        }
+        _ => middle(last.iter().map(|made| made.seconds)),
+    };
+    let seconds: f64 = made.iter().map(|made| made.seconds).sum();
     Ok(RunPrice {
         steps,
-        seconds: setup.as_secs_f64() + made + further,
+        seconds: setup.as_secs_f64() + seconds + left as f64 * a_step,
         memory: memory_held(scene, simulation.linear_method() == "factor"),
     })
+}
+
+/// Corrections of Newton's method and Krylov iterations of a step.
+type StepWork = [f64; 2];
+
+fn work_of(report: &Report) -> StepWork {
+    [report.newton, report.krylov].map(f64::from)
+}
+
+/// What a step that was made took.
+struct Made {
+    seconds: f64,
+    work: StepWork,
+    /// On the clock: of its residuals, its linearisations, its Krylov iterations, and all of it.
+    parts: [f64; 4],
+}
+
+impl Made {
+    fn of(report: &Report, seconds: f64) -> Self {
+        let part = |phase| report.costs.of(phase).as_secs_f64();
+        let all = Phase::ALL.into_iter().map(part).sum();
+        Self {
+            seconds,
+            work: work_of(report),
+            parts: [
+                part(Phase::Residual),
+                part(Phase::Linearisation),
+                part(Phase::Krylov),
+                all,
+            ],
+        }
+    }
+
+    /// What a step with other work would take.
+    fn with(&self, [newton, krylov]: StepWork) -> f64 {
+        let [had_newton, had_krylov] = self.work;
+        let [residual, linearisation, iterations, all] = self.parts;
+        if had_newton == 0.0 || had_krylov == 0.0 || all == 0.0 {
+            return self.seconds;
+        }
+        // There is a residual before the first correction.
+        let change = residual * ((newton + 1.0) / (had_newton + 1.0) - 1.0)
+            + linearisation * (newton / had_newton - 1.0)
+            + iterations * (krylov / had_krylov - 1.0);
+        self.seconds * (1.0 + change / all)
+    }
+}
+
+/// The work of a step once the guesses are as good as they get, as a coarse mesh shows it.
+fn later_work(coarse: &Scene, steps: u64) -> Result<StepWork, SimulationError> {
+    let watch = Stopwatch::start();
+    let mut simulation = Simulation::new(coarse)?;
+    let mut work = Vec::new();
+    while (work.len() as u64) < steps.min(SETTLED_COARSE) && !is_over(&watch) {
+        work.push(work_of(simulation.advance()?));
+    }
+    let last = &work[work.len().saturating_sub(LAST)..];
+    Ok([0, 1].map(|kind| last.iter().map(|work| work[kind]).sum::<f64>() / last.len() as f64))
 }
 
 fn chosen(scene: &Scene) -> Result<RunPrice, SimulationError> {
@@ -131,7 +201,7 @@ fn chosen(scene: &Scene) -> Result<RunPrice, SimulationError> {
         made += time;
         before = now;
     }
-    let a_correction = middle(&times);
+    let a_correction = middle(times.into_iter());
     let report = simulation.report();
     let (steps, t) = (report.step, report.t);
     let memory = memory_held(scene, simulation.linear_method() == "factor");
@@ -232,8 +302,8 @@ fn is_over(watch: &Stopwatch) -> bool {
 }
 
 /// The median: a step that was held up by something says nothing of the others.
-fn middle(values: &[f64]) -> f64 {
-    let mut values = values.to_vec();
+fn middle(values: impl Iterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or_default()
 }
@@ -298,6 +368,20 @@ mod tests {
         assert_eq!(told(0.34), "about 0.3 s and 50 MB, 7 steps");
         assert_eq!(told(1.43), "about 1.4 s and 50 MB, 7 steps");
         assert_eq!(told(11.6), "about 12 s and 50 MB, 7 steps");
-        assert_eq!(told(300.0), "about 5 min and 50 MB, 7 steps");
+        assert_eq!(told(900.0), "about 15 min and 50 MB, 7 steps");
+    }
+
+    #[test]
+    fn a_later_step_is_cheaper_by_the_work_that_it_does_not_do() {
+        let made = Made {
+            seconds: 2.0,
+            work: [2.0, 20.0],
+            // Half of the time on the clock was somebody else's; a fifth of it is for other parts.
+            parts: [0.6, 0.6, 2.0, 4.0],
+        };
+        assert_eq!(made.with([2.0, 20.0]), 2.0);
+        // A residual of three, a linearisation of two, and half of the iterations less.
+        let wanted = 2.0 * (1.0 - (0.2 + 0.3 + 1.0) / 4.0);
+        assert!((made.with([1.0, 10.0]) - wanted).abs() < 1e-12);
     }
 }
