@@ -22,7 +22,7 @@ use faer::{Par, Side};
 
 use super::lower::LowerTriangle;
 use super::supernodal::Supernodes;
-use super::{LinalgError, LinearOperator, Pattern};
+use super::{LinalgError, Pattern};
 
 /// Adjacent supernodes become one if together they have at most so many columns, and less than this part of
 /// their entries is zero. The library's own choice allows more zeros, which is good where products of small
@@ -188,11 +188,6 @@ impl Ldlt {
         }
     }
 
-    /// Entries of the factor.
-    pub fn entries(&self) -> usize {
-        self.factor.len()
-    }
-
     /// x ← A⁻¹ x, nearly: to what half precision makes of it.
     pub fn solve_in_place(&mut self, x: &mut [f64]) {
         let mut largest = 0.0_f64;
@@ -210,14 +205,6 @@ impl Ldlt {
             let row = *row as usize;
             x[row] = unit * self.scaling[row] * f64::from(*side);
         }
-    }
-}
-
-impl LinearOperator for Ldlt {
-    /// y ← A⁻¹ x.
-    fn apply(&mut self, x: &[f64], y: &mut [f64]) {
-        y.copy_from_slice(x);
-        self.solve_in_place(y);
     }
 }
 

@@ -474,6 +474,18 @@ mod tests {
     }
 
     #[test]
+    fn one_factor_serves_all_parts_of_a_step() {
+        for parts in [2, 3] {
+            let middle = f64::from(parts).sqrt().recip();
+            let age = Age {
+                made_for: Some(middle),
+                last_iterations: 0,
+            };
+            assert!((1..=parts).all(|part| !age.must_refresh(f64::from(part).recip())));
+        }
+    }
+
+    #[test]
     fn a_factor_is_kept_while_it_serves() {
         let age = Age {
             made_for: Some(1e-9),

@@ -6,7 +6,7 @@ use crate::simulation::{Schedule, Simulation};
 use std::sync::LazyLock;
 use std::time::Duration;
 
-fn scene(settings: &str) -> Scene {
+pub(super) fn scene(settings: &str) -> Scene {
     let text = format!(
         "
         mesh.cells = 24
@@ -75,7 +75,7 @@ fn solve(settings: &str, cells: usize, tolerance: f64) -> Solved {
     Solved { cells, phi }
 }
 
-const CALM: &str = "time = { tolerance = 1e-3, end = 1e-4 }";
+pub(super) const CALM: &str = "time = { tolerance = 1e-3, end = 1e-4 }";
 
 #[test]
 fn where_the_mesh_dominates_it_is_the_knob_and_the_other_gains_nothing() {
