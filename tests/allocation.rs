@@ -20,12 +20,15 @@ thread_local! {
     /// Bytes of a field, and how many blocks of at least that size were taken.
     static FIELD: Cell<usize> = const { Cell::new(usize::MAX) };
     static FIELDS: Cell<u64> = const { Cell::new(0) };
-    /// Bytes that are held.
+    /// Bytes that are held, and the most of them.
     static HELD: Cell<isize> = const { Cell::new(0) };
+    static MOST: Cell<isize> = const { Cell::new(0) };
 }
 
 fn hold(bytes: isize) {
-    HELD.with(|held| held.set(held.get() + bytes));
+    let held = HELD.with(Cell::get) + bytes;
+    HELD.with(|cell| cell.set(held));
+    MOST.with(|most| most.set(most.get().max(held)));
 }
 
 fn count(size: usize) {
@@ -127,6 +130,30 @@ fn an_absent_effect_takes_no_vector() {
         assert_eq!(of(&["anchoring.kind=none"]), nematic);
         assert!(of(&[]) > nematic);
     }
+}
+
+/// The memory that the making of a mesh takes is that of its nodes, also where the longest edges are
+/// thousands of times the shortest, and a run of the scene is foreseen to need more.
+#[test]
+fn a_graded_mesh_is_made_in_the_memory_of_its_nodes() {
+    let text = "
+        mesh = { kind = 'delaunay', size = 0.25, refine = { band = 1e-4, size = 5e-5 } }
+        membrane = { interface_width = 0.03 }
+        vesicle = { shape = 'circle', radius = 0.01 }
+    ";
+    let scene = scene(text, &[] as &[&str]);
+    let before = HELD.with(Cell::get);
+    MOST.with(|most| most.set(before));
+    let nodes = common::mesh(&scene).nodes().len();
+    let bytes = (MOST.with(Cell::get) - before) as f64;
+    let expected = vesica::simulation::node_count(&scene);
+    assert!(
+        (expected / nodes as f64 - 1.0).abs() < 0.1,
+        "{expected} {nodes}"
+    );
+    assert!(bytes / (nodes as f64) < 1500.0, "{bytes} for {nodes} nodes");
+    let foreseen = vesica::simulation::memory_needed(&scene) as f64;
+    assert!(bytes < foreseen, "{bytes} {foreseen}");
 }
 
 /// An effect that does nothing, and of which nobody knows where it acts on the director: with it substep

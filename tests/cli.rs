@@ -51,6 +51,9 @@ fn stderr(output: &Output) -> &str {
     std::str::from_utf8(&output.stderr).expect("text")
 }
 
+/// A mesh that takes seconds to make.
+const FINE_MESH: &str = "mesh={ kind = 'delaunay', size = 0.004 }";
+
 /// The run did what it should; gives what stands in `run.json`.
 #[track_caller]
 fn done(folder: &Path, output: &Output, run: &str) -> serde_json::Value {
@@ -639,4 +642,66 @@ fn the_effects_are_priced() {
         &["effects", "nowhere.toml"],
         &["nowhere.toml"],
     );
+}
+
+/// Nothing was computed yet: the run ends without waiting for its mesh, and goes on from the beginning.
+#[test]
+fn a_signal_ends_a_run_while_it_is_set_up() {
+    let folder = folder_with_scene();
+    let path = folder.path();
+    let arguments = ["run", "small.toml", "--out", "r", "--set", FINE_MESH];
+    let mut command = command(path, &arguments);
+    let child = command
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("vesica starts");
+    let begun = Instant::now();
+    while !path.join("r/scene.toml").exists() {
+        assert!(begun.elapsed() < Duration::from_secs(60), "no folder");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let status = Command::new("kill").arg(child.id().to_string()).status();
+    assert!(status.expect("kill starts").success());
+    let output = child.wait_with_output().expect("it ends");
+    assert_eq!(output.status.code(), Some(143), "{}", stderr(&output));
+    assert!(
+        stderr(&output).contains("ended by SIGTERM while the run was set up"),
+        "{}",
+        stderr(&output)
+    );
+    assert!(!path.join("r/history.csv").exists());
+    assert_eq!(summary(path, "r")["status"], "interrupted");
+    let again = ["run", "small.toml", "--out", "r", "--resume"];
+    done(path, &vesica(path, &again), "r");
+}
+
+/// The address space that the shell allows is memory too, less what the process has of it already.
+#[cfg(target_os = "linux")]
+#[test]
+fn more_memory_than_ulimit_allows_is_refused_before_anything_begins() {
+    let folder = folder_with_scene();
+    let limited = |arguments: &str| {
+        let vesica = env!("CARGO_BIN_EXE_vesica");
+        let line = format!("ulimit -v 600000; exec '{vesica}' {arguments} --set mesh.cells=600");
+        let mut shell = Command::new("sh");
+        let shell = shell.current_dir(folder.path()).args(["-c", &line]);
+        shell.stdin(Stdio::null()).output().expect("sh starts")
+    };
+    for arguments in [
+        "run small.toml",
+        "check small.toml",
+        "effects small.toml",
+        "figures small.toml",
+    ] {
+        let output = limited(arguments);
+        let words = stderr(&output);
+        for part in [
+            "a mesh of 600 × 600 cells would need about",
+            "MB are left of the address space that ulimit -v allows: lower mesh.cells",
+        ] {
+            assert!(words.contains(part), "{arguments}: {words}");
+        }
+        assert!(matches!(output.status.code(), Some(1 | 2)), "{arguments}");
+    }
+    assert!(!folder.path().join("runs").exists());
 }

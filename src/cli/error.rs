@@ -131,6 +131,22 @@ pub(super) enum CliError {
         /// The run's folder.
         folder: PathBuf,
     },
+    /// A run was ended by a signal before its first step, and the folder says so.
+    #[error(
+        "ended by {signal} while the run was set up; no step was made. Go on with: vesica run {0} --resume",
+        folder.display()
+    )]
+    SetUpInterrupted {
+        /// The signal's name.
+        signal: &'static str,
+        /// The signal's number.
+        number: i32,
+        /// The run's folder.
+        folder: PathBuf,
+    },
+    /// The system starts no thread.
+    #[error("the system starts no thread for the run: {0}")]
+    Thread(#[source] io::Error),
     /// A scene could not be measured.
     #[error("the effects cannot be measured: {0}")]
     Study(#[source] SimulationError),
@@ -228,9 +244,11 @@ impl CliError {
             | CliError::Figure(_)
             | CliError::RunsFailed { .. }
             | CliError::Signals(_)
+            | CliError::Thread(_)
             | CliError::Output(_) => CliError::FAILED,
             // A signal's number is below 65.
             CliError::Interrupted { number, .. }
+            | CliError::SetUpInterrupted { number, .. }
             | CliError::FiguresInterrupted { number, .. }
             | CliError::StudyEnded { number, .. }
             | CliError::AppEnded { number } => 128_u8.saturating_add(*number as u8),
@@ -241,6 +259,7 @@ impl CliError {
     pub fn tell(&self) {
         match self {
             CliError::Interrupted { .. }
+            | CliError::SetUpInterrupted { .. }
             | CliError::FiguresInterrupted { .. }
             | CliError::StudyEnded { .. } => output::note(self),
             // It has left a line that says how far it came.

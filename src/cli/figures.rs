@@ -10,10 +10,11 @@ use crate::figure::{
     save_set,
 };
 use crate::record::{
-    IfOccupied, Preparation, RecordError, RecordedRun, RunFolder, Settings, load_scene, read_run,
+    Ending, IfOccupied, Preparation, RecordError, RecordedRun, RunFolder, Settings, load_scene,
+    read_run,
 };
 use crate::scene::{Scene, preset};
-use crate::simulation::Simulation;
+use crate::simulation::{Simulation, SimulationError, free_memory, memory_needed};
 use indicatif::MultiProgress;
 use std::ffi::{OsStr, OsString};
 use std::fmt;
@@ -293,9 +294,17 @@ enum Outcome {
     Failed(String),
 }
 
-/// Simulates the jobs side by side, as many at a time as there are processors.
+/// Simulates the jobs side by side, as many at a time as there are processors and memory.
 fn compute(jobs: &[Job], signal: &EndSignal) -> Vec<Outcome> {
-    let threads = thread::available_parallelism().map_or(1, NonZero::get);
+    let processors = thread::available_parallelism().map_or(1, NonZero::get);
+    let needed = jobs.iter().map(|job| memory_needed(&job.scene)).max();
+    let threads = match (free_memory(), needed) {
+        (Some(free), Some(needed)) => {
+            let fitting = usize::try_from(free.bytes / needed.max(1)).unwrap_or(processors);
+            processors.min(fitting.max(1))
+        }
+        _ => processors,
+    };
     let bars = MultiProgress::new();
     let next = AtomicUsize::new(0);
     let outcomes: Vec<Mutex<Option<Outcome>>> = jobs.iter().map(|_| Mutex::new(None)).collect();
@@ -330,10 +339,19 @@ fn compute_one(
 ) -> Result<Outcome, RecordError> {
     let preparation = Preparation::begin(job.folder.clone(), &job.scene, Settings::default())?;
     let begun = Instant::now();
-    let mut simulation = match Simulation::new(&job.scene) {
-        Ok(simulation) => simulation,
-        Err(error) => {
-            preparation.fail(error.to_string())?;
+    let mut ended = None;
+    let simulation = Simulation::new_unless(&job.scene, &mut |_| {
+        ended = signal.received();
+        ended.is_some()
+    });
+    let mut simulation = match (simulation, ended) {
+        (Ok(simulation), _) => simulation,
+        (Err(SimulationError::Ended), Some(signal)) => {
+            preparation.end(Ending::Interrupted)?;
+            return Ok(Outcome::Stopped(signal));
+        }
+        (Err(error), _) => {
+            preparation.end(Ending::Failed(error.to_string()))?;
             return Ok(Outcome::Failed(error.to_string()));
         }
     };

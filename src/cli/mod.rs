@@ -14,6 +14,7 @@ mod output;
 mod presets;
 mod progress;
 mod run;
+mod set_up;
 mod signals;
 
 use crate::scene::preset;

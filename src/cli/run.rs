@@ -4,6 +4,7 @@ use super::error::CliError;
 use super::numbers;
 use super::output;
 use super::progress::Progress;
+use super::set_up::{Outcome, set_up};
 use super::signals::{EndSignal, Signal};
 use crate::record::{
     Brief, Ending, EventRecord, Found, IfOccupied, Preparation, RecordError, Recorder, Resumption,
@@ -105,11 +106,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let settings = arguments.settings(Settings::default());
     let preparation = Preparation::begin(folder, &scene, settings)?;
     let begun = Instant::now();
-    let simulation = match Simulation::new(&scene) {
-        Ok(simulation) => simulation,
-        Err(error) => {
+    let simulation = match set_up(&scene, &signal, arguments.quiet)? {
+        Outcome::Ready(simulation) => *simulation,
+        Outcome::Signal(signal) => {
+            let folder = preparation.folder().to_owned();
+            preparation.end(Ending::Interrupted)?;
+            return Err(ended_in_set_up(signal, folder));
+        }
+        Outcome::Failed(error) => {
             // The error of the set-up is the one to tell.
-            let _ = preparation.fail(error.to_string());
+            let _ = preparation.end(Ending::Failed(error.to_string()));
             return Err(CliError::SetUp(error));
         }
     };
@@ -145,7 +151,11 @@ fn take_up(
         }
         return Ok(());
     }
-    let mut simulation = Simulation::new(scene).map_err(CliError::SetUp)?;
+    let mut simulation = match set_up(scene, signal, arguments.quiet)? {
+        Outcome::Ready(simulation) => *simulation,
+        Outcome::Signal(signal) => return Err(ended_in_set_up(signal, folder.into())),
+        Outcome::Failed(error) => return Err(CliError::SetUp(error)),
+    };
     let (recorder, problems) = resumption.start(scene, settings, &mut simulation)?;
     problems.iter().for_each(output::warning);
     if !arguments.quiet {
@@ -157,6 +167,14 @@ fn take_up(
         ));
     }
     record(simulation, recorder, signal, arguments.quiet)
+}
+
+fn ended_in_set_up(Signal { name, number }: Signal, folder: PathBuf) -> CliError {
+    CliError::SetUpInterrupted {
+        signal: name,
+        number,
+        folder,
+    }
 }
 
 /// Simulates what is left to do, and ends the record.

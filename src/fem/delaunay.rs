@@ -15,7 +15,9 @@ use spade::{
 
 use super::mesh::sort_by_nodes;
 use super::numbering::along_curve;
+use super::quadtree::Quadtree;
 use super::{FemError, Mesh};
+use crate::scene::MeshSize;
 
 /// The radius of the scattered nodes over the wanted length of an edge: with it the mean length comes
 /// out as wanted, for scattered nodes are less dense than the densest.
@@ -36,40 +38,64 @@ const LEAST_ANGLE: f64 = 28.0;
 /// Cells along a side of the table of sizes.
 const TABLE: usize = 192;
 
-/// The mesh with edges of about the length `size` at every place; `smallest` is a lower bound of it.
+/// After so many nodes that others were placed about, it is asked whether to go on.
+const ASKED_EVERY: usize = 1024;
+
+/// The mesh with edges of about the wanted length at every place. `leave` is asked now and then
+/// whether to give up.
 ///
 /// # Errors
-/// `Triangulation` where the library refuses, which it should not.
+/// `Ended` if it was left; `Triangulation` where the library refuses, which it should not.
 pub(super) fn delaunay(
-    size: &dyn Fn([f64; 2]) -> f64,
-    smallest: f64,
+    size: &MeshSize,
     seed: u64,
+    leave: &mut dyn FnMut() -> bool,
 ) -> Result<Mesh, FemError> {
-    let table = Table::new(size, smallest);
+    let table = Table::new(size);
     let mut nodes = wall(&table);
     let fixed = nodes.len();
-    scatter(&table, seed, &mut nodes);
+    scatter(&table, seed, &mut nodes, leave)?;
     for _ in 0..ROUNDS {
+        go_on(leave)?;
         let triangles = triangulate(&nodes)?;
         relax(&table, &triangles, &mut nodes, fixed);
     }
+    go_on(leave)?;
     let (nodes, triangles) = refined(nodes, fixed)?;
+    go_on(leave)?;
     numbered(&nodes, &triangles)
 }
 
-/// The wanted size on a grid of places, which is quicker to read than to compute.
-struct Table {
-    values: Vec<f64>,
-    smallest: f64,
+fn go_on(leave: &mut dyn FnMut() -> bool) -> Result<(), FemError> {
+    if leave() {
+        return Err(FemError::Ended);
+    }
+    Ok(())
 }
 
-impl Table {
-    fn new(size: &dyn Fn([f64; 2]) -> f64, smallest: f64) -> Self {
-        let at = |index: usize| index as f64 / TABLE as f64;
-        let places = (0..=TABLE).flat_map(|row| (0..=TABLE).map(move |column| [column, row]));
+/// The wanted size on a grid of places, which is quicker to read than to compute. In cells where the
+/// grid is too coarse for it, it is computed.
+struct Table<'a> {
+    size: &'a MeshSize,
+    values: Vec<f64>,
+    /// For each cell whether the values at its corners tell all of it.
+    is_even: Vec<bool>,
+}
+
+impl<'a> Table<'a> {
+    fn new(size: &'a MeshSize) -> Self {
+        let places = |count: usize, shift: f64| {
+            let at = move |index: usize| (index as f64 + shift) / TABLE as f64;
+            (0..count).flat_map(move |row| (0..count).map(move |column| [column, row].map(at)))
+        };
+        let corners = places(TABLE + 1, 0.0);
+        let centers = places(TABLE, 0.5);
         Self {
-            values: places.map(|place| size(place.map(at))).collect(),
-            smallest,
+            size,
+            values: corners.map(|corner| size.at(corner)).collect(),
+            is_even: centers
+                .map(|center| size.is_even(center, 1.0 / TABLE as f64))
+                .collect(),
         }
     }
 
@@ -79,6 +105,9 @@ impl Table {
             let cell = (cells as usize).min(TABLE - 1);
             (cell, cells - cell as f64)
         });
+        if !self.is_even[row * TABLE + column] {
+            return self.size.at(place);
+        }
         let value = |row: usize, column: usize| self.values[row * (TABLE + 1) + column];
         let lower = (1.0 - right) * value(row, column) + right * value(row, column + 1);
         let upper = (1.0 - right) * value(row + 1, column) + right * value(row + 1, column + 1);
@@ -96,7 +125,7 @@ fn wall(table: &Table) -> Vec<[f64; 2]> {
         ([0.0, 1.0], [0.0, -1.0]),
     ] {
         // As many edges as lengths fit, each where its share of the side is reached.
-        let steps = (8.0 / table.smallest).ceil() as usize;
+        let steps = (8.0 / table.size.smallest()).ceil() as usize;
         let place = |step: usize, half: f64| {
             let share = (step as f64 + half) / steps as f64;
             [0, 1].map(|axis: usize| from[axis] + share * along[axis])
@@ -121,24 +150,22 @@ fn wall(table: &Table) -> Vec<[f64; 2]> {
 }
 
 /// Scatters nodes between those of the wall.
-fn scatter(table: &Table, seed: u64, nodes: &mut Vec<[f64; 2]>) {
+fn scatter(
+    table: &Table,
+    seed: u64,
+    nodes: &mut Vec<[f64; 2]>,
+    leave: &mut dyn FnMut() -> bool,
+) -> Result<(), FemError> {
     let mut generator = ChaCha8Rng::seed_from_u64(seed);
-    // Any two nodes in one cell would be too close.
-    let cell = RADIUS * table.smallest / std::f64::consts::SQRT_2;
-    let cells = (1.0 / cell).ceil() as usize + 1;
-    let mut heads = vec![u32::MAX; cells * cells];
-    // The node that follows each one in its cell.
-    let mut next = Vec::new();
-    let index = |[x, y]: [f64; 2]| [(x / cell) as usize, (y / cell) as usize];
-    let enter = |node: u32, at: [f64; 2], heads: &mut Vec<u32>| {
-        let [column, row] = index(at);
-        std::mem::replace(&mut heads[row * cells + column], node)
-    };
-    for (node, at) in nodes.iter().enumerate() {
-        next.push(enter(node as u32, *at, &mut heads));
-    }
+    let mut tree = Quadtree::new();
+    nodes.iter().for_each(|node| tree.insert(*node));
     let mut active: Vec<u32> = (0..nodes.len() as u32).collect();
+    let mut asked = 0;
     while !active.is_empty() {
+        asked += 1;
+        if asked % ASKED_EVERY == 0 {
+            go_on(leave)?;
+        }
         let chosen = generator.random_range(0..active.len());
         let about = nodes[active[chosen] as usize];
         let own = table.at(about);
@@ -153,29 +180,10 @@ fn scatter(table: &Table, seed: u64, nodes: &mut Vec<[f64; 2]>) {
             if !at.iter().all(|x| (margin..=1.0 - margin).contains(x)) {
                 continue;
             }
-            let radius = RADIUS * wanted;
-            let reach = (radius / cell).ceil() as usize;
-            let [column, row] = index(at);
-            let near =
-                |middle: usize| middle.saturating_sub(reach)..=(middle + reach).min(cells - 1);
-            let is_free = near(row).all(|row| {
-                near(column).all(|column| {
-                    let mut node = heads[row * cells + column];
-                    while node != u32::MAX {
-                        let [x, y] = nodes[node as usize];
-                        if (x - at[0]).hypot(y - at[1]) < radius {
-                            return false;
-                        }
-                        node = next[node as usize];
-                    }
-                    true
-                })
-            });
-            if is_free {
-                let node = nodes.len() as u32;
+            if !tree.is_near(at, RADIUS * wanted) {
+                active.push(nodes.len() as u32);
                 nodes.push(at);
-                next.push(enter(node, at, &mut heads));
-                active.push(node);
+                tree.insert(at);
                 placed = true;
                 break;
             }
@@ -184,6 +192,7 @@ fn scatter(table: &Table, seed: u64, nodes: &mut Vec<[f64; 2]>) {
             active.swap_remove(chosen);
         }
     }
+    Ok(())
 }
 
 fn points(nodes: &[[f64; 2]]) -> Vec<Point2<f64>> {
@@ -275,6 +284,21 @@ fn numbered(nodes: &[[f64; 2]], triangles: &[[u32; 3]]) -> Result<Mesh, FemError
 mod tests {
     use super::super::{Quality, Wall};
     use super::*;
+    use crate::scene::{Curve, Outline, Refinement, Shape};
+
+    /// The size `largest`, or refined about a circle.
+    fn wanted(largest: f64, refine: Option<Refinement>) -> MeshSize {
+        let circle = Outline {
+            curve: Curve::Circle { radius: 0.2 },
+            center: [0.5, 0.4],
+            angle: 0.0,
+        };
+        MeshSize::new(largest, refine, &Shape::Outlines(vec![circle]))
+    }
+
+    fn made(size: &MeshSize, seed: u64) -> Mesh {
+        delaunay(size, seed, &mut || false).expect("a mesh")
+    }
 
     fn quality(mesh: &Mesh) -> Quality {
         assert!((mesh.areas().iter().sum::<f64>() - 1.0).abs() < 1e-12);
@@ -286,7 +310,7 @@ mod tests {
     #[test]
     fn edges_are_as_long_as_wanted_and_angles_not_small() {
         for (size, seed) in [(0.25, 1), (0.1, 2), (0.03, 3), (0.03, 4), (0.0171, 5)] {
-            let mesh = delaunay(&|_| size, size, seed).expect("a mesh");
+            let mesh = made(&wanted(size, None), seed);
             let [shortest, mean, longest] = quality(&mesh).edges;
             // On the coarsest ones the wall's edges decide.
             let margin = if size > 0.05 { 0.15 } else { 0.08 };
@@ -301,36 +325,63 @@ mod tests {
     #[test]
     fn graded_meshes_follow_their_size() {
         for seed in 1..=4 {
-            let wanted = |[x, y]: [f64; 2]| {
-                let beyond = ((x - 0.5).hypot(y - 0.4) - 0.2).abs() - 0.03;
-                (0.006 + 0.3 * beyond.max(0.0)).min(0.08)
+            let refine = Refinement {
+                band: 0.03,
+                size: 0.006,
             };
-            let mesh = delaunay(&wanted, 0.006, seed).expect("a mesh");
-            quality(&mesh);
-            let mut ratios = Vec::new();
-            for triangle in mesh.triangles() {
-                let [a, b, c] = triangle.map(|node| mesh.nodes()[node as usize]);
-                for [from, to] in [[a, b], [b, c], [c, a]] {
-                    let length = (to[0] - from[0]).hypot(to[1] - from[1]);
-                    let middle = [0, 1].map(|axis| 0.5 * (from[axis] + to[axis]));
-                    ratios.push(length / wanted(middle));
-                }
-            }
-            let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
-            assert!((mean - 1.0).abs() < 0.08, "{mean}");
-            let extremes = ratios
-                .iter()
-                .fold([f64::INFINITY, 0.0], |[low, high], ratio: &f64| {
-                    [low.min(*ratio), high.max(*ratio)]
-                });
             // The few large triangles far from the ring, beside the wall, are the least exact.
-            assert!(extremes[0] > 0.4 && extremes[1] < 3.3, "{extremes:?}");
+            follows(&wanted(0.08, Some(refine)), seed, [0.4, 3.3]);
         }
+    }
+
+    /// A band much thinner than the cells of the table, and edges of 1e-3 to 0.1.
+    #[test]
+    fn thin_bands_are_followed_too() {
+        let refine = Refinement {
+            band: 1e-4,
+            size: 1e-3,
+        };
+        follows(&wanted(0.1, Some(refine)), 1, [0.3, 3.5]);
+    }
+
+    /// Whether edges over their wanted lengths are 1 in the mean, and all in a range.
+    fn follows(wanted: &MeshSize, seed: u64, [low, high]: [f64; 2]) {
+        let mesh = made(wanted, seed);
+        quality(&mesh);
+        let mut ratios = Vec::new();
+        for triangle in mesh.triangles() {
+            let [a, b, c] = triangle.map(|node| mesh.nodes()[node as usize]);
+            for [from, to] in [[a, b], [b, c], [c, a]] {
+                let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+                let middle = [0, 1].map(|axis| 0.5 * (from[axis] + to[axis]));
+                ratios.push(length / wanted.at(middle));
+            }
+        }
+        let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
+        assert!((mean - 1.0).abs() < 0.08, "{mean}");
+        let extremes = ratios
+            .iter()
+            .fold([f64::INFINITY, 0.0], |[low, high], ratio: &f64| {
+                [low.min(*ratio), high.max(*ratio)]
+            });
+        assert!(extremes[0] > low && extremes[1] < high, "{extremes:?}");
+    }
+
+    #[test]
+    fn the_making_ends_when_it_is_asked_to() {
+        let mut asked = 0;
+        let mut leave = || {
+            asked += 1;
+            asked == 3
+        };
+        let ended = delaunay(&wanted(0.02, None), 1, &mut leave);
+        assert_eq!(ended.map(|_| ()), Err(FemError::Ended));
+        assert_eq!(asked, 3);
     }
 
     #[test]
     fn the_seed_decides() {
-        let mesh = |seed| delaunay(&|_| 0.06, 0.06, seed).expect("a mesh");
+        let mesh = |seed| made(&wanted(0.06, None), seed);
         let (one, same, other) = (mesh(7), mesh(7), mesh(8));
         assert_eq!(
             (one.nodes(), one.triangles()),

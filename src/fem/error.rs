@@ -27,6 +27,9 @@ pub enum FemError {
         /// What the library says.
         reason: String,
     },
+    /// It was left before it was done.
+    #[error("the making of the mesh was ended")]
+    Ended,
     /// The linear system of a projection could not be solved.
     #[error("the projection of the initial phase field failed")]
     Projection(#[from] LinalgError),

@@ -12,6 +12,7 @@ mod numbering;
 mod of_scene;
 mod patch;
 mod projection;
+mod quadtree;
 mod quality;
 mod raster;
 mod recovery;

@@ -125,12 +125,17 @@ impl Preparation {
         Ok(recorder)
     }
 
-    /// The set-up failed: says so in `run.json`.
+    /// The run's folder.
+    pub fn folder(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// The set-up failed or was ended: says so in `run.json`.
     ///
     /// # Errors
     /// [`RecordError::Write`].
-    pub fn fail(mut self, error: String) -> Result<(), RecordError> {
-        self.summary.end(Ending::Failed(error));
+    pub fn end(mut self, ending: Ending) -> Result<(), RecordError> {
+        self.summary.end(ending);
         self.summary.write(&self.summary_path())
     }
 
@@ -518,7 +523,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let claimed = RunFolder::at(folder.path(), IfOccupied::Refuse).unwrap();
         let preparation = Preparation::begin(claimed, &scene(""), Settings::default()).unwrap();
-        preparation.fail("no memory".into()).unwrap();
+        let failed = Ending::Failed("no memory".into());
+        preparation.end(failed).unwrap();
         assert_eq!(names(folder.path()), ["run.json", "scene.toml"]);
         let text = fs::read_to_string(folder.path().join("run.json")).unwrap();
         assert!(text.contains(r#""status": "failed""#), "{text}");

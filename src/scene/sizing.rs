@@ -1,6 +1,6 @@
 //! How large the triangles of a generated mesh are to be, place by place.
 
-use super::model::{Mesh, Refinement, Scene, Shape};
+use super::model::{Refinement, Shape};
 use super::outline::{OutlineDistance, union_distance};
 
 /// By how much the size may grow over a unit of length: neighbours then differ by less than a third, and
@@ -11,6 +11,9 @@ const GROWTH: f64 = 0.3;
 /// counted at sizes from 0.02 to 0.004. (Of equilateral triangles it would be 2/√3.)
 const DENSITY: f64 = 1.04;
 
+/// One value does for a square whose side is at most so many times the smallest length wanted in it.
+const COARSEST: f64 = 2.0;
+
 /// The wanted length of an edge, as a function of the place.
 #[derive(Debug)]
 pub struct MeshSize {
@@ -19,24 +22,16 @@ pub struct MeshSize {
 }
 
 impl MeshSize {
-    /// That of a scene; `None` where its mesh is not generated to a size.
-    pub fn of(scene: &Scene) -> Option<Self> {
-        let Mesh::Delaunay { size, refine, .. } = &scene.mesh else {
-            return None;
-        };
-        let outlines = match &scene.vesicle.shape {
-            Shape::Outlines(outlines) => outlines.iter().map(OutlineDistance::new).collect(),
-            Shape::Random { .. } | Shape::File(_) => Vec::new(),
-        };
-        Some(Self {
-            largest: *size,
-            refined: refine.map(|refinement| (refinement, outlines)),
-        })
-    }
-
-    /// The largest one.
-    pub fn largest(&self) -> f64 {
-        self.largest
+    /// Edges of the length `largest`, refined about the membrane of a vesicle of this shape.
+    pub fn new(largest: f64, refine: Option<Refinement>, shape: &Shape) -> Self {
+        let refined = refine.map(|refinement| {
+            let outlines = match shape {
+                Shape::Outlines(outlines) => outlines.iter().map(OutlineDistance::new).collect(),
+                Shape::Random { .. } | Shape::File(_) => Vec::new(),
+            };
+            (refinement, outlines)
+        });
+        Self { largest, refined }
     }
 
     /// The smallest one.
@@ -49,25 +44,63 @@ impl MeshSize {
 
     /// At a place: within the band about the membrane the smaller one, from there on growing.
     pub fn at(&self, place: [f64; 2]) -> f64 {
+        match &self.refined {
+            Some((refinement, outlines)) => {
+                let distance = union_distance(outlines, place).value.abs();
+                self.at_distance(*refinement, distance)
+            }
+            None => self.largest,
+        }
+    }
+
+    fn at_distance(&self, Refinement { band, size }: Refinement, distance: f64) -> f64 {
+        let beyond = (distance - band).max(0.0);
+        (size + GROWTH * beyond).min(self.largest)
+    }
+
+    /// Whether values a `side` apart tell all of the square about `center` with that side: it is small
+    /// beside the edges there, or they are to be equal in all of it.
+    pub fn is_even(&self, center: [f64; 2], side: f64) -> bool {
         let Some((refinement, outlines)) = &self.refined else {
-            return self.largest;
+            return true;
         };
-        let distance = union_distance(outlines, place).value.abs();
-        let beyond = (distance - refinement.band).max(0.0);
-        (refinement.size + GROWTH * beyond).min(self.largest)
+        // Nowhere in the square is the distance another one by more than its half diagonal.
+        let distance = union_distance(outlines, center).value.abs();
+        let radius = side * std::f64::consts::FRAC_1_SQRT_2;
+        let [least, greatest] = [(distance - radius).max(0.0), distance + radius]
+            .map(|distance| self.at_distance(*refinement, distance));
+        side <= COARSEST * least || least == greatest
     }
 
     /// About how many nodes a mesh of the unit square has.
     pub fn nodes(&self) -> f64 {
+        /// Squares along a side that are divided where the size is not even in them.
+        const SQUARES: usize = 200;
         // Along the wall there are half as many more.
         let wall = 2.0 / self.largest;
         if self.refined.is_none() {
             return DENSITY / (self.largest * self.largest) + wall;
         }
-        const SAMPLES: usize = 200;
-        let at = |index: usize| (index as f64 + 0.5) / SAMPLES as f64;
-        let places = (0..SAMPLES).flat_map(|row| (0..SAMPLES).map(move |column| [column, row]));
-        let shares = places.map(|place| DENSITY / self.at(place.map(at)).powi(2));
-        shares.sum::<f64>() / (SAMPLES * SAMPLES) as f64 + wall
+        let side = 1.0 / SQUARES as f64;
+        let center = |index: usize| (index as f64 + 0.5) * side;
+        let squares = (0..SQUARES).flat_map(|row| (0..SQUARES).map(move |column| [column, row]));
+        let inside: f64 = squares
+            .map(|square| self.nodes_in(square.map(center), side))
+            .sum();
+        inside + wall
+    }
+
+    /// About how many nodes there are in a square.
+    fn nodes_in(&self, center: [f64; 2], side: f64) -> f64 {
+        if self.is_even(center, side) {
+            return DENSITY * (side / self.at(center)).powi(2);
+        }
+        let half = 0.5 * side;
+        [[-0.5, -0.5], [0.5, -0.5], [-0.5, 0.5], [0.5, 0.5]]
+            .map(|[right, up]| {
+                self.nodes_in([center[0] + right * half, center[1] + up * half], half)
+            })
+            .iter()
+            .sum()
     }
 }

@@ -201,6 +201,11 @@ impl Scheme {
         self.membrane.linear_method()
     }
 
+    /// What the fast path is called in messages, in use or not; `None` where there is none.
+    pub fn fast_method(&self) -> Option<&'static str> {
+        self.membrane.fast_method()
+    }
+
     /// Whether the cosine transform is in use.
     pub fn uses_transform(&self) -> bool {
         self.linear_method() == "transform"

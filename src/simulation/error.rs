@@ -4,6 +4,7 @@ use std::fmt;
 
 use thiserror::Error;
 
+use super::free_memory::FreeMemory;
 use super::ladder::Tried;
 use crate::fem::FemError;
 use crate::linalg::LinalgError;
@@ -34,23 +35,27 @@ impl fmt::Display for Bytes {
 pub enum SimulationError {
     /// The run would need more memory than there is.
     #[error(
-        "a mesh {mesh} would need about {}, and {} of memory are free: {remedy}",
+        "a mesh {mesh} would need about {}, and {} {}: {remedy}",
         Bytes(*needed),
-        Bytes(*available)
+        Bytes(free.bytes),
+        free.bound
     )]
     Memory {
         /// How large the mesh is, in words.
         mesh: String,
         /// Bytes, estimated.
         needed: u64,
-        /// Bytes.
-        available: u64,
+        /// What there is.
+        free: FreeMemory,
         /// What can be done.
         remedy: &'static str,
     },
+    /// The set-up was ended by whoever watched it.
+    #[error("the set-up was ended")]
+    Ended,
     /// The mesh cannot be made.
     #[error("the mesh: {0}")]
-    Mesh(#[from] FemError),
+    Mesh(#[source] FemError),
     /// The initial fields cannot be made.
     #[error("the initial state: {0}")]
     Initial(#[from] InitialError),
@@ -84,4 +89,13 @@ pub enum SimulationError {
         /// What went wrong at last.
         source: StepError,
     },
+}
+
+impl From<FemError> for SimulationError {
+    fn from(error: FemError) -> Self {
+        match error {
+            FemError::Ended => Self::Ended,
+            error => Self::Mesh(error),
+        }
+    }
 }

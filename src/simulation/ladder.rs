@@ -1,5 +1,5 @@
 //! What it took to solve a step: the rungs of a ladder, each taken only where the one below fails. They
-//! are the cosine transform, the sparse factor, Newton's method damped (or in place of the lagged
+//! are the fast linear solver, the sparse factor, Newton's method damped (or in place of the lagged
 //! iteration), and a smaller Δt.
 
 use std::fmt;
@@ -51,7 +51,7 @@ impl Ladder {
         self.refused = self.refused.saturating_add(1);
     }
 
-    /// The highest rung: 1 the cosine transform, 2 the sparse factor, 3 Newton's method damped or in
+    /// The highest rung: 1 the fast linear solver, 2 the sparse factor, 3 Newton's method damped or in
     /// place of the lagged iteration, 4 a smaller Δt. 0: no step was taken.
     pub fn rung(&self) -> u8 {
         match self {
@@ -84,8 +84,8 @@ impl Ladder {
 pub struct Tried {
     /// Attempts that failed in this step.
     pub refused: u64,
-    /// Whether the cosine transform was among the ways.
-    pub transform: bool,
+    /// The fast linear solver that was among the ways.
+    pub fast: Option<&'static str>,
     /// Whether the sparse factor was.
     pub factor: bool,
     /// Whether the lagged iteration was, before Newton's method.
@@ -96,11 +96,9 @@ pub struct Tried {
 
 impl fmt::Display for Tried {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let ways = match (self.transform, self.factor) {
-            (true, true) => "the cosine transform and the sparse factor",
-            (true, false) => "the cosine transform",
-            _ => "the sparse factor",
-        };
+        let factor = self.factor.then_some("the sparse factor");
+        let ways: Vec<&str> = self.fast.into_iter().chain(factor).collect();
+        let ways = ways.join(" and ");
         let iteration = if self.lagged {
             "the lagged iteration and Newton's method damped"
         } else {
@@ -149,14 +147,14 @@ mod tests {
     fn what_was_tried_is_told() {
         let tried = Tried {
             refused: 41,
-            transform: true,
+            fast: Some("GMRES with the shifted Laplacians"),
             factor: true,
             lagged: false,
             steps: [1e-2, 9.1e-15],
         };
         assert_eq!(
             tried.to_string(),
-            "the cosine transform and the sparse factor, Newton's method damped, \
+            "GMRES with the shifted Laplacians and the sparse factor, Newton's method damped, \
              Δt from 1.0e-2 down to 9.1e-15: 41 attempts"
         );
     }

@@ -6,6 +6,7 @@ mod controller;
 mod division;
 mod error;
 mod event;
+mod free_memory;
 mod ladder;
 mod memory;
 mod needs;
@@ -32,9 +33,10 @@ pub use crate::scheme::{Phase, RecallError, State};
 pub use budget::{ErrorBudget, ErrorPart};
 pub use error::SimulationError;
 pub use event::{Event, EventKind};
+pub use free_memory::{FreeMemory, MemoryBound, free_memory};
 pub use ladder::{Ladder, Tried};
 pub use memory::Memory;
-pub use needs::{check_memory, memory_available, memory_held, memory_needed, node_count};
+pub use needs::{check_memory, memory_held, memory_needed, node_count};
 pub use report::{Costs, Report};
 pub use schedule::{Schedule, step_count};
 pub use underway::Underway;
@@ -50,6 +52,28 @@ use warnings::NearWall;
 
 /// The error of the mesh is estimated at every so many steps: it changes slowly.
 const SPACE_ERROR_EVERY: u64 = 8;
+
+/// A part of setting a run up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SetUp {
+    /// The mesh.
+    Mesh,
+    /// The initial fields.
+    InitialState,
+    /// Matrices and factors.
+    Solver,
+}
+
+impl SetUp {
+    /// What is being done.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Mesh => "making the mesh",
+            Self::InitialState => "making the initial state",
+            Self::Solver => "setting up the solver",
+        }
+    }
+}
 
 /// What can be told of a scene from its initial state, without the scheme that would run it.
 #[derive(Debug, Clone, PartialEq)]
@@ -130,10 +154,29 @@ impl Simulation {
     /// # Errors
     /// [`SimulationError`]: what could not be built.
     pub fn new(scene: &Scene) -> Result<Self, SimulationError> {
+        Self::new_unless(scene, &mut |_| false)
+    }
+
+    /// [`new`](Self::new), which says what it is about to do, and asks `leave` before that, and now and
+    /// then while it makes a mesh, whether to give up.
+    ///
+    /// # Errors
+    /// [`SimulationError`]: what could not be built; `Ended` where it was left.
+    pub fn new_unless(
+        scene: &Scene,
+        leave: &mut dyn FnMut(SetUp) -> bool,
+    ) -> Result<Self, SimulationError> {
+        let mut go_on = |part| match leave(part) {
+            true => Err(SimulationError::Ended),
+            false => Ok(()),
+        };
         check_memory(scene)?;
-        let mesh = Mesh::of(scene)?;
+        go_on(SetUp::Mesh)?;
+        let mesh = Mesh::of_unless(scene, &mut || go_on(SetUp::Mesh).is_err())?;
+        go_on(SetUp::InitialState)?;
         let initial = initial_fields(scene, &mesh)?;
         let warnings = warnings(scene, &mesh, &initial.phi);
+        go_on(SetUp::Solver)?;
         let scheme = Scheme::new(scene, mesh.clone(), initial.phi, initial.director)
             .map_err(SimulationError::Factor)?;
         let axis = match &scene.vesicle.shape {
@@ -473,7 +516,9 @@ impl Simulation {
     fn tried(&self, was_fast: bool, taken: &Taken, steps: [f64; 2]) -> Tried {
         Tried {
             refused: taken.ladder.refused,
-            transform: was_fast || !self.scheme.uses_factor(),
+            fast: (was_fast || !self.scheme.uses_factor())
+                .then(|| self.scheme.fast_method())
+                .flatten(),
             factor: self.scheme.uses_factor(),
             lagged: self.scene.solver.iteration == Iteration::Lagged,
             steps,

@@ -1,8 +1,7 @@
 //! What a run needs before it is begun: memory.
 
-use sysinfo::{MemoryRefreshKind, RefreshKind, System};
-
 use super::SimulationError;
+use super::free_memory::{FreeMemory, free_memory};
 use crate::scene::{Boundary, LinearMethod, Mesh, MeshSize, Order, Quadrature, Scene};
 
 /// Bytes that a run needs on any mesh.
@@ -84,10 +83,9 @@ pub fn memory_held(scene: &Scene, with_factor: bool) -> u64 {
 pub fn node_count(scene: &Scene) -> f64 {
     match &scene.mesh {
         Mesh::Structured { cells, .. } => (*cells as f64 + 1.0).powi(2),
-        Mesh::Delaunay { size, .. } => match MeshSize::of(scene) {
-            Some(wanted) => wanted.nodes(),
-            None => (1.0 / size).powi(2),
-        },
+        Mesh::Delaunay { size, refine, .. } => {
+            MeshSize::new(*size, *refine, &scene.vesicle.shape).nodes()
+        }
         Mesh::File(file) => file.triangulation.nodes.len() as f64,
     }
 }
@@ -102,28 +100,18 @@ fn extrapolation(scene: &Scene) -> f64 {
     (size_of::<f64>() * (states + learnt)) as f64
 }
 
-/// The memory that is to be had at present, in bytes: of the machine, and of the control group that a
-/// container is. `None` where the system does not tell.
-pub fn memory_available() -> Option<u64> {
-    let memory = MemoryRefreshKind::nothing().with_ram();
-    let system = System::new_with_specifics(RefreshKind::nothing().with_memory(memory)).ok()?;
-    let of_group = system.cgroup_limits().map(|group| group.free_memory);
-    let of_machine = Some(system.available_memory()).filter(|bytes| *bytes > 0);
-    of_machine.into_iter().chain(of_group).min()
-}
-
 /// Refuses a scene that needs more memory than there is; nothing is allocated.
 ///
 /// # Errors
 /// [`SimulationError::Memory`] with both figures.
 pub fn check_memory(scene: &Scene) -> Result<(), SimulationError> {
-    refuse(scene, memory_available())
+    refuse(scene, free_memory())
 }
 
-fn refuse(scene: &Scene, available: Option<u64>) -> Result<(), SimulationError> {
+fn refuse(scene: &Scene, free: Option<FreeMemory>) -> Result<(), SimulationError> {
     let needed = memory_needed(scene);
-    match available {
-        Some(available) if needed > available => {
+    match free {
+        Some(free) if needed > free.bytes => {
             let (mesh, remedy) = match &scene.mesh {
                 Mesh::Structured { cells, .. } => (
                     format!("of {cells} \u{d7} {cells} cells"),
@@ -141,7 +129,7 @@ fn refuse(scene: &Scene, available: Option<u64>) -> Result<(), SimulationError> 
             Err(SimulationError::Memory {
                 mesh,
                 needed,
-                available,
+                free,
                 remedy,
             })
         }
@@ -151,6 +139,7 @@ fn refuse(scene: &Scene, available: Option<u64>) -> Result<(), SimulationError> 
 
 #[cfg(test)]
 mod tests {
+    use super::super::free_memory::MemoryBound;
     use super::*;
 
     fn scene(settings: &[&str]) -> Scene {
@@ -229,18 +218,17 @@ mod tests {
     #[test]
     fn what_cannot_be_is_refused_with_the_figures() {
         let large = scene(&["mesh.cells=20000"]);
-        let error = refuse(&large, Some(8_000_000_000)).unwrap_err().to_string();
+        let free = |bytes| {
+            let bound = MemoryBound::Machine;
+            Some(FreeMemory { bytes, bound })
+        };
+        let error = refuse(&large, free(8_000_000_000)).unwrap_err().to_string();
         for part in ["20000", "1360 GB", "8.00 GB", "mesh.cells"] {
             assert!(error.contains(part), "no {part} in {error}");
         }
         assert_eq!(refuse(&large, None), Ok(()));
         let small = scene(&["mesh.cells=8"]);
-        assert_eq!(refuse(&small, Some(10_000_000)), Ok(()));
-        assert!(refuse(&small, Some(1_000_000)).is_err());
-    }
-
-    #[test]
-    fn there_is_some_memory() {
-        assert!(memory_available().is_none_or(|bytes| bytes > 1 << 20));
+        assert_eq!(refuse(&small, free(10_000_000)), Ok(()));
+        assert!(refuse(&small, free(1_000_000)).is_err());
     }
 }

@@ -148,17 +148,7 @@ fn the_law_of_the_next_step_closes() {
 
 #[test]
 fn without_measuring_anew_the_law_would_be_broken() {
-    let mut simulation = simulation(3);
-    let space = Space::new(simulation.mesh.clone(), Rule::Consistent);
-    let anchoring = Anchoring {
-        kind: AnchoringKind::Homeotropic,
-        ..Anchoring::default()
-    };
-    // What Simulation::set_anchoring does, but for the energies.
-    let scheme = &mut simulation.scheme;
-    scheme.effects_mut().set_anchoring(Some(&anchoring), &space);
-    scheme.forget();
-    let error = simulation.advance().unwrap_err();
+    let error = with_broken_law(simulation(3));
     let broken = matches!(
         error,
         SimulationError::Step {
@@ -168,6 +158,32 @@ fn without_measuring_anew_the_law_would_be_broken() {
         }
     );
     assert!(broken, "{error}");
+}
+
+#[test]
+fn an_error_names_the_solvers_that_the_mesh_has() {
+    for (setting, named, other) in [
+        ("mesh.jitter=0", "cosine", "Laplacians"),
+        ("mesh.jitter=0.1", "Laplacians", "cosine"),
+    ] {
+        let simulation = Simulation::new(&small(&[setting])).unwrap();
+        let error = with_broken_law(simulation).to_string();
+        assert!(error.contains(named) && !error.contains(other), "{error}");
+    }
+}
+
+/// The error of a step that cannot be made: its law begins with other energies.
+fn with_broken_law(mut simulation: Simulation) -> SimulationError {
+    let space = Space::new(simulation.mesh.clone(), Rule::Consistent);
+    let anchoring = Anchoring {
+        kind: AnchoringKind::Homeotropic,
+        ..Anchoring::default()
+    };
+    // What Simulation::set_anchoring does, but for the energies.
+    let scheme = &mut simulation.scheme;
+    scheme.effects_mut().set_anchoring(Some(&anchoring), &space);
+    scheme.forget();
+    simulation.advance().unwrap_err()
 }
 
 #[test]

@@ -119,7 +119,7 @@ fn without(scene: &Scene, remove: Removal) -> Option<Scene> {
 /// Measures the scene and everything that it is without one of its effects. The runs take turns, step
 /// by step, so that what disturbs the machine disturbs all of them.
 ///
-/// `watch` is told after every step, and says whether to go on; `None` where it did not.
+/// `watch` is told after every step, and while the runs are set up, and says whether to go on; `None` where it did not.
 ///
 /// # Errors
 /// [`SimulationError`]: one of the scenes cannot be run.
@@ -142,9 +142,14 @@ pub fn prices(
     }
     let scenes = [scene, &alone].into_iter();
     let scenes = scenes.chain(removed.iter().map(|(_, scene)| scene));
-    let mut runs = scenes.map(Run::new).collect::<Result<Vec<_>, _>>()?;
-
-    let of = (plan.warm_up + plan.steps) * runs.len() as u64;
+    let of = (plan.warm_up + plan.steps) * (2 + removed.len() as u64);
+    let mut runs = Vec::new();
+    for scene in scenes {
+        match Run::new(scene, &mut || !watch(Progress { done: 0, of })) {
+            Err(SimulationError::Ended) => return Ok(None),
+            run => runs.push(run?),
+        }
+    }
     let mut done = 0;
     for step in 0..plan.warm_up + plan.steps {
         for run in &mut runs {
@@ -197,9 +202,9 @@ struct Run {
 }
 
 impl Run {
-    fn new(scene: &Scene) -> Result<Self, SimulationError> {
+    fn new(scene: &Scene, leave: &mut dyn FnMut() -> bool) -> Result<Self, SimulationError> {
         let before = held();
-        let simulation = Simulation::new(scene)?;
+        let simulation = Simulation::new_unless(scene, &mut |_| leave())?;
         Ok(Self {
             simulation,
             steps: Vec::new(),
@@ -264,7 +269,8 @@ mod tests {
         let scene = scene("[area]\n[nematic]\n[anchoring]\n[pull]\npotential = 'x'");
         let mut seen = Vec::new();
         let prices = prices(&scene, PLAN, &mut |progress| {
-            seen.push(progress.done);
+            // Nothing is done while the runs are set up.
+            seen.extend(Some(progress.done).filter(|done| *done > 0));
             true
         })
         .expect("runs")
@@ -294,5 +300,7 @@ mod tests {
     fn a_study_can_be_ended() {
         let ended = prices(&scene("[area]"), PLAN, &mut |progress| progress.done < 2);
         assert_eq!(ended.expect("runs"), None);
+        let in_set_up = prices(&scene("[area]"), PLAN, &mut |progress| progress.done > 0);
+        assert_eq!(in_set_up.expect("runs"), None);
     }
 }

@@ -5,7 +5,7 @@ use super::clock::Stopwatch;
 use super::distance::Solution;
 use super::memory;
 use crate::scene::Scene;
-use crate::simulation::{ErrorBudget, Schedule, Simulation};
+use crate::simulation::{ErrorBudget, Schedule, Simulation, SimulationError};
 use std::time::Duration;
 
 /// What a run took, and what came out.
@@ -76,7 +76,10 @@ fn advance(
 ) -> Result<Solution, Failure> {
     let schedule = Schedule::new(&scene.time, 1, 1);
     let mut simulation =
-        Simulation::new(scene).map_err(|error| Failure::Failed(error.to_string()))?;
+        Simulation::new_unless(scene, &mut |_| !go_on(0.0)).map_err(|error| match error {
+            SimulationError::Ended => Failure::Ended,
+            error => Failure::Failed(error.to_string()),
+        })?;
     simulation.follow(&schedule);
     measurement.nodes = simulation.mesh().nodes().len();
     loop {

@@ -158,6 +158,7 @@ impl Run {
             id,
             status: Status::Starting,
             reins: Reins::new(horizon),
+            setting_up: None,
             setting: None,
             report: Report::default(),
             anchoring,

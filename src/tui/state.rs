@@ -8,7 +8,7 @@ use super::past::Past;
 use super::reins::Reins;
 use crate::record::KeptRun;
 use crate::scene::{AnchoringKind, Scene};
-use crate::simulation::{Picture, Report, RunId, Setting};
+use crate::simulation::{Picture, Report, RunId, SetUp, Setting};
 
 pub use super::history::History;
 pub use super::pace::Pace;
@@ -112,6 +112,8 @@ pub struct Run {
     pub status: Status,
     /// What the user wants of it, what its worker was told, and what that has answered.
     pub reins: Reins,
+    /// The part of the set-up that is being done, or was done last.
+    pub setting_up: Option<SetUp>,
     /// Mesh and steps; `None` while the run is set up.
     pub setting: Option<Arc<Setting>>,
     /// The scalars of the last step.

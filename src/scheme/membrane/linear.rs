@@ -199,6 +199,15 @@ impl MembraneStep {
         }
     }
 
+    /// What the fast path is called in messages, in use or not; `None` where there is none.
+    pub(in crate::scheme) fn fast_method(&self) -> Option<&'static str> {
+        let mut solvers = std::iter::once(&self.linear).chain(&self.spare);
+        solvers.find_map(|solver| match &solver.path {
+            Path::Factor { .. } => None,
+            Path::Reduced { preconditioner, .. } => Some(preconditioner.method()),
+        })
+    }
+
     /// Leaves the fast path for the factor.
     pub(in crate::scheme) fn fall_back(&mut self, space: &Space) -> Result<(), LinalgError> {
         if self.is_fast() {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::super::{Event, Memory, Report};
+use super::super::{Event, Memory, Report, SetUp};
 use crate::fem::Mesh;
 use crate::scene::{AnchoringKind, Scene, Warning};
 use crate::scheme::State;
@@ -60,7 +60,9 @@ pub struct Message {
 /// What a worker tells.
 #[derive(Debug, Clone)]
 pub enum News {
-    /// The run was set up: first of all news.
+    /// A part of the set-up begins.
+    SettingUp(SetUp),
+    /// The run was set up: first of all news but those.
     Ready(Arc<Setting>),
     /// The scalars of steps, in order, none left out; the first is step 0.
     Reports(Vec<Report>),

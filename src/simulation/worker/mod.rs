@@ -35,7 +35,7 @@ pub struct Continuity {
 }
 
 /// A run on a thread of its own. Dropping it ends the run and waits for the thread: until the step
-/// in hand, or the set-up, is done.
+/// in hand, or the part of the set-up, is done.
 #[derive(Debug)]
 pub struct Worker {
     run: RunId,

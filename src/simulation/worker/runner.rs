@@ -1,6 +1,7 @@
 //! What a worker's thread does.
 
 use std::any::Any;
+use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -16,8 +17,8 @@ use crate::scene::{AnchoringKind, Scene};
 pub(super) struct Runner<Sink> {
     orders: Orders,
     commands: Receiver<Command>,
-    /// What came while a hard step was taken.
-    waiting: Option<Command>,
+    /// What came while the run was set up or a hard step was taken.
+    waiting: VecDeque<Command>,
     teller: Teller<Sink>,
     mailbox: Mailbox,
     canvases: Canvases,
@@ -68,7 +69,7 @@ impl<Sink: Fn(Message)> Runner<Sink> {
             },
             orders,
             commands,
-            waiting: None,
+            waiting: VecDeque::new(),
             mailbox,
             canvases: Canvases::default(),
             computing,
@@ -100,7 +101,10 @@ impl<Sink: Fn(Message)> Runner<Sink> {
 
     /// Sets the run up and goes on until `End`.
     fn simulate(&mut self, scene: &Scene, continuity: Continuity) -> Result<(), SimulationError> {
-        let mut simulation = Simulation::new(scene)?;
+        let mut simulation = match self.set_up(scene) {
+            Err(SimulationError::Ended) => return Ok(()),
+            result => result?,
+        };
         if let Some(memory) = continuity.from {
             simulation.recall(&memory)?;
         }
@@ -135,7 +139,7 @@ impl<Sink: Fn(Message)> Runner<Sink> {
                 }
                 told = rest;
             }
-            let command = match (self.waiting.take(), rest) {
+            let command = match (self.waiting.pop_front(), rest) {
                 (Some(command), _) => Ok(command),
                 (None, Some(_)) => self.commands.recv().map_err(|_| TryRecvError::Disconnected),
                 (None, None) => self.commands.try_recv(),
@@ -163,6 +167,25 @@ impl<Sink: Fn(Message)> Runner<Sink> {
                 }
             }
         }
+    }
+
+    /// Sets the run up, telling what is done; `Ended` where it is to end before any step.
+    fn set_up(&mut self, scene: &Scene) -> Result<Simulation, SimulationError> {
+        let mut told = None;
+        Simulation::new_unless(scene, &mut |part| {
+            if told.replace(part) != Some(part) {
+                self.teller.tell(News::SettingUp(part));
+            }
+            while let Some(command) = next_command(&self.commands) {
+                self.waiting.push_back(command);
+                // Where nobody is left to ask, there is one end after another.
+                if command == Command::End {
+                    break;
+                }
+            }
+            let before_steps = self.waiting.iter().take_while(|it| **it != Command::Step);
+            before_steps.copied().any(|it| it == Command::End)
+        })
     }
 
     /// Tells the state if it is time.
@@ -213,14 +236,10 @@ impl<Sink: Fn(Message)> Runner<Sink> {
         let begun = Instant::now();
         let (commands, waiting) = (&self.commands, &mut self.waiting);
         let advanced = simulation.advance_unless(&mut |_| {
-            if waiting.is_none() {
-                *waiting = match commands.try_recv() {
-                    Ok(command) => Some(command),
-                    Err(TryRecvError::Disconnected) => Some(Command::End),
-                    Err(TryRecvError::Empty) => None,
-                };
+            if waiting.is_empty() {
+                waiting.extend(next_command(commands));
             }
-            waiting.is_some()
+            !waiting.is_empty()
         });
         let nanoseconds = u64::try_from(begun.elapsed().as_nanos()).unwrap_or(u64::MAX);
         self.computing.fetch_add(nanoseconds, Ordering::Relaxed);
@@ -286,6 +305,15 @@ impl<Sink: Fn(Message)> Runner<Sink> {
             report: simulation.report(),
             state: simulation.state(),
         }
+    }
+}
+
+/// What was asked for and not yet heard; an end where nobody is left to ask.
+fn next_command(commands: &Receiver<Command>) -> Option<Command> {
+    match commands.try_recv() {
+        Ok(command) => Some(command),
+        Err(TryRecvError::Disconnected) => Some(Command::End),
+        Err(TryRecvError::Empty) => None,
     }
 }
 

@@ -5,7 +5,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::super::tests::small;
-use super::super::{Costs, Event, EventKind, Report, Simulation, State};
+use super::super::{Costs, Event, EventKind, Report, SetUp, Simulation, State};
 use super::*;
 use crate::scene::{AnchoringKind, InitialDirector, NodalValues};
 
@@ -39,10 +39,15 @@ fn start(orders: Orders, scene: Scene) -> Watched {
 }
 
 impl Watched {
+    /// The next news, but for those of the set-up.
     fn next(&self) -> News {
-        let message = self.news.recv_timeout(PATIENCE).unwrap();
-        assert_eq!(message.run, RunId(7));
-        message.news
+        loop {
+            let message = self.news.recv_timeout(PATIENCE).unwrap();
+            assert_eq!(message.run, RunId(7));
+            if !matches!(message.news, News::SettingUp(_)) {
+                return message.news;
+            }
+        }
     }
 
     /// All news up to the first of which this holds.
@@ -64,6 +69,7 @@ impl Watched {
 /// News in a word, with the steps of reports.
 fn word(news: &News) -> String {
     match news {
+        News::SettingUp(part) => part.words().to_owned(),
         News::Ready(_) => "ready".to_owned(),
         News::Reports(reports) => {
             let steps: Vec<u64> = reports.iter().map(|report| report.step).collect();
@@ -182,6 +188,30 @@ fn news_come_in_the_order_of_the_commands() {
     let picture = worker.mailbox().fetch().unwrap();
     assert_eq!(picture.anchoring, Some(AnchoringKind::Homeotropic));
     assert_eq!(picture.report.step, 6);
+}
+
+#[test]
+fn the_parts_of_the_set_up_are_told_in_order() {
+    let Watched { news, worker } = start(orders(), small(&[]));
+    let words: Vec<String> = (0..4)
+        .map(|_| word(&news.recv_timeout(PATIENCE).unwrap().news))
+        .collect();
+    let parts = [SetUp::Mesh, SetUp::InitialState, SetUp::Solver].map(SetUp::words);
+    assert_eq!(words[..3], parts);
+    assert_eq!(words[3], "ready");
+    drop(worker);
+}
+
+/// A mesh that takes seconds to make is not waited for.
+#[test]
+fn a_run_ends_while_its_mesh_is_made() {
+    let scene = small(&["mesh={ kind = 'delaunay', size = 0.004 }"]);
+    let Watched { news, worker } = start(orders(), scene);
+    let first = news.recv_timeout(PATIENCE).unwrap().news;
+    assert_eq!(word(&first), SetUp::Mesh.words());
+    drop(worker);
+    let words: Vec<String> = news.iter().map(|message| word(&message.news)).collect();
+    assert_eq!(words, [""; 0]);
 }
 
 #[test]
@@ -465,7 +495,9 @@ fn a_panic_is_told() {
 fn a_sink_that_panics_ends_the_run_and_nothing_else() {
     let (sender, news) = mpsc::channel();
     let sink = move |message: Message| {
-        let _ = sender.send(word(&message.news));
+        if !matches!(message.news, News::SettingUp(_)) {
+            let _ = sender.send(word(&message.news));
+        }
         assert!(!matches!(message.news, News::Ready(_)), "a sink's mistake");
     };
     let worker = Worker::start(orders(), Arc::new(small(&[])), sink);

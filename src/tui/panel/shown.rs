@@ -1,7 +1,7 @@
 //! What is looked at: a run as it is now, or as it was.
 
 use crate::scene::{AnchoringKind, Scene};
-use crate::simulation::{Picture, Report, Schedule, Setting};
+use crate::simulation::{Picture, Report, Schedule, SetUp, Setting};
 use crate::tui::curve;
 use crate::tui::state::{App, Run, Slot, Status};
 use crate::tui::theme::Role;
@@ -141,9 +141,10 @@ impl<'a> Shown<'a> {
 
     /// The word for what the run is doing, and how it is to be seen.
     pub fn status(&self) -> (&'static str, Role) {
+        let setting_up = self.run.and_then(|run| run.setting_up);
         match self.run.map(|run| &run.status) {
             None => ("not started", Role::Warning),
-            Some(Status::Starting) => ("starting", Role::Accent),
+            Some(Status::Starting) => (setting_up.map_or("starting", SetUp::words), Role::Accent),
             Some(Status::Running) => ("running", Role::Good),
             Some(Status::Pausing) => ("pausing", Role::Warning),
             Some(Status::Paused) => ("paused", Role::Warning),

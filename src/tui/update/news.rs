@@ -66,6 +66,7 @@ pub(super) fn hear(app: &mut App, message: WorkerMessage) {
     let law_tolerance = slot.scene.solver.law_tolerance;
     let Some(run) = &mut slot.run else { return };
     match message.news {
+        News::SettingUp(part) => run.setting_up = Some(part),
         News::Ready(setting) => {
             for warning in &setting.warnings {
                 warn(run, warning);
