@@ -1,4 +1,4 @@
-//! Segments in the plane: how far a place is from them.
+//! Segments in the plane: how far a place is from them, and whether they cross.
 
 /// The distance of a place from a segment.
 pub fn segment_distance([x, y]: [f64; 2], [[ax, ay], [bx, by]]: [[f64; 2]; 2]) -> f64 {
@@ -10,6 +10,47 @@ pub fn segment_distance([x, y]: [f64; 2], [[ax, ay], [bx, by]]: [[f64; 2]; 2]) -
         0.0
     };
     (x - ax - share * along[0]).hypot(y - ay - share * along[1])
+}
+
+/// The first two segments found that cross, each on either side of the other, and where. Those that
+/// have an end in common do not.
+pub fn first_crossing(segments: &[[[f64; 2]; 2]]) -> Option<([usize; 2], [f64; 2])> {
+    // A line sweeps over the plane, such that few segments are parallel to it; those that it meets at
+    // one time are compared.
+    let along = |[x, y]: [f64; 2]| 0.8 * x + 0.6 * y;
+    let mut sorted: Vec<(f64, f64, usize)> = segments
+        .iter()
+        .enumerate()
+        .map(|(number, ends)| {
+            let [a, b] = ends.map(along);
+            (a.min(b), a.max(b), number)
+        })
+        .collect();
+    sorted.sort_unstable_by(|one, other| one.0.total_cmp(&other.0));
+    for (place, &(_, end, first)) in sorted.iter().enumerate() {
+        let met = sorted[place + 1..].iter();
+        for &(.., second) in met.take_while(|(begin, ..)| *begin <= end) {
+            if let Some(at) = crossing(segments[first], segments[second]) {
+                return Some(([first.min(second), first.max(second)], at));
+            }
+        }
+    }
+    None
+}
+
+/// Where two segments cross, each on either side of the other.
+fn crossing([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> Option<[f64; 2]> {
+    // Twice the area of a triangle, positive where it is counter-clockwise.
+    let side = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| {
+        (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
+    };
+    let (of_c, of_d) = (side(a, b, c), side(a, b, d));
+    let (of_a, of_b) = (side(c, d, a), side(c, d, b));
+    let are_apart = |one: f64, other: f64| (one > 0.0 && other < 0.0) || (one < 0.0 && other > 0.0);
+    (are_apart(of_c, of_d) && are_apart(of_a, of_b)).then(|| {
+        let share = of_a / (of_a - of_b);
+        [0, 1].map(|axis| a[axis] + share * (b[axis] - a[axis]))
+    })
 }
 
 /// Segments sorted into the cells of a grid, so that those near a place are found at once.
@@ -113,6 +154,30 @@ mod tests {
         assert_eq!(segment_distance([5.0, 4.0], segment), 5.0);
         assert_eq!(segment_distance([-3.0, -4.0], segment), 5.0);
         assert_eq!(segment_distance([3.0, 4.0], [[0.0, 0.0]; 2]), 5.0);
+    }
+
+    #[test]
+    fn segments_cross_within_both() {
+        let cross = [[[0.0, 0.0], [2.0, 2.0]], [[0.0, 1.0], [4.0, 1.0]]];
+        assert_eq!(first_crossing(&cross), Some(([0, 1], [1.0, 1.0])));
+        for apart in [
+            [[2.5, 1.0], [4.0, 1.0]],
+            [[0.0, 0.0], [4.0, 1.0]],
+            [[1.0, 1.0], [4.0, 1.0]],
+            [[3.0, 3.0], [4.0, 4.0]],
+            [[0.0, 1.0], [2.0, 3.0]],
+        ] {
+            assert_eq!(first_crossing(&[cross[0], apart]), None, "{apart:?}");
+        }
+        // A regular polygon, and one that is closed with a star's step.
+        let corner = |n: i32| {
+            let angle = f64::from(n) * std::f64::consts::TAU / 30.0;
+            [angle.cos(), angle.sin()]
+        };
+        let polygon: Vec<_> = (0..30).map(|n| [corner(n), corner(n + 1)]).collect();
+        assert_eq!(first_crossing(&polygon), None);
+        let star: Vec<_> = (0..30).map(|n| [corner(n), corner(n + 7)]).collect();
+        assert!(first_crossing(&star).is_some());
     }
 
     #[test]

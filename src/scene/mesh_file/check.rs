@@ -1,11 +1,19 @@
 //! Whether nodes and triangles are a mesh: one that covers a connected domain once.
+//!
+//! Triangles cover their domain once if every edge has one triangle on either side or is on the
+//! boundary, the triangles about every node are one fan that goes round at most once, all hang together,
+//! and no two edges of the boundary cross. (The number of triangles over a place then changes at the
+//! boundary alone. The turning numbers of its closed curves, which do not cross, add up to the Euler
+//! characteristic of the surface: so one of them goes round all others.)
 
 use std::collections::HashMap;
 
 use super::Triangulation;
 use super::error::{MeshFileError, MeshFileProblem, MeshPlace};
+use super::fans::check_fans;
+use super::plane;
 use super::read::{Content, FileNode, FileTriangle};
-use crate::scene::planar::{SegmentGrid, segment_distance};
+use crate::scene::planar::{SegmentGrid, first_crossing, segment_distance};
 
 /// Places nearer to each other than this, over the extent of the mesh, are one place.
 const SAME: f64 = 1e-10;
@@ -17,37 +25,19 @@ const FLATTEST: f64 = 1e-12;
 pub(super) fn checked(content: Content) -> Result<Triangulation, MeshFileError> {
     let Content {
         nodes: file_nodes,
-        triangles: file_triangles,
+        triangles: mut file_triangles,
         end,
+        ..
     } = content;
     if file_triangles.is_empty() {
         let end = end.unwrap_or(MeshPlace::Line(1));
         return Err(MeshFileProblem::NoTriangles.at(end));
     }
+    once_for_all_groups(&mut file_triangles);
     let (used, places) = number(&file_nodes, &file_triangles)?;
-    let plane = used[0].at[2];
+    plane::check(&used)?;
     let nodes: Vec<[f64; 2]> = used.iter().map(|node| [node.at[0], node.at[1]]).collect();
     let extent = extent(&nodes);
-    for node in &used {
-        if let Some(&value) = node.at.iter().find(|value| !value.is_finite()) {
-            let node_number = node.number;
-            return Err(MeshFileProblem::NotFinite {
-                node: node_number,
-                value,
-            }
-            .at(node.place));
-        }
-        let z = node.at[2];
-        if (z - plane).abs() > SAME * extent {
-            let node_number = node.number;
-            return Err(MeshFileProblem::NotFlat {
-                node: node_number,
-                z,
-                plane,
-            }
-            .at(node.place));
-        }
-    }
     let numbers: HashMap<u64, u32> = used
         .iter()
         .enumerate()
@@ -67,6 +57,8 @@ pub(super) fn checked(content: Content) -> Result<Triangulation, MeshFileError> 
     let turned = mesh.orient()?;
     let boundary = mesh.match_edges()?;
     mesh.nothing_hangs(&boundary)?;
+    mesh.fans_are_simple(&boundary)?;
+    mesh.nothing_crosses(&boundary)?;
     mesh.one_piece()?;
     Ok(Triangulation {
         nodes: mesh.nodes,
@@ -74,6 +66,22 @@ pub(super) fn checked(content: Content) -> Result<Triangulation, MeshFileError> 
         places,
         turned,
     })
+}
+
+/// MSH 2.2 has a triangle once for each of its physical groups: takes the first.
+fn once_for_all_groups(triangles: &mut Vec<FileTriangle>) {
+    let Some(first) = triangles.first().map(|triangle| triangle.group) else {
+        return;
+    };
+    if triangles.iter().all(|triangle| triangle.group == first) {
+        return;
+    }
+    let mut groups: HashMap<[u64; 3], i64> = HashMap::with_capacity(triangles.len());
+    triangles.retain(|triangle| {
+        let mut nodes = triangle.nodes;
+        nodes.sort_unstable();
+        *groups.entry(nodes).or_insert(triangle.group) == triangle.group
+    });
 }
 
 /// The nodes that triangles use, in the file's order, and where each of the file's is among them.
@@ -110,7 +118,7 @@ fn number(
 }
 
 /// The larger one of width and height.
-fn extent(nodes: &[[f64; 2]]) -> f64 {
+pub(super) fn extent(nodes: &[[f64; 2]]) -> f64 {
     let range = |axis: usize| {
         let values = nodes.iter().map(|node| node[axis]);
         let range = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| {
@@ -232,10 +240,12 @@ impl Checked {
                     let (one, other) = side.map_or((0, 1), |pair| (pair[0].3, pair[1].3));
                     let [first, second] = [one, other].map(|it| self.elements[it].number);
                     let nodes = [same[0].0, same[0].1].map(|node| self.number(node));
+                    let [a, b] = [same[0].0, same[0].1].map(|node| self.nodes[node as usize]);
                     return Err(MeshFileProblem::Overlap {
                         first,
                         second,
                         nodes,
+                        at: [0, 1].map(|axis| 0.5 * (a[axis] + b[axis])),
                     }
                     .at(self.place(other)));
                 }
@@ -266,6 +276,43 @@ impl Checked {
             }
         }
         Ok(())
+    }
+
+    /// The triangles about a node are one fan, that goes round once at most.
+    fn fans_are_simple(&self, boundary: &[BoundaryEdge]) -> Result<(), MeshFileError> {
+        let edges: Vec<[u32; 2]> = boundary.iter().map(|edge| edge.nodes).collect();
+        let Some(fault) = check_fans(&self.nodes, &self.corners, &edges) else {
+            return Ok(());
+        };
+        let [first, second] = fault.triangles.map(|it| self.elements[it].number);
+        let (node, at) = (self.number(fault.node), self.nodes[fault.node as usize]);
+        let problem = match fault.overlap {
+            true => MeshFileProblem::OverlapAtNode {
+                first,
+                second,
+                node,
+                at,
+            },
+            false => MeshFileProblem::CornerOnly {
+                first,
+                second,
+                node,
+                at,
+            },
+        };
+        Err(problem.at(self.place(fault.triangles[1])))
+    }
+
+    /// No two edges of the boundary cross.
+    fn nothing_crosses(&self, boundary: &[BoundaryEdge]) -> Result<(), MeshFileError> {
+        let places = |edge: &BoundaryEdge| edge.nodes.map(|node| self.nodes[node as usize]);
+        let segments: Vec<[[f64; 2]; 2]> = boundary.iter().map(places).collect();
+        let Some((pair, at)) = first_crossing(&segments) else {
+            return Ok(());
+        };
+        let triangles = pair.map(|edge| boundary[edge].triangle);
+        let [first, second] = triangles.map(|it| self.elements[it].number);
+        Err(MeshFileProblem::Crossing { first, second, at }.at(self.place(triangles[1])))
     }
 
     /// All triangles hang together.

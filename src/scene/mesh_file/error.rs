@@ -24,12 +24,39 @@ impl fmt::Display for MeshPlace {
 
 /// Why a file is no mesh that can be used, and where.
 #[derive(Debug, Clone, PartialEq, Error)]
-#[error("{place}: {problem}")]
+#[error("{place}: {problem}{}", in_section(*section))]
 pub struct MeshFileError {
     /// Where.
     pub place: MeshPlace,
     /// Why.
     pub problem: MeshFileProblem,
+    /// The section whose content cannot be read, without the $.
+    pub section: Option<&'static str>,
+}
+
+impl MeshFileError {
+    /// The same, in a section. What has a remedy of its own is complete without.
+    pub(super) fn within(mut self, section: &'static str) -> Self {
+        let is_of_the_text = matches!(
+            self.problem,
+            MeshFileProblem::Unexpected { .. }
+                | MeshFileProblem::Ends { .. }
+                | MeshFileProblem::TooMany { .. }
+        );
+        if is_of_the_text {
+            self.section = Some(section);
+        }
+        self
+    }
+}
+
+/// Names the section, and how a file is had that can be read.
+fn in_section(section: Option<&str>) -> String {
+    section.map_or_else(String::new, |section| {
+        format!(
+            " (in the section ${section}; Gmsh writes a file that is read: gmsh FILE -save -format msh41)"
+        )
+    })
 }
 
 /// What is wrong with a file. Nodes and elements are named by the numbers (tags) that the file gives
@@ -43,7 +70,7 @@ pub enum MeshFileProblem {
     NotMsh,
     /// A version of the format that is not read.
     #[error(
-        "MSH {version} in {} is not supported, MSH 2.2 in ASCII and MSH 4.1 are: convert it with gmsh FILE -save -format msh41",
+        "MSH {version} in {} is not supported, MSH 2.2 and MSH 4.1 are: convert it with gmsh FILE -save -format msh41",
         if *binary { "binary" } else { "ASCII" }
     )]
     Version {
@@ -51,6 +78,19 @@ pub enum MeshFileProblem {
         version: String,
         /// Whether it is binary.
         binary: bool,
+    },
+    /// The text has two bytes a character.
+    #[error("the file is a text in UTF-16: save it in UTF-8 or ASCII")]
+    Utf16,
+    /// Some parts of a mesh that was divided.
+    #[error(
+        "the file has {found} of {of} partitions of a mesh: give the file of the whole mesh (in Gmsh: Mesh.PartitionSplitMeshFiles = 0, or without -part)"
+    )]
+    Part {
+        /// How many the file has.
+        found: u64,
+        /// How many there are, in words.
+        of: String,
     },
     /// The data are of another machine's kind.
     #[error(
@@ -85,7 +125,7 @@ pub enum MeshFileProblem {
         left: usize,
     },
     /// There is no such section.
-    #[error("the file has no section ${section}")]
+    #[error("the file has no section ${section}: write the mesh with gmsh -2 -format msh41")]
     NoSection {
         /// Its name.
         section: &'static str,
@@ -97,6 +137,14 @@ pub enum MeshFileProblem {
         node: u64,
         /// The value.
         value: f64,
+    },
+    /// A mesh in another plane.
+    #[error(
+        "the mesh is flat, but lies in the plane {plane}, not in that of x and y: turn it (in Gmsh: Rotate, or swap the coordinates of the points)"
+    )]
+    OtherPlane {
+        /// Which plane, in words.
+        plane: String,
     },
     /// A node that leaves the plane.
     #[error("node {node} lies at z = {z}, others at z = {plane}: the mesh must be flat")]
@@ -166,8 +214,8 @@ pub enum MeshFileProblem {
     },
     /// Two triangles on one side of an edge, or more than two on an edge.
     #[error(
-        "the triangles {first} and {second} overlap: both lie on the same side of the edge of the nodes {} and {}",
-        nodes[0], nodes[1]
+        "the triangles {first} and {second} overlap: both lie on the same side of the edge of the nodes {} and {}, about ({}, {})",
+        nodes[0], nodes[1], at[0], at[1]
     )]
     Overlap {
         /// The one.
@@ -176,6 +224,51 @@ pub enum MeshFileProblem {
         second: u64,
         /// The edge.
         nodes: [u64; 2],
+        /// Its middle.
+        at: [f64; 2],
+    },
+    /// Two triangles whose edges cross.
+    #[error(
+        "the triangles {first} and {second} overlap: their edges cross at ({}, {}) (in Gmsh: BooleanFragments, before it meshes)",
+        at[0], at[1]
+    )]
+    Crossing {
+        /// The one.
+        first: u64,
+        /// The other.
+        second: u64,
+        /// Where.
+        at: [f64; 2],
+    },
+    /// Two triangles that overlap about a node.
+    #[error(
+        "the triangles {first} and {second} overlap at their common node {node}, ({}, {}) (in Gmsh: BooleanFragments, before it meshes)",
+        at[0], at[1]
+    )]
+    OverlapAtNode {
+        /// The one.
+        first: u64,
+        /// The other.
+        second: u64,
+        /// The node.
+        node: u64,
+        /// Where it is.
+        at: [f64; 2],
+    },
+    /// Two parts of the domain that meet in a corner.
+    #[error(
+        "the parts of the mesh with the triangles {first} and {second} meet in nothing but the node {node} there, at ({}, {}): they must have an edge in common, or a gap between them",
+        at[0], at[1]
+    )]
+    CornerOnly {
+        /// A triangle of the one.
+        first: u64,
+        /// A triangle of the other.
+        second: u64,
+        /// The node.
+        node: u64,
+        /// Where it is.
+        at: [f64; 2],
     },
     /// A node in the middle of an edge.
     #[error(
@@ -203,6 +296,7 @@ impl MeshFileProblem {
         MeshFileError {
             place,
             problem: self,
+            section: None,
         }
     }
 }

@@ -1,15 +1,20 @@
-//! Meshes from files: Gmsh's format MSH, version 2.2 in ASCII and version 4.1 in ASCII and in binary.
+//! Meshes from files: Gmsh's format MSH, versions 2.2 and 4.1, in ASCII and in binary.
 //!
 //! Read are the nodes and the triangles; lines and points, which Gmsh writes for the boundary, are left
 //! out, and so are nodes that no triangle uses. Whatever cannot be used is refused with its place: cells
 //! that are no triangles, a node or a triangle that is there twice, a node in the middle of another
-//! triangle's edge, triangles that overlap, a mesh in several pieces. Triangles that are turned round
+//! triangle's edge, triangles that overlap, parts that meet in a corner alone, a mesh in several pieces, one of several parts of a mesh. Triangles that are turned round
 //! are turned back.
 
 mod check;
+mod element;
 mod error;
+mod fans;
+mod plane;
 mod read;
 mod source;
+mod version_2;
+mod version_4;
 mod write;
 
 use std::sync::Arc;

@@ -62,6 +62,25 @@ impl<'a> Source<'a> {
         self.advance(count);
     }
 
+    /// Goes to the next word of a text; binary data have no blanks.
+    pub(super) fn skip_blanks_of_text(&mut self) {
+        if self.encoding == Encoding::Text {
+            self.skip_blanks();
+        }
+    }
+
+    /// Whether a section's end is next. Of binary data too: nothing else begins with these bytes but a
+    /// number above 6·10⁸.
+    pub(super) fn is_at_end_of_section(&mut self) -> bool {
+        self.skip_blanks_of_text();
+        let rest = &self.bytes[self.at..];
+        let rest = match self.encoding {
+            Encoding::Text => rest,
+            Encoding::Binary { .. } => rest.strip_prefix(b"\n").unwrap_or(rest),
+        };
+        rest.starts_with(b"$End")
+    }
+
     /// Goes on behind the end of a line, where binary data begin.
     pub(super) fn skip_line_end(&mut self) {
         let rest = &self.bytes[self.at..];
@@ -90,7 +109,7 @@ impl<'a> Source<'a> {
         };
         let text = std::str::from_utf8(word).ok();
         text.and_then(|text| text.parse().ok())
-            .ok_or_else(|| unexpected(expected, word).at(place))
+            .ok_or_else(|| Self::unexpected(expected, word).at(place))
     }
 
     /// The next bytes of binary data.
@@ -159,7 +178,7 @@ impl<'a> Source<'a> {
         if word == wanted.as_bytes() {
             return Ok(());
         }
-        Err(unexpected(wanted, word).at(place))
+        Err(Self::unexpected(wanted, word).at(place))
     }
 
     /// Goes on behind the end of a section whose content does not matter.
@@ -178,19 +197,11 @@ impl<'a> Source<'a> {
             .at(self.place())),
         }
     }
-}
 
-fn unexpected(expected: &'static str, word: &[u8]) -> MeshFileProblem {
-    let text = String::from_utf8_lossy(&word[..word.len().min(LONGEST_WORD)]);
-    let found = text
-        .chars()
-        .map(|c| {
-            if c.is_control() {
-                char::REPLACEMENT_CHARACTER
-            } else {
-                c
-            }
-        })
-        .collect();
-    MeshFileProblem::Unexpected { expected, found }
+    /// The problem that a word is not what should stand there.
+    pub(super) fn unexpected(expected: &'static str, word: &[u8]) -> MeshFileProblem {
+        let text = String::from_utf8_lossy(&word[..word.len().min(LONGEST_WORD)]);
+        let found = text.replace(char::is_control, "\u{fffd}");
+        MeshFileProblem::Unexpected { expected, found }
+    }
 }
