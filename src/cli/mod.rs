@@ -9,6 +9,7 @@ mod check;
 mod effects;
 mod error;
 mod figures;
+mod heap;
 mod numbers;
 mod output;
 mod presets;
@@ -63,6 +64,7 @@ enum Command {
 
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
+    heap::share_one();
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => return refuse(&error),

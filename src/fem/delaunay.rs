@@ -341,7 +341,7 @@ mod tests {
             band: 1e-4,
             size: 1e-3,
         };
-        follows(&wanted(0.1, Some(refine)), 1, [0.3, 3.5]);
+        follows(&wanted(0.1, Some(refine)), 1, [0.35, 4.0]);
     }
 
     /// Whether edges over their wanted lengths are 1 in the mean, and all in a range.
