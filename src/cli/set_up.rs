@@ -32,7 +32,7 @@ pub(super) enum Outcome {
 /// What the thread sends.
 enum News {
     Doing(SetUp),
-    Done(Result<Simulation, SimulationError>),
+    Done(Result<Box<Simulation>, SimulationError>),
 }
 
 /// Sets a run up, until that is done or a signal comes. What is being done is shown on the standard
@@ -54,7 +54,7 @@ pub(super) fn set_up(scene: &Scene, signal: &EndSignal, quiet: bool) -> Result<O
                 }
                 ended.load(Ordering::Relaxed)
             });
-            let _ = sender.send(News::Done(result));
+            let _ = sender.send(News::Done(result.map(Box::new)));
         };
         thread::Builder::new()
             .name("set-up".to_owned())
@@ -70,7 +70,7 @@ pub(super) fn set_up(scene: &Scene, signal: &EndSignal, quiet: bool) -> Result<O
         }
         match news.recv_timeout(INTERVAL) {
             Ok(News::Doing(part)) => display.part = part,
-            Ok(News::Done(Ok(simulation))) => return Ok(Outcome::Ready(Box::new(simulation))),
+            Ok(News::Done(Ok(simulation))) => return Ok(Outcome::Ready(simulation)),
             Ok(News::Done(Err(error))) => return Ok(Outcome::Failed(error)),
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => {

@@ -119,38 +119,33 @@ mod tests {
         (0..count).map(corner).collect()
     }
 
-    /// Triangles about node 0 between neighbours on a ring of twelve places; those of `steps` alone.
-    fn found(steps: &[std::ops::Range<u32>]) -> Option<FanFault> {
+    /// Triangles about node 0 between neighbours on a ring of twelve places, from one to another.
+    fn found(steps: &[[u32; 2]]) -> Option<FanFault> {
         let nodes: Vec<[f64; 2]> = std::iter::once([0.0, 0.0]).chain(ring(24)).collect();
         let triangles: Vec<[u32; 3]> = steps
             .iter()
-            .cloned()
-            .flatten()
+            .flat_map(|&[from, to]| from..to)
             .map(|n| [n + 1, n + 2, 0])
             .collect();
         let mut boundary: Vec<[u32; 2]> = triangles.iter().map(|it| [it[0], it[1]]).collect();
-        boundary.extend(
-            steps
-                .iter()
-                .flat_map(|it| [[0, it.start + 1], [0, it.end + 1]]),
-        );
+        boundary.extend(steps.iter().flat_map(|it| it.map(|end| [0, end + 1])));
         check_fans(&nodes, &triangles, &boundary)
     }
 
     #[test]
     fn one_fan_is_fine_and_two_are_not() {
-        assert_eq!(found(&[0..1]), None);
-        assert_eq!(found(&[3..11]), None);
-        let two = found(&[0..3, 6..8]).expect("two fans");
+        assert_eq!(found(&[[0, 1]]), None);
+        assert_eq!(found(&[[3, 11]]), None);
+        let two = found(&[[0, 3], [6, 8]]).expect("two fans");
         assert_eq!((two.node, two.triangles, two.overlap), (0, [2, 3], false));
     }
 
     #[test]
     fn what_lies_over_another_is_found() {
         // The places 12 to 23 are those of 0 to 11 once more.
-        let over = found(&[0..2, 13..14]).expect("two fans, one over the other");
+        let over = found(&[[0, 2], [13, 14]]).expect("two fans, one over the other");
         assert!(over.overlap, "{over:?}");
-        let wound = found(&[0..14]).expect("one that goes round more than once");
+        let wound = found(&[[0, 14]]).expect("one that goes round more than once");
         assert!(wound.overlap, "{wound:?}");
     }
 }
