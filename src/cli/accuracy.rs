@@ -6,7 +6,7 @@ use super::run::some_step;
 use super::signals::EndSignal;
 use crate::figure::{FigureOptions, save_study};
 use crate::record::load_scene;
-use crate::study::{Budget, Choice, FinishedRun, FinishedRuns, Point, Study, chart, study};
+use crate::study::{Budget, Choice, ErrorSize, FinishedRun, FinishedRuns, Point, Study, chart, study};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -134,7 +134,7 @@ fn print(study: &Study) -> Result<(), CliError> {
         output::line(row(point))?;
     }
     if let Some(reference) = &study.reference {
-        let part = |error: Option<f64>| {
+        let part = |error: Option<ErrorSize>| {
             error.map_or("of unknown size".to_owned(), |error| {
                 format!("about {error:.1e}")
             })
@@ -179,7 +179,8 @@ fn print(study: &Study) -> Result<(), CliError> {
 }
 
 fn row(point: &Point) -> String {
-    let number = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.2e}"));
+    let number =
+        |error: Option<ErrorSize>| error.map_or("-".to_owned(), |error| format!("{error:.2e}"));
     let memory = point
         .memory
         .map_or("-".to_owned(), |bytes| format!("{:.0}", bytes as f64 / 1e6));
@@ -197,9 +198,9 @@ fn row(point: &Point) -> String {
         point.pace.to_string(),
         format!("{:.2}", point.seconds),
         point.steps,
-        number(errors.map(|it| it.phase)),
+        number(point.error()),
         number(errors.and_then(|it| it.membrane)),
-        number(errors.map(|it| it.energy)),
+        number(errors.and_then(|it| it.energy)),
         number(point.time_error),
     );
     if let Some(run) = &point.run {

@@ -1,6 +1,7 @@
 //! Which knob is the one to turn, from what was measured.
 
 use super::choice::Pace;
+use super::error_size::ErrorSize;
 use super::report::{Point, Study};
 use serde::Serialize;
 
@@ -25,10 +26,10 @@ pub struct Advice {
     /// The knob.
     pub knob: Knob,
     /// The part of φ's error that is due to the mesh.
-    pub space: f64,
+    pub space: ErrorSize,
     /// The part that is due to the steps.
-    pub time: f64,
-    /// 1/h of the point that is judged: the scene's own, or the one next to it that was run.
+    pub time: ErrorSize,
+    /// 1/h of the point that is judged: the scene's own, or one on its mesh, or on the finest that was run.
     pub cells: usize,
     /// How long its steps are.
     pub pace: Pace,
@@ -36,7 +37,8 @@ pub struct Advice {
 
 impl Knob {
     /// The knob for these parts of the error.
-    pub fn of(space: f64, time: f64) -> Self {
+    pub fn of(space: ErrorSize, time: ErrorSize) -> Self {
+        let (space, time) = (space.get(), time.get());
         if space >= DOMINATES * time {
             Self::Mesh
         } else if time >= DOMINATES * space {
@@ -57,28 +59,32 @@ pub(super) fn advice(study: &Study) -> (Option<Advice>, Vec<String>) {
         .floors
         .iter()
         .find(|(cells, _)| *cells == judged.cells);
-    let (Some((_, space)), Some(time)) = (floor, time_error(study, judged)) else {
-        let sentence = "The parts of the error could not be told apart within the budget.";
-        return (None, vec![sentence.to_owned()]);
+    let (space, time) = (floor.map(|(_, space)| *space), time_error(study, judged));
+    let (cells, pace, what) = (judged.cells, judged.pace, whose(study, judged));
+    let (Some(space), Some(time)) = (space, time) else {
+        let known = match (space, time) {
+            (Some(space), None) => format!(
+                "At {cells} cells and {pace}{what} the error of φ from the mesh is about {space:.1e}; that of the \
+                 steps is not known."
+            ),
+            (None, Some(time)) => format!(
+                "At {cells} cells and {pace}{what} the error of φ from the steps is about {time:.1e}; that of the \
+                 mesh is not known."
+            ),
+            _ => "What part of the error is that of the mesh and of the steps is not known.".to_owned(),
+        };
+        return (None, vec![known]);
     };
     let advice = Advice {
-        knob: Knob::of(*space, time),
-        space: *space,
+        knob: Knob::of(space, time),
+        space,
         time,
-        cells: judged.cells,
-        pace: judged.pace,
-    };
-    let what = if judged.is_own {
-        ""
-    } else {
-        " (next to the scene's own choice)"
+        cells,
+        pace,
     };
     let mut sentences = vec![format!(
-        "At {} cells and {}{what} the error of φ is about {:.1e} from the mesh and {time:.1e} from the \
-         steps: {}.",
-        judged.cells,
-        judged.pace,
-        space,
+        "At {cells} cells and {pace}{what} the error of φ is about {space:.1e} from the mesh and {time:.1e} \
+         from the steps: {}.",
         match advice.knob {
             Knob::Mesh => "the mesh dominates",
             Knob::Steps => "the steps dominate",
@@ -95,21 +101,36 @@ pub(super) fn advice(study: &Study) -> (Option<Advice>, Vec<String>) {
     (Some(advice), sentences)
 }
 
-/// The scene's own point, or the most accurate one that was run.
+/// Whose point is judged, where it is not the scene's own.
+fn whose(study: &Study, judged: &Point) -> String {
+    let own = &study.own;
+    match judged {
+        it if it.is_own => String::new(),
+        it if it.cells == own.cells => " (the scene's mesh, but not its steps)".to_owned(),
+        _ => format!(" (not the scene's mesh of {} cells)", own.cells),
+    }
+}
+
+/// The scene's own point, or one on its mesh, or the finest one that was run: with its iteration and
+/// rule, and the smallest tolerance.
 fn judged(study: &Study) -> Option<&Point> {
-    let own = study
-        .points
-        .iter()
-        .find(|point| point.is_own && point.error().is_some());
+    let known = || study.points.iter().filter(|point| point.error().is_some());
+    let own = known().find(|point| point.is_own);
     own.or_else(|| {
-        let known = study.points.iter().filter(|point| point.error().is_some());
-        known.max_by_key(|point| point.cells)
+        let meshes = study.meshes();
+        let others = meshes.into_iter().rev();
+        std::iter::once(study.own.cells).chain(others).find_map(|cells| {
+            let rungs = study.rungs(cells);
+            let mut rungs = rungs.iter().map(|(_, point)| *point).rev();
+            rungs.find(|point| point.error().is_some())
+        })
     })
+    .or_else(|| known().max_by_key(|point| point.nodes))
 }
 
 /// The part of a point's error that is due to its steps: measured on its mesh, or on the finest one
 /// on which the same steps were measured.
-fn time_error(study: &Study, point: &Point) -> Option<f64> {
+fn time_error(study: &Study, point: &Point) -> Option<ErrorSize> {
     point.time_error.or_else(|| {
         let same = study.points.iter().filter(|other| {
             other.pace == point.pace && other.time_error.is_some() && other.cells <= point.cells
@@ -136,7 +157,7 @@ fn finer_mesh(study: &Study, judged: &Point) -> Option<String> {
         "From {coarser} to {} cells took {:.1}× the time and gave {:.1}× less error from the mesh.",
         judged.cells,
         pair.1 / pair.0.max(1e-9),
-        before / after.max(f64::MIN_POSITIVE),
+        before.get() / after.get(),
     ))
 }
 
@@ -146,7 +167,7 @@ fn cheaper(study: &Study, judged: &Point) -> Option<String> {
     let best = study
         .points
         .iter()
-        .filter(|point| point.error().is_some_and(|it| it <= 1.05 * error))
+        .filter(|point| point.error().is_some_and(|it| it.get() <= 1.05 * error.get()))
         .min_by(|a, b| a.seconds.total_cmp(&b.seconds))?;
     (best.seconds < 0.8 * judged.seconds).then(|| {
         let mesh = match &best.run {

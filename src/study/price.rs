@@ -11,7 +11,7 @@ mod fixed;
 #[cfg(test)]
 mod tests;
 
-use super::choice::can_change_mesh;
+use super::choice::fixed_mesh;
 use super::clock::Stopwatch;
 use crate::scene::{LinearMethod, Mesh, Scene};
 use crate::simulation::{Simulation, SimulationError, step_count};
@@ -72,7 +72,7 @@ fn coarse(scene: &Scene, linear: LinearMethod) -> Option<Scene> {
         Mesh::Delaunay { .. } => true,
         Mesh::File(_) => false,
     };
-    (can_change_mesh(scene) && is_finer).then(|| {
+    (fixed_mesh(scene).is_none() && is_finer).then(|| {
         let mut coarse = scene.clone();
         coarse.mesh = Mesh::Structured {
             cells: COARSE_CELLS,
