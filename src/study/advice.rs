@@ -91,6 +91,7 @@ pub(super) fn advice(study: &Study) -> (Option<Advice>, Vec<String>) {
             Knob::Both => "the two are of the same size",
         }
     )];
+    sentences.extend(coarse_reference(study, judged));
     sentences.extend(finer_mesh(study, judged));
     sentences.push(match advice.knob {
         Knob::Mesh => "Shorter steps gain nothing here.".to_owned(),
@@ -136,6 +137,25 @@ fn time_error(study: &Study, point: &Point) -> Option<ErrorSize> {
             other.pace == point.pace && other.time_error.is_some() && other.cells <= point.cells
         });
         same.max_by_key(|other| other.cells)?.time_error
+    })
+}
+
+/// A reference whose own error is this part of what it measures, or more, is no measure of it.
+const COARSE: f64 = 0.5;
+
+/// That the reference's own error is no small part of what it measures.
+fn coarse_reference(study: &Study, judged: &Point) -> Option<String> {
+    let reference = study.reference.as_ref()?;
+    let measured = judged.error()?.get();
+    let parts = [reference.space_error, reference.time_error];
+    let own: f64 = parts.into_iter().flatten().map(ErrorSize::get).sum();
+    let share = own / measured;
+    (share >= COARSE).then(|| {
+        format!(
+            "The reference's own error, about {own:.1e}, is {:.0} % of what it measures there, {measured:.1e}: the \
+             errors of fine meshes are too small by about as much. A larger --budget pays for a finer reference.",
+            100.0 * share
+        )
     })
 }
 

@@ -119,7 +119,8 @@ fn without(scene: &Scene, remove: Removal) -> Option<Scene> {
 /// Measures the scene and everything that it is without one of its effects. The runs take turns, step
 /// by step, so that what disturbs the machine disturbs all of them.
 ///
-/// `watch` is told after every step, and says whether to go on; `None` where it did not.
+/// `watch` is told before each run is set up, after every step and within one that takes long, and says
+/// whether to go on; `None` where it did not.
 ///
 /// # Errors
 /// [`SimulationError`]: one of the scenes cannot be run.
@@ -142,15 +143,22 @@ pub fn prices(
     }
     let scenes = [scene, &alone].into_iter();
     let scenes = scenes.chain(removed.iter().map(|(_, scene)| scene));
-    let mut runs = scenes.map(Run::new).collect::<Result<Vec<_>, _>>()?;
-
-    let of = (plan.warm_up + plan.steps) * runs.len() as u64;
+    let of = (plan.warm_up + plan.steps) * (2 + removed.len() as u64);
     let mut done = 0;
+    let mut runs = Vec::new();
+    for scene in scenes {
+        if !watch(Progress { done, of }) {
+            return Ok(None);
+        }
+        runs.push(Run::new(scene)?);
+    }
+
     for step in 0..plan.warm_up + plan.steps {
         for run in &mut runs {
-            run.advance(step >= plan.warm_up)?;
+            let mut go_on = || watch(Progress { done, of });
+            let is_taken = run.advance(step >= plan.warm_up, &mut go_on)?;
             done += 1;
-            if !watch(Progress { done, of }) {
+            if !is_taken || !watch(Progress { done, of }) {
                 return Ok(None);
             }
         }
@@ -209,10 +217,19 @@ impl Run {
         })
     }
 
-    fn advance(&mut self, counts: bool) -> Result<(), SimulationError> {
+    /// Takes a step, unless `go_on` says otherwise within it: whether it was taken.
+    fn advance(
+        &mut self,
+        counts: bool,
+        go_on: &mut dyn FnMut() -> bool,
+    ) -> Result<bool, SimulationError> {
         let before = held();
-        let report = self.simulation.advance()?;
+        let is_taken = self.simulation.advance_unless(&mut |_| !go_on())?;
         self.memory += held() - before;
+        if !is_taken {
+            return Ok(false);
+        }
+        let report = self.simulation.report();
         if counts {
             self.steps.push(report.costs.total());
             self.substeps_1.push(report.costs.of(Phase::Director));
@@ -221,7 +238,7 @@ impl Run {
                 *sum += u64::from(count);
             }
         }
-        Ok(())
+        Ok(true)
     }
 
     fn cost(&self) -> Cost {
@@ -274,7 +291,8 @@ mod tests {
         assert_eq!(prices.effects[1].with_it, ["anchoring"]);
         assert!(prices.effects[3].with_it.is_empty());
         assert!(prices.effects.iter().all(|price| price.energy.is_some()));
-        assert_eq!(seen, (1..=6 * 4).collect::<Vec<u64>>());
+        let set_up = [0; 6].into_iter();
+        assert_eq!(seen, set_up.chain(1..=6 * 4).collect::<Vec<u64>>());
         let nematic = &prices.effects[1];
         assert_eq!(nematic.without.director, 0.0);
         assert!(prices.whole.director >= 1.0 && prices.whole.newton >= 1.0);
@@ -291,8 +309,31 @@ mod tests {
     }
 
     #[test]
+    fn a_pull_from_a_file_has_a_price_on_its_own_mesh() {
+        let text = "mesh.cells = 12\nmembrane.interface_width = 0.08\npull.potential = { file = 'u.txt' }";
+        let mut read = |_: &str| Ok("0.5\n".repeat(169).into_bytes());
+        let scene = Scene::parse(text, "the test", &[], &mut read).expect("a scene");
+        let prices = prices(&scene, PLAN, &mut |_| true).expect("runs");
+        let effects = prices.expect("not ended").effects;
+        assert_eq!(effects.len(), 1);
+        assert_eq!(effects[0].effect, "pull");
+    }
+
+    #[test]
     fn a_study_can_be_ended() {
         let ended = prices(&scene("[area]"), PLAN, &mut |progress| progress.done < 2);
         assert_eq!(ended.expect("runs"), None);
+    }
+
+    #[test]
+    fn a_study_can_be_ended_within_a_hard_step() {
+        let hard = "membrane.spontaneous_curvature = '1e6*sign(x - 0.5)'\n[area]\n[time]\nstep = 1e-6\nend = 1.0";
+        let scene = scene(hard);
+        let mut asked = 0;
+        let ended = prices(&scene, PLAN, &mut |_| {
+            asked += 1;
+            asked < 10
+        });
+        assert_eq!((ended.expect("runs"), asked), (None, 10));
     }
 }

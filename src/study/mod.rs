@@ -30,7 +30,7 @@ pub use error_size::ErrorSize;
 pub use finished::{FinishedRun, FinishedRunError, FinishedRuns};
 pub use ladder::{Budget, StudyError, study};
 pub use memory::CountingAllocator;
-pub use price::{RunPrice, run_price};
+pub use price::{Foresight, MOST_NODES, RunPrice, Unsolved, run_price};
 pub use report::{ObservedOrder, Point, Reference, Study};
 pub use suggestion::Suggestion;
 pub use table::prices_table;

@@ -1,22 +1,69 @@
 //! What a run will cost, before it is begun.
 //!
 //! The scene's own first steps are made for a second or two. What they do not tell is told by a run on a coarse mesh:
-//! how many iterations later steps take ([`fixed`] steps), and how many steps there will be ([`chosen`] ones).
+//! how many iterations later steps take ([`fixed`] steps), and how many steps there will be ([`chosen`] ones). A step
+//! that is hard is left in its midst when the time is over, or whoever asked has gone.
 //!
 //! **Memory** is what [`memory_held`](crate::simulation::memory_held) says, with the sparse factor where one of the runs
 //! came to it.
 
 mod chosen;
 mod fixed;
+mod patience;
 #[cfg(test)]
 mod tests;
 
 use super::choice::fixed_mesh;
 use super::clock::Stopwatch;
 use crate::scene::{LinearMethod, Mesh, Scene};
-use crate::simulation::{Simulation, SimulationError, step_count};
+use crate::simulation::{Simulation, SimulationError, Underway, node_count, step_count};
+use patience::Patience;
 use std::fmt;
 use std::time::Duration;
+
+/// What the first steps of a scene tell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Foresight {
+    /// The mesh is too large for steps in passing: it has about so many nodes.
+    TooLarge(usize),
+    /// A step was solved: what the run will take.
+    Price(RunPrice),
+    /// No step was solved in the time.
+    Unsolved(Unsolved),
+    /// Whoever asked did not want to wait.
+    Ended,
+}
+
+/// A first step that was not solved in the time that there was for it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unsolved {
+    /// How long it was tried, in seconds.
+    pub seconds: f64,
+    /// Where it stood; `None`: before its second attempt.
+    pub underway: Option<Underway>,
+}
+
+impl fmt::Display for Unsolved {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "the first step was not solved in {:.0} s", self.seconds)?;
+        if let Some(underway) = &self.underway {
+            let Underway {
+                t,
+                end,
+                dt,
+                parts,
+                refused,
+                ..
+            } = underway;
+            write!(
+                f,
+                ": it is at t = {t:.2e} of {end:.2e}, after {parts} parts and {refused} attempts that failed, \
+                 with \u{394}t = {dt:.1e} next"
+            )?;
+        }
+        Ok(())
+    }
+}
 
 /// What a run will take.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,22 +93,39 @@ impl fmt::Display for RunPrice {
 /// A calibration takes about so much computing,
 const CALIBRATION: Duration = Duration::from_millis(1500);
 
-/// and no longer than this where the machine is busy with other things.
-const PATIENCE: Duration = Duration::from_secs(15);
+/// and all of it no longer than this where a step is hard, or the machine is busy with other things.
+const LONGEST: Duration = Duration::from_secs(10);
 
 /// Cells of the coarse mesh: with fewer the physics is another one.
 const COARSE_CELLS: usize = 48;
 
-/// What a run of the scene will take on this machine. Takes a second or two, and longer only where a
-/// single step does.
+/// Steps are tried on meshes of up to so many nodes: a set-up and a step then take a second or two.
+pub const MOST_NODES: usize = 60_000;
+
+/// What a run of the scene will take on this machine. Takes a second or two, and at most some ten where a
+/// step is hard. `go_on` is asked within the steps, and says whether to.
 ///
 /// # Errors
-/// [`SimulationError`]: the scene cannot be set up, or its first steps fail.
-pub fn run_price(scene: &Scene) -> Result<RunPrice, SimulationError> {
-    match step_count(&scene.time) {
-        Some(steps) => fixed::price(scene, steps),
-        None => chosen::price(scene),
+/// [`SimulationError`]: the scene cannot be set up, or one of its first steps fails.
+pub fn run_price(
+    scene: &Scene,
+    go_on: &mut dyn FnMut() -> bool,
+) -> Result<Foresight, SimulationError> {
+    // The cast saturates.
+    let nodes = node_count(scene) as usize;
+    if nodes > MOST_NODES {
+        return Ok(Foresight::TooLarge(nodes));
     }
+    let mut patience = Patience::new(LONGEST, go_on);
+    let price = match step_count(&scene.time) {
+        Some(steps) => fixed::price(scene, steps, &mut patience)?,
+        None => chosen::price(scene, &mut patience)?,
+    };
+    Ok(match price {
+        _ if patience.is_ended() => Foresight::Ended,
+        Some(price) => Foresight::Price(price),
+        None => Foresight::Unsolved(patience.unsolved()),
+    })
 }
 
 /// The scene on a coarser mesh, where it is not as coarse itself.
@@ -89,7 +153,7 @@ fn has_factor(simulation: &Simulation) -> bool {
 }
 
 fn is_over(watch: &Stopwatch) -> bool {
-    watch.elapsed() > CALIBRATION || watch.wall() > PATIENCE
+    watch.elapsed() > CALIBRATION
 }
 
 /// The median: a step that was held up by something says nothing of the others.

@@ -161,7 +161,9 @@ fn a_study_that_is_ended_keeps_what_it_has() {
 #[test]
 fn the_number_of_chosen_steps_is_foreseen() {
     let scene = scene(CALM);
-    let foreseen = run_price(&scene).expect("it can be run");
+    let Ok(Foresight::Price(foreseen)) = run_price(&scene, &mut || true) else {
+        panic!("it can be run");
+    };
     let mut simulation = Simulation::new(&scene).expect("it is small");
     simulation.follow(&Schedule::new(&scene.time, 1, 5));
     while simulation.report().t < scene.time.end {
