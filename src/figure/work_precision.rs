@@ -82,9 +82,9 @@ impl Decades {
         // The cast saturates.
         let stride = (decades / most.max(1.0)).ceil().max(1.0) as usize;
         let numbers = (self.low..=self.high).step_by(stride).collect();
-        let parts = (self.low..self.high).filter(|_| stride == 1).flat_map(|exponent| {
-            (2..10).map(move |part| f64::from(part) * 10_f64.powi(exponent))
-        });
+        let parts = (self.low..self.high)
+            .filter(|_| stride == 1)
+            .flat_map(|exponent| (2..10).map(move |part| f64::from(part) * 10_f64.powi(exponent)));
         (numbers, parts.collect())
     }
 }
@@ -193,11 +193,16 @@ impl Axes {
         parts.into_iter().for_each(|value| {
             tick(value, 0.2);
         });
-        let places: Vec<_> = exponents.iter().map(|it| tick(10_f64.powi(*it), 0.4)).collect();
+        let places: Vec<_> = exponents
+            .iter()
+            .map(|it| tick(10_f64.powi(*it), 0.4))
+            .collect();
         for (exponent, at) in exponents.into_iter().zip(places) {
             drawing.label(&power(exponent), size, at, Across::Middle, Along::Top);
         }
-        let (exponents, parts) = self.errors.ticks(place.height() / (1.3 * line_height(size)));
+        let (exponents, parts) = self
+            .errors
+            .ticks(place.height() / (1.3 * line_height(size)));
         let mut tick = |value: f64, length: f64| {
             let [_, y] = self.at(1.0, value);
             let ends = vec![[place.left, y], [place.left - length * size, y]];
@@ -207,7 +212,10 @@ impl Axes {
         parts.into_iter().for_each(|value| {
             tick(value, 0.2);
         });
-        let places: Vec<_> = exponents.iter().map(|it| tick(10_f64.powi(*it), 0.4)).collect();
+        let places: Vec<_> = exponents
+            .iter()
+            .map(|it| tick(10_f64.powi(*it), 0.4))
+            .collect();
         for (exponent, at) in exponents.into_iter().zip(places) {
             drawing.label(&power(exponent), size, at, Across::Right, Along::Middle);
         }
@@ -363,7 +371,12 @@ mod tests {
     #[test]
     fn every_value_has_a_place_on_the_axis() {
         let least = f64::from_bits(1);
-        for ends in [[0.02, 250.0], [least, 1e-300], [1e300, f64::MAX], [least, f64::MAX]] {
+        for ends in [
+            [0.02, 250.0],
+            [least, 1e-300],
+            [1e300, f64::MAX],
+            [least, f64::MAX],
+        ] {
             let axis = Decades::around(ends.into_iter());
             for value in [f64::NAN, f64::INFINITY, 0.0, -1.0, least, 1e-3, f64::MAX] {
                 let place = axis.place(value);

@@ -173,7 +173,11 @@ fn clear(folder: &Path) -> Result<(), RecordError> {
         remove(&folder.join(file))?;
     }
     let inputs = folder.join(INPUTS);
-    for file in NodalKey::ALL.map(NodalKey::file_name).into_iter().chain([MESH_NAME]) {
+    for file in NodalKey::ALL
+        .map(NodalKey::file_name)
+        .into_iter()
+        .chain([MESH_NAME])
+    {
         remove(&inputs.join(file))?;
     }
     let fields = folder.join(FIELDS);

@@ -117,10 +117,15 @@ impl Scene {
                 | InitialDirector::Random { .. } => None,
             }
         });
-        let pull = pull.as_mut().and_then(|Pull { potential }| of_field(potential));
+        let pull = pull
+            .as_mut()
+            .and_then(|Pull { potential }| of_field(potential));
         let files = [
             (NodalKey::Vesicle, vesicle),
-            (NodalKey::SpontaneousCurvature, of_field(spontaneous_curvature)),
+            (
+                NodalKey::SpontaneousCurvature,
+                of_field(spontaneous_curvature),
+            ),
             (NodalKey::Director, director),
             (NodalKey::Pull, pull),
         ];
@@ -147,9 +152,7 @@ mod tests {
     fn scene(key: NodalKey) -> Scene {
         let settings = match key {
             NodalKey::Vesicle => "vesicle = { shape = 'file', values = 'a.txt' }",
-            NodalKey::SpontaneousCurvature => {
-                "membrane.spontaneous_curvature = { file = 'a.txt' }"
-            }
+            NodalKey::SpontaneousCurvature => "membrane.spontaneous_curvature = { file = 'a.txt' }",
             NodalKey::Director => "nematic.initial = { kind = 'file', values = 'a.txt' }",
             NodalKey::Pull => "pull.potential = { file = 'a.txt' }",
         };
@@ -166,7 +169,10 @@ mod tests {
             let [(found, file)] = &files[..] else {
                 panic!("{key:?}: {files:?}");
             };
-            assert_eq!((*found, file.columns, &*file.path), (key, key.columns(), "a.txt"));
+            assert_eq!(
+                (*found, file.columns, &*file.path),
+                (key, key.columns(), "a.txt")
+            );
             assert!(scene(key).to_toml().contains("a.txt"), "{key:?}");
         }
         let none = Scene::parse("", "empty", &[], &mut |_| unreachable!());

@@ -5,8 +5,8 @@ use super::error::{Problem, SceneError};
 use super::keys::{self, Keys};
 use super::model::{Curve, Outline, Shape, Vesicle};
 use super::names::{Names, PROJECTIONS, name_of};
-use super::reader::{FINITE, Field, POSITIVE, RATIO, Reader};
 use super::nodal_files::NodalKey;
+use super::reader::{FINITE, Field, POSITIVE, RATIO, Reader};
 use super::schema::{Context, read_nodal_values};
 
 /// The word after `shape =`.

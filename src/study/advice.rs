@@ -71,7 +71,8 @@ pub(super) fn advice(study: &Study) -> (Option<Advice>, Vec<String>) {
                 "At {cells} cells and {pace}{what} the error of φ from the steps is about {time:.1e}; that of the \
                  mesh is not known."
             ),
-            _ => "What part of the error is that of the mesh and of the steps is not known.".to_owned(),
+            _ => "What part of the error is that of the mesh and of the steps is not known."
+                .to_owned(),
         };
         return (None, vec![known]);
     };
@@ -120,11 +121,13 @@ fn judged(study: &Study) -> Option<&Point> {
     own.or_else(|| {
         let meshes = study.meshes();
         let others = meshes.into_iter().rev();
-        std::iter::once(study.own.cells).chain(others).find_map(|cells| {
-            let rungs = study.rungs(cells);
-            let mut rungs = rungs.iter().map(|(_, point)| *point).rev();
-            rungs.find(|point| point.error().is_some())
-        })
+        std::iter::once(study.own.cells)
+            .chain(others)
+            .find_map(|cells| {
+                let rungs = study.rungs(cells);
+                let mut rungs = rungs.iter().map(|(_, point)| *point).rev();
+                rungs.find(|point| point.error().is_some())
+            })
     })
     .or_else(|| known().max_by_key(|point| point.nodes))
 }
@@ -187,7 +190,11 @@ fn cheaper(study: &Study, judged: &Point) -> Option<String> {
     let best = study
         .points
         .iter()
-        .filter(|point| point.error().is_some_and(|it| it.get() <= 1.05 * error.get()))
+        .filter(|point| {
+            point
+                .error()
+                .is_some_and(|it| it.get() <= 1.05 * error.get())
+        })
         .min_by(|a, b| a.seconds.total_cmp(&b.seconds))?;
     (best.seconds < 0.8 * judged.seconds).then(|| {
         let mesh = match &best.run {
@@ -202,4 +209,104 @@ fn cheaper(study: &Study, judged: &Point) -> Option<String> {
             best.seconds / judged.seconds,
         )
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::choice::Choice;
+    use super::super::distance::Errors;
+    use super::super::report::Reference;
+    use super::*;
+    use crate::study::tests::{CALM, scene};
+
+    /// Points of 60 and 120 cells with an error of second order, measured against a reference.
+    fn study(reference: usize, own_cells: usize) -> Study {
+        let own = Choice {
+            cells: own_cells,
+            pace: Pace::Step(1e-7),
+            ..Choice::of(&scene(CALM))
+        };
+        let error = |cells: usize| {
+            let square = |cells: usize| (cells as f64).powi(-2);
+            ErrorSize::new(square(cells) - square(reference))
+        };
+        let point = |cells: usize, tolerance: f64| Point {
+            cells,
+            nodes: (cells + 1) * (cells + 1),
+            pace: Pace::Tolerance(tolerance),
+            quadrature: "consistent",
+            iteration: "newton",
+            run: None,
+            is_own: false,
+            seconds: cells as f64,
+            memory: None,
+            steps: 10,
+            refused: 0,
+            newton: 10,
+            krylov: 10,
+            errors: Some(Errors {
+                phase: error(cells),
+                membrane: None,
+                director: None,
+                energy: None,
+                surface_area: None,
+            }),
+            time_error: ErrorSize::new(1e-3 * tolerance),
+            estimated_time: None,
+            estimated_space: None,
+            estimated_algebra: None,
+            failure: None,
+            is_pareto: false,
+        };
+        let points = [60, 120].map(|cells| [1e-3, 1e-4].map(|tolerance| point(cells, tolerance)));
+        let reference = Reference {
+            run: None,
+            cells: reference,
+            nodes: (reference + 1) * (reference + 1),
+            pace: Pace::Tolerance(1e-4),
+            seconds: 100.0,
+            time_error: None,
+            space_error: None,
+        };
+        let points = points.into_iter().flatten().collect();
+        Study::new("made up", own, points, Some(reference), Vec::new())
+    }
+
+    #[test]
+    fn a_reference_that_is_no_measure_is_said_to_be_none() {
+        let said = |study: &Study| {
+            let words = study.sentences.iter();
+            words.filter(|it| it.contains("own error, about")).count()
+        };
+        assert_eq!(said(&study(180, 120)), 1);
+        assert_eq!(said(&study(360, 120)), 0);
+    }
+
+    #[test]
+    fn whose_errors_are_told_is_said() {
+        let first = |own_cells: usize| study(240, own_cells).sentences[0].clone();
+        let mesh = first(120);
+        assert!(
+            mesh.contains("At 120 cells and tolerance 1e-4 (the scene's mesh, but not its steps)"),
+            "{mesh}"
+        );
+        let coarser = first(60);
+        assert!(
+            coarser.contains("At 60 cells and tolerance 1e-4 (the scene's mesh,"),
+            "{coarser}"
+        );
+        let other = first(200);
+        assert!(
+            other.contains("At 120 cells and tolerance 1e-4 (not the scene's mesh of 200 cells)"),
+            "{other}"
+        );
+    }
+
+    /// On the reference's own mesh nothing is known of the mesh.
+    #[test]
+    fn a_mesh_has_no_error_against_itself() {
+        let study = study(120, 120);
+        assert_eq!(study.floors.len(), 1, "{:?}", study.floors);
+        assert_eq!(study.advice, None);
+    }
 }

@@ -108,7 +108,11 @@ impl Choice {
 /// at the nodes of its own.
 pub(super) fn fixed_mesh(scene: &Scene) -> Option<String> {
     if let Some((key, file)) = scene.nodal_files().first() {
-        return Some(format!("{} are the values at its nodes ({})", file.path, key.name()));
+        return Some(format!(
+            "{} are the values at its nodes ({})",
+            file.path,
+            key.name()
+        ));
     }
     let nematic = scene.nematic.as_ref();
     let is_random = nematic.is_some_and(|it| matches!(it.initial, InitialDirector::Random { .. }));

@@ -267,7 +267,8 @@ mod tests {
             }));
         }
         let number = |layer: usize, side: usize| (layer * sides + side % sides) as u32;
-        for (layer, side) in (0..layers).flat_map(|layer| (0..sides).map(move |side| (layer, side))) {
+        for (layer, side) in (0..layers).flat_map(|layer| (0..sides).map(move |side| (layer, side)))
+        {
             let [a, b] = [number(layer, side), number(layer + 1, side)];
             let [c, d] = [number(layer + 1, side + 1), number(layer, side + 1)];
             triangles.push([a, b, c]);
@@ -287,10 +288,14 @@ mod tests {
                 let h = 1.0 / n as f64;
                 squares(h, 2 * n, 2 * n, |[x, y]| x < 1.0 || y < 1.0)
             }),
-            ("a channel", &|n| squares(0.1 / n as f64, 100 * n, n, |_| true)),
+            ("a channel", &|n| {
+                squares(0.1 / n as f64, 100 * n, n, |_| true)
+            }),
             ("a ring", &|n| ring(0.4, 1.0, 64, n)),
             ("a disc", &|n| ring(0.0, 2.0, 64, n)),
-            ("a tiny square", &|n| squares(1e-5 / n as f64, n, n, |_| true)),
+            ("a tiny square", &|n| {
+                squares(1e-5 / n as f64, n, n, |_| true)
+            }),
         ];
         for (name, mesh) in domains {
             let area: f64 = mesh(4).areas().iter().sum();

@@ -310,7 +310,8 @@ mod tests {
 
     #[test]
     fn a_pull_from_a_file_has_a_price_on_its_own_mesh() {
-        let text = "mesh.cells = 12\nmembrane.interface_width = 0.08\npull.potential = { file = 'u.txt' }";
+        let text =
+            "mesh.cells = 12\nmembrane.interface_width = 0.08\npull.potential = { file = 'u.txt' }";
         let mut read = |_: &str| Ok("0.5\n".repeat(169).into_bytes());
         let scene = Scene::parse(text, "the test", &[], &mut read).expect("a scene");
         let prices = prices(&scene, PLAN, &mut |_| true).expect("runs");

@@ -46,7 +46,10 @@ pub(super) fn evaluate(
     }));
     let is_on_own_mesh =
         |point: &Point| point.is_own || (point.run.is_none() && point.cells == own.cells);
-    if !points.iter().any(|point| is_on_own_mesh(point) && point.error().is_some()) {
+    if !points
+        .iter()
+        .any(|point| is_on_own_mesh(point) && point.error().is_some())
+    {
         remarks.push(format!(
             "No run on the scene's own mesh, {} cells, is among the points that were measured.",
             own.cells

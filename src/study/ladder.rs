@@ -4,7 +4,7 @@
 //! scene's own choice, another quadrature and another iteration. The cheapest run comes first; from
 //! what it took the others' prices are estimated. An answer takes a run on the scene's own mesh and a
 //! reference on a finer one: what they take is set aside, and where the budget does not pay for them the
-//! study ends at once and names one that does. Of the others a run that would not fit into what is left
+//! study ends at once and names one that does; before that, the first steps on the scene's mesh are tried. Of the others a run that would not fit into what is left
 //! of the budget is left out; half of the budget is for the reference, the finest mesh that it pays for.
 //! A run that fails, or is stopped, stays in the study and says so.
 
@@ -12,7 +12,8 @@ use super::choice::{Choice, fixed_mesh};
 use super::evaluation::evaluate;
 use super::finished::FinishedRuns;
 use super::measure::{Failure, Measurement, measure};
-use super::plan::{ladder, own_mesh, price, references};
+use super::plan::{Known, known, ladder, own_mesh, price, references};
+use super::price::{Foresight, run_price};
 use super::report::Study;
 use crate::scene::Scene;
 use std::time::{Duration, Instant};
@@ -103,6 +104,7 @@ pub fn study(
             Some(_) => Vec::new(),
         },
         done: Vec::new(),
+        foreseen: None,
         watch,
         ended: false,
     };
@@ -115,8 +117,16 @@ pub fn study(
         rest.sort_by(|a, b| runs.price(a).total_cmp(&runs.price(b)));
         let is_easy = |choice: &Choice| runs.price(choice) <= EASY * budget.time.as_secs_f64();
         if made > 0 && !is_checked && !rest.first().is_some_and(is_easy) {
-            runs.check_budget()?;
             is_checked = true;
+            if runs.check_budget().is_err() {
+                runs.foresee();
+                if runs.ended {
+                    break;
+                }
+                runs.check_budget()?;
+                // The order may be another one now.
+                continue;
+            }
         }
         if rest.is_empty() {
             break;
@@ -152,7 +162,14 @@ pub fn study(
         remarks.push(runs.without_own_steps(&own));
     }
     let Runs { done, .. } = runs;
-    Ok(evaluate(scene, &own, done, finished.beside, reference, remarks))
+    Ok(evaluate(
+        scene,
+        &own,
+        done,
+        finished.beside,
+        reference,
+        remarks,
+    ))
 }
 
 struct Runs<'a> {
@@ -164,6 +181,8 @@ struct Runs<'a> {
     /// What the others may be measured against, the most accurate first.
     references: Vec<Choice>,
     done: Vec<(Choice, Measurement)>,
+    /// What the run on the scene's mesh is expected to take, by its first steps.
+    foreseen: Option<Known>,
     watch: &'a mut dyn FnMut(&Choice, f64) -> bool,
     ended: bool,
 }
@@ -183,7 +202,27 @@ impl Runs<'_> {
     }
 
     fn price(&self, choice: &Choice) -> f64 {
-        price(self.scene, choice, &self.done)
+        let known = self.done.iter().filter_map(known).chain(self.foreseen);
+        price(self.scene, choice, known)
+    }
+
+    /// Makes the first steps of the run on the scene's mesh: they tell more than runs on meshes that may be
+    /// too coarse for the scene.
+    fn foresee(&mut self) {
+        let (Some(choice), _) = self.missing() else {
+            return;
+        };
+        let seconds = self.left(1.0);
+        let (begun, watch, mut is_ended) = (Instant::now(), &mut *self.watch, false);
+        let mut go_on = || {
+            is_ended |= !watch(&choice, 0.0);
+            !is_ended && begun.elapsed().as_secs_f64() < seconds
+        };
+        let price = run_price(&choice.applied_to(self.scene), &mut go_on);
+        self.ended |= is_ended;
+        if let Ok(Foresight::Price(price)) = price {
+            self.foreseen = Some((choice, price.seconds));
+        }
     }
 
     /// Which runs there must be still, and what they take: that on the scene's mesh, and a reference.
@@ -216,12 +255,16 @@ impl Runs<'_> {
             return Ok(());
         }
         let finest = self.references.first().map(|choice| choice.cells);
-        let good = self.references.iter().filter(|choice| Some(choice.cells) == finest);
-        let good = good.map(|choice| self.price(choice)).fold(f64::INFINITY, f64::min);
+        let good = self
+            .references
+            .iter()
+            .filter(|choice| Some(choice.cells) == finest);
+        let good = good
+            .map(|choice| self.price(choice))
+            .fold(f64::INFINITY, f64::min);
         let good = if good.is_finite() { good } else { 0.0 };
-        let words = |choice: Option<Choice>| {
-            choice.map_or("what there is".to_owned(), |it| it.to_string())
-        };
+        let words =
+            |choice: Option<Choice>| choice.map_or("what there is".to_owned(), |it| it.to_string());
         Err(StudyError::Budget {
             budget: self.budget.time.as_secs_f64(),
             own: words(own_mesh.or(self.own_mesh)),
@@ -242,7 +285,10 @@ impl Runs<'_> {
             pace: first.pace.to_string(),
             reason: match reason {
                 Failure::Failed(reason) => reason.clone(),
-                _ => format!("it was stopped after {:.0} s; raise --budget", measured.seconds),
+                _ => format!(
+                    "it was stopped after {:.0} s; raise --budget",
+                    measured.seconds
+                ),
             },
         }
     }
@@ -296,4 +342,91 @@ impl Runs<'_> {
 fn round_up(seconds: f64) -> f64 {
     let unit = 10_f64.powf((seconds.max(1.0).log10().floor() - 1.0).max(0.0));
     (seconds / unit).ceil() * unit
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::tests::{CALM, scene};
+
+    fn runs<'a>(
+        scene: &'a Scene,
+        seconds: f64,
+        watch: &'a mut dyn FnMut(&Choice, f64) -> bool,
+    ) -> Runs<'a> {
+        let own = own_mesh(&Choice::of(scene));
+        let budget = Budget {
+            time: Duration::from_secs_f64(seconds),
+            full: false,
+        };
+        Runs {
+            scene,
+            budget,
+            begun: Instant::now(),
+            own_mesh: Some(own),
+            references: references(scene, false),
+            done: Vec::new(),
+            foreseen: Some((own, 1000.0)),
+            watch,
+            ended: false,
+        }
+    }
+
+    #[test]
+    fn a_budget_without_an_answer_is_refused_with_one_that_has_it() {
+        let scene = scene(CALM);
+        let mut watch = |_: &Choice, _: f64| true;
+        let error = runs(&scene, 3000.0, &mut watch).check_budget();
+        let Err(StudyError::Budget { price, enough, .. }) = error else {
+            panic!("{error:?}");
+        };
+        // With half as many cells again.
+        let expected = 1000.0 * (1.0 + 1.5_f64.powf(2.6));
+        assert!((price / expected - 1.0).abs() < 1e-9, "{price}");
+        let told = error.expect_err("it is one").to_string();
+        let words = [
+            "3000 s is too little",
+            "24 cells and tolerance 1e-3",
+            "36 cells",
+        ];
+        for word in words.iter().chain(&[&*format!("--budget {enough:.0}")]) {
+            assert!(told.contains(word), "{told}");
+        }
+        // A good reference, which has twice the cells, is paid for.
+        let mut watch = |_: &Choice, _: f64| true;
+        let runs = runs(&scene, enough, &mut watch);
+        assert_eq!(runs.check_budget(), Ok(()));
+        let finest = runs
+            .references
+            .iter()
+            .find(|it| runs.price(it) < runs.left(1.0) - 1000.0);
+        assert_eq!(finest.map(|it| it.cells), Some(48));
+    }
+
+    #[test]
+    fn what_an_answer_takes_is_set_aside() {
+        let scene = scene(CALM);
+        let mut watch = |_: &Choice, _: f64| true;
+        let runs = runs(&scene, 6000.0, &mut watch);
+        let (own, reference) = runs.missing();
+        let (own, reference) = (own.expect("not made"), reference.expect("one of several"));
+        let other = Choice { cells: 12, ..own };
+        let close = |a: f64, b: f64| (a - b).abs() < 60.0;
+        // The half of the budget, but for the run on the scene's mesh; that one leaves the reference its time.
+        assert!(close(runs.room(&other), 0.5 * 6000.0 - 1000.0));
+        assert!(close(runs.room(&own), 6000.0 - runs.price(&reference)));
+    }
+
+    #[test]
+    fn a_recommended_budget_has_two_digits() {
+        for (seconds, rounded) in [
+            (0.2, 1.0),
+            (7.1, 8.0),
+            (61.0, 61.0),
+            (101.0, 110.0),
+            (2683.0, 2700.0),
+        ] {
+            assert_eq!(round_up(seconds), rounded);
+        }
+    }
 }

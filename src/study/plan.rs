@@ -107,15 +107,28 @@ pub(super) fn ladder(scene: &Scene, full: bool) -> Vec<Choice> {
     unique
 }
 
-/// About what a run would take, in seconds, by the most similar one so far; of one that was stopped on its
-/// way by how far it had come.
-pub(super) fn price(scene: &Scene, choice: &Choice, done: &[(Choice, Measurement)]) -> f64 {
+/// What a run took, or is expected to take, in seconds.
+pub(super) type Known = (Choice, f64);
+
+/// What a run has taken; of one that was stopped on its way, by how far it had come. `None` where it tells
+/// nothing.
+pub(super) fn known((choice, measured): &(Choice, Measurement)) -> Option<Known> {
+    let tells = match measured.outcome {
+        Ok(_) => true,
+        Err(Failure::TooLong) => measured.share > 0.0,
+        Err(_) => false,
+    };
+    tells.then(|| (*choice, measured.seconds / measured.share))
+}
+
+/// About what a run would take, in seconds, by the most similar one of which that is known.
+pub(super) fn price(scene: &Scene, choice: &Choice, known: impl Iterator<Item = Known>) -> f64 {
     let steps = |pace: Pace| match pace {
         // Six solves each, and longer ones; the number as the cube root of the tolerance.
         Pace::Tolerance(tolerance) => 60.0 / tolerance.cbrt(),
         Pace::Step(step) => scene.time.end / step,
     };
-    let estimate = |(other, measured): &(Choice, Measurement)| {
+    let estimate = |(other, seconds): Known| {
         let cells = choice.cells as f64 / other.cells as f64;
         let pace = steps(choice.pace) / steps(other.pace);
         let lagged = if choice.iteration == Iteration::Lagged {
@@ -126,17 +139,8 @@ pub(super) fn price(scene: &Scene, choice: &Choice, done: &[(Choice, Measurement
         // Likeness: the same pace is worth more than the same mesh.
         let same_pace = if choice.pace == other.pace { 0.0 } else { 1.0 };
         let strangeness = same_pace + cells.ln().abs() + 0.3 * pace.ln().abs();
-        (
-            strangeness,
-            measured.seconds / measured.share * cells.powf(GROWTH) * pace * lagged,
-        )
+        (strangeness, seconds * cells.powf(GROWTH) * pace * lagged)
     };
-    let tells = |it: &Measurement| match it.outcome {
-        Ok(_) => true,
-        Err(Failure::TooLong) => it.share > 0.0,
-        Err(_) => false,
-    };
-    let telling = done.iter().filter(|(_, it)| tells(it));
-    let nearest = telling.map(estimate).min_by(|a, b| a.0.total_cmp(&b.0));
+    let nearest = known.map(estimate).min_by(|a, b| a.0.total_cmp(&b.0));
     nearest.map_or(f64::INFINITY, |(_, seconds)| seconds)
 }

@@ -19,7 +19,11 @@ use crate::scene::{LinearMethod, Mesh, Scene};
 use crate::simulation::{Simulation, SimulationError, Underway, node_count, step_count};
 use patience::Patience;
 use std::fmt;
-use std::time::Duration;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::thread;
+use std::time::{Duration, Instant};
 
 /// What the first steps of a scene tell.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -96,6 +100,12 @@ const CALIBRATION: Duration = Duration::from_millis(1500);
 /// and all of it no longer than this where a step is hard, or the machine is busy with other things.
 const LONGEST: Duration = Duration::from_secs(10);
 
+/// A set-up or a single attempt at a step that takes so much longer still is not waited for.
+const GRACE: Duration = Duration::from_secs(2);
+
+/// Whoever asked is asked so often whether to go on.
+const PAUSE: Duration = Duration::from_millis(20);
+
 /// Cells of the coarse mesh: with fewer the physics is another one.
 const COARSE_CELLS: usize = 48;
 
@@ -103,7 +113,8 @@ const COARSE_CELLS: usize = 48;
 pub const MOST_NODES: usize = 60_000;
 
 /// What a run of the scene will take on this machine. Takes a second or two, and at most some ten where a
-/// step is hard. `go_on` is asked within the steps, and says whether to.
+/// step is hard: it is measured on a thread of its own, for a single attempt at a step cannot be left. `go_on`
+/// is asked all the time whether to.
 ///
 /// # Errors
 /// [`SimulationError`]: the scene cannot be set up, or one of its first steps fails.
@@ -116,6 +127,46 @@ pub fn run_price(
     if nodes > MOST_NODES {
         return Ok(Foresight::TooLarge(nodes));
     }
+    let begun = Instant::now();
+    let is_wanted = Arc::new(AtomicBool::new(true));
+    let (tell, told) = mpsc::channel();
+    let thread = {
+        let (scene, is_wanted) = (scene.clone(), Arc::clone(&is_wanted));
+        let is_wanted = move || is_wanted.load(Ordering::Relaxed);
+        let name = "price".to_owned();
+        thread::Builder::new().name(name).spawn(move || {
+            // If it took too long there is nobody who hears it.
+            let _ = tell.send(calibrate(&scene, &mut || is_wanted()));
+        })
+    };
+    let Ok(thread) = thread else {
+        // Here, then: where a single attempt at a step takes long, so does this.
+        return calibrate(scene, go_on);
+    };
+    let foresight = loop {
+        match told.recv_timeout(PAUSE) {
+            Ok(foresight) => return foresight,
+            Err(RecvTimeoutError::Disconnected) => match thread.join() {
+                Err(panic) => std::panic::resume_unwind(panic),
+                Ok(()) => break Foresight::Ended,
+            },
+            Err(RecvTimeoutError::Timeout) if !go_on() => break Foresight::Ended,
+            Err(RecvTimeoutError::Timeout) if begun.elapsed() > LONGEST + GRACE => {
+                break Foresight::Unsolved(Unsolved {
+                    seconds: begun.elapsed().as_secs_f64(),
+                    underway: None,
+                });
+            }
+            Err(RecvTimeoutError::Timeout) => {}
+        }
+    };
+    // The thread ends with the attempt at a step that it is in, or with the process.
+    is_wanted.store(false, Ordering::Relaxed);
+    Ok(foresight)
+}
+
+/// Makes the first steps, and what else tells of a run's price.
+fn calibrate(scene: &Scene, go_on: &mut dyn FnMut() -> bool) -> Result<Foresight, SimulationError> {
     let mut patience = Patience::new(LONGEST, go_on);
     let price = match step_count(&scene.time) {
         Some(steps) => fixed::price(scene, steps, &mut patience)?,

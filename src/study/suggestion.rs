@@ -69,7 +69,10 @@ impl Suggestion {
                 why: Why::Algebra(error),
             });
         }
-        let (space, time) = (ErrorSize::new(budget.space?)?, ErrorSize::new(budget.time?)?);
+        let (space, time) = (
+            ErrorSize::new(budget.space?)?,
+            ErrorSize::new(budget.time?)?,
+        );
         let finer = fixed_mesh(scene).is_none().then_some(2 * own.cells);
         let paced = |wanted: f64| Choice {
             pace: match own.pace {
@@ -85,7 +88,10 @@ impl Suggestion {
         // Fixed steps are overpaid wherever the mesh dominates: chosen ones are cheaper.
         let overpaid = matches!(own.pace, Pace::Step(_)) || time.get() <= OVERPAID * space.get();
         let (choice, why) = match Knob::of(space, time) {
-            Knob::Mesh if overpaid => (paced(UNNOTICED * space.get()), Why::Overpaid { space, time }),
+            Knob::Mesh if overpaid => (
+                paced(UNNOTICED * space.get()),
+                Why::Overpaid { space, time },
+            ),
             knob => {
                 let choice = match knob {
                     Knob::Steps => paced(0.5 * space.get()),

@@ -207,7 +207,10 @@ fn assert_finite(study: &Study) {
     let table = study.to_csv();
     let words = study.sentences.join("\n") + &chart(study);
     for word in ["NaN", "inf"] {
-        assert!(!table.contains(word) && !words.contains(word), "{table}{words}");
+        assert!(
+            !table.contains(word) && !words.contains(word),
+            "{table}{words}"
+        );
     }
 }
 
@@ -225,7 +228,9 @@ fn a_mesh_that_cannot_be_refined_has_errors_of_the_steps_alone() {
     // Of the mesh nothing is known, and nothing is advised.
     assert_eq!((study.advice, &*study.floors), (None, &[][..]));
     let said = |words: &str| study.sentences.iter().any(|it| it.contains(words));
-    assert!(said("for it is that of l.msh: the errors are those of the steps alone"));
+    assert!(said(
+        "for it is that of l.msh: the errors are those of the steps alone"
+    ));
     assert!(said("the error of φ from the steps is about"));
     let jittered = "mesh = { cells = 12, jitter = 0.1 }
         vesicle = { shape = 'circle', radius = 0.3 }

@@ -139,12 +139,7 @@ pub(super) struct Later {
 impl Later {
     /// For a scene whose linear systems are solved by this method after its first steps. A coarse mesh on which the
     /// scene cannot be run tells nothing.
-    pub(super) fn of(
-        scene: &Scene,
-        steps: u64,
-        method: &str,
-        patience: &mut Patience<'_>,
-    ) -> Self {
+    pub(super) fn of(scene: &Scene, steps: u64, method: &str, patience: &mut Patience<'_>) -> Self {
         let linear = match method {
             "factor" => LinearMethod::Factor,
             "shifted" => LinearMethod::Shifted,
