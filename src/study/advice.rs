@@ -306,7 +306,13 @@ mod tests {
     #[test]
     fn a_mesh_has_no_error_against_itself() {
         let study = study(120, 120);
-        assert_eq!(study.floors.len(), 1, "{:?}", study.floors);
-        assert_eq!(study.advice, None);
+        let meshes: Vec<usize> = study.floors.iter().map(|(cells, _)| *cells).collect();
+        assert_eq!(meshes, [60]);
+        assert_eq!(study.advice.map(|it| it.cells), Some(60));
+        let told = &study.sentences[0];
+        assert!(
+            told.contains("(not the scene's mesh of 120 cells)"),
+            "{told}"
+        );
     }
 }
