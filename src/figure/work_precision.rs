@@ -71,8 +71,10 @@ impl Decades {
     /// From 0 to 1. What is beyond an end, as a time of zero is, stands at the end.
     fn place(&self, value: f64) -> f64 {
         let share = (value.log10() - f64::from(self.low)) / f64::from(self.high - self.low);
-        // Whatever it is: the greater of a number and no number is the number.
-        share.max(0.0).min(1.0)
+        if share.is_nan() {
+            return 0.0;
+        }
+        share.clamp(0.0, 1.0)
     }
 
     /// The powers of ten that have a number, if there is room for `most` of them, and the values between
