@@ -166,4 +166,29 @@ mod tests {
         let close = |a: f64, b: f64| (a - b).abs() < 1e-15;
         assert!(close(size, 0.015) && close(refined.size, 0.005) && refined.band == 0.1);
     }
+
+    /// Whatever the values are, and nothing else on a grid.
+    #[test]
+    fn values_at_nodes_keep_their_mesh() {
+        for (settings, columns) in [
+            ("vesicle = { shape = 'file', values = 'v.txt' }", 1),
+            ("membrane.spontaneous_curvature = { file = 'v.txt' }", 1),
+            ("nematic.initial = { kind = 'file', values = 'v.txt' }", 2),
+            ("pull.potential = { file = 'v.txt' }", 1),
+        ] {
+            let line = "0.5 ".repeat(columns) + "\n";
+            let mut read = |_: &str| Ok(line.repeat(81).into_bytes());
+            let text = format!("mesh.cells = 8\n{settings}");
+            let scene = Scene::parse(&text, "a study", &[], &mut read).expect("a scene");
+            let reason = fixed_mesh(&scene).expect(settings);
+            assert!(
+                reason.starts_with("v.txt are the values at its nodes"),
+                "{reason}"
+            );
+        }
+        let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+        let text = "pull.potential = 'x'\n[nematic]\n[area]";
+        let scene = Scene::parse(text, "a study", &[], &mut no_files).expect("a scene");
+        assert_eq!(fixed_mesh(&scene), None);
+    }
 }
