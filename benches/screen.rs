@@ -44,7 +44,7 @@ fn slot(name: &str) -> Slot {
     run.status = Status::Running;
     run.setting = Some(Arc::new(Setting {
         scene: scene.clone(),
-        mesh: Arc::new(simulation.mesh().clone()),
+        mesh: Arc::clone(simulation.mesh()),
         steps: Some(10_000),
         warnings: Vec::new(),
     }));

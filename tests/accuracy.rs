@@ -98,3 +98,73 @@ fn finished_runs_on_any_mesh_are_compared_with_one_of_them() {
         assert!(told.contains(message), "{told}");
     }
 }
+
+/// A square of four triangles.
+const SQUARE: &str = "\
+$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$Nodes
+5
+1 0 0 0
+2 1 0 0
+3 1 1 0
+4 0 1 0
+5 0.5 0.5 0
+$EndNodes
+$Elements
+4
+1 2 0 1 2 5
+2 2 0 2 3 5
+3 2 0 3 4 5
+4 2 0 4 1 5
+$EndElements
+";
+
+/// Such studies took all memory and left no files: errors of nothing were drawn on a logarithmic axis.
+#[test]
+fn a_mesh_that_cannot_be_refined_leaves_its_files_within_bounded_memory() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let phase = "0.9\n".repeat(40) + &"-0.9\n".repeat(41);
+    fs::write(folder.join("square.msh"), SQUARE).expect("it can be written");
+    fs::write(folder.join("phase.txt"), phase).expect("it can be written");
+    let rest = "membrane.interface_width = 0.3\ntime = { step = 1e-7, end = 1e-6 }\n";
+    for (name, scene) in [
+        (
+            "square",
+            "mesh = { kind = 'file', path = 'square.msh' }\nvesicle = { shape = 'circle', radius = 0.3 }\n",
+        ),
+        (
+            "jitter",
+            "mesh = { cells = 8, jitter = 0.1 }\nvesicle = { shape = 'circle', radius = 0.3 }\n",
+        ),
+        (
+            "phase",
+            "mesh.cells = 8\nvesicle = { shape = 'file', values = 'phase.txt' }\n",
+        ),
+    ] {
+        fs::write(folder.join(format!("{name}.toml")), scene.to_owned() + rest).expect("written");
+        // A hundred times what it takes.
+        let command = format!("ulimit -v 1500000 && exec \"$0\" accuracy {name}.toml --budget 600");
+        let output = Command::new("sh")
+            .args(["-c", &command, env!("CARGO_BIN_EXE_vesica")])
+            .current_dir(folder)
+            .stdin(Stdio::null())
+            .output()
+            .expect("it starts");
+        done(&output);
+        let told = String::from_utf8_lossy(&output.stdout);
+        assert!(
+            told.contains("errors are those of the steps alone"),
+            "{told}"
+        );
+        for extension in ["png", "svg", "csv", "json"] {
+            let file = folder.join(format!("accuracy/{name}-accuracy.{extension}"));
+            let bytes = fs::read(&file).expect("it is there");
+            let text = String::from_utf8_lossy(&bytes);
+            let is_number = extension == "png" || !text.contains("NaN") && !text.contains("inf,");
+            assert!(!bytes.is_empty() && is_number, "{name}.{extension}");
+        }
+    }
+}

@@ -279,6 +279,10 @@ fn wrong_arguments_are_refused() {
     refused(path, &["run", "."], &["is a folder"]);
     refused(path, &["preset", "case9"], &["case9", "did you mean"]);
     refused(path, &["check"], &["FILE"]);
+    for budget in ["-1", "0", "1.5"] {
+        let arguments = ["accuracy", "small.toml", "--budget", budget];
+        refused(path, &arguments, &["from 1 to 1000000"]);
+    }
     // None of them began anything.
     assert!(!path.join("runs").exists());
 }
@@ -350,6 +354,31 @@ fn a_check_tells_what_a_run_would_tell() {
         path,
         &["check", "small.toml", "--set", "time.step=1"],
         &["first step"],
+    );
+}
+
+/// "ok" is said of what was solved once.
+#[test]
+fn a_scene_that_fails_at_its_first_step_is_not_ok() {
+    let folder = folder_with_scene();
+    let path = folder.path();
+    let fails = [
+        "check",
+        "small.toml",
+        "--set",
+        "solver.law_tolerance=1e-300",
+    ];
+    refused(
+        path,
+        &fails,
+        &["a run would fail: step 1 to t = 1e-7", "1 of 1 scenes"],
+    );
+    let output = vesica(path, &[&fails[..], &["--quick"]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let told = stdout(&output);
+    assert!(
+        told.contains("no step was tried") && !told.contains("ok"),
+        "{told}"
     );
 }
 
@@ -503,6 +532,34 @@ mod signals {
             .args([format!("-{signal}"), child.id().to_string()])
             .status();
         assert!(status.is_ok_and(|status| status.success()));
+    }
+
+    /// Also within a step that never comes to its end.
+    #[test]
+    fn a_study_of_accuracy_is_ended_by_a_signal() {
+        let folder = folder_with_scene();
+        let path = folder.path();
+        let hard = "mesh.cells = 20\nvesicle = { shape = 'circle', radius = 0.25 }\n[area]\n\
+            [membrane]\ninterface_width = 0.05\nspontaneous_curvature = '1e6*sign(x - 0.5)'\n\
+            [time]\nstep = 1e-6\nend = 1.0\n";
+        fs::write(path.join("hard.toml"), hard).expect("it can be written");
+        let child = Command::new(env!("CARGO_BIN_EXE_vesica"))
+            .args(["accuracy", "hard.toml", "--budget", "600"])
+            .current_dir(path)
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("it starts");
+        std::thread::sleep(Duration::from_millis(1000));
+        send(&child, SIGINT);
+        let output = child.wait_with_output().expect("it ends");
+        assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
+        assert!(
+            stderr(&output).contains("ended by Ctrl-C"),
+            "{}",
+            stderr(&output)
+        );
     }
 
     const ARGUMENTS: [&str; 8] = [

@@ -1,16 +1,19 @@
 //! `vesica accuracy SCENE`: what accuracy costs in time.
 
 use super::error::CliError;
+use super::numbers;
 use super::output;
 use super::run::some_step;
-use super::signals::EndSignal;
+use super::signals::{EndSignal, Signal};
 use crate::figure::{FigureOptions, save_study};
 use crate::record::load_scene;
-use crate::study::{Budget, Choice, FinishedRun, FinishedRuns, Point, Study, chart, study};
+use crate::study::{
+    Budget, Choice, ErrorSize, FinishedRun, FinishedRuns, Point, Study, StudyError, chart, study,
+};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::ffi::OsString;
 use std::path::PathBuf;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Without `--budget`, in seconds.
 const QUICK: u64 = 120;
@@ -21,7 +24,8 @@ const FULL: u64 = 1800;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 The scene is computed on several meshes with several tolerances, each compared with a finer run, within \
-the budget; what would not fit is left out. Ctrl-C ends the study with what there is.")]
+the budget; what would not fit is left out. A budget that does not pay for an answer is refused, with one \
+that does. Ctrl-C ends the study with what there is.")]
 pub(super) struct Arguments {
     /// A preset's name (see `vesica presets`) or a TOML file
     scene: OsString,
@@ -31,8 +35,7 @@ pub(super) struct Arguments {
     out: PathBuf,
 
     /// How long it may take, in seconds [default: 120, with --full 1800]
-    #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(1..=1_000_000),
-          allow_negative_numbers = true)]
+    #[arg(long, value_name = "SECONDS", value_parser = numbers::budget, allow_negative_numbers = true)]
     budget: Option<u64>,
 
     /// The folder of a finished run, of any scene that ends at the same time, to be compared with the
@@ -77,14 +80,26 @@ pub(super) fn accuracy(arguments: &Arguments) -> Result<(), CliError> {
     if let Ok(style) = ProgressStyle::with_template("{bar:24} {percent:>3} %  {elapsed}  {msg}") {
         bar.set_style(style);
     }
+    let begun = Instant::now();
+    // The bar shows the time that is used up, which never becomes less; the words, how far the run is.
     let mut watch = |choice: &Choice, share: f64| {
-        bar.set_position((1000.0 * share) as u64);
-        bar.set_message(format!("{} cells, {}", choice.cells, choice.pace));
+        let used = begun.elapsed().as_secs_f64() / budget.time.as_secs_f64();
+        bar.set_position((1000.0 * used).min(1000.0) as u64);
+        bar.set_message(format!("of the budget; {choice}: {:.0} %", 100.0 * share));
         signal.received().is_none()
     };
     let result = study(&loaded.scene, budget, finished, &mut watch);
     bar.finish_and_clear();
-    let result = result?;
+    let ended = signal.received();
+    let result = match (result, ended) {
+        (Err(StudyError::Ended), Some(Signal { name, number })) => {
+            return Err(CliError::StudyEnded {
+                signal: name,
+                number,
+            });
+        }
+        (result, _) => result?,
+    };
     print(&result)?;
     let name = loaded.name.to_string_lossy();
     let command = format!(
@@ -109,10 +124,17 @@ pub(super) fn accuracy(arguments: &Arguments) -> Result<(), CliError> {
     );
     let options = FigureOptions::default();
     let files = save_study(&result, &name, &command, &options, &arguments.out)?;
-    for file in files {
+    for file in &files {
         output::line(file.display())?;
     }
-    Ok(())
+    match ended {
+        None => Ok(()),
+        Some(Signal { name, number }) => Err(CliError::AccuracyInterrupted {
+            signal: name,
+            number,
+            files,
+        }),
+    }
 }
 
 fn print(study: &Study) -> Result<(), CliError> {
@@ -134,7 +156,7 @@ fn print(study: &Study) -> Result<(), CliError> {
         output::line(row(point))?;
     }
     if let Some(reference) = &study.reference {
-        let part = |error: Option<f64>| {
+        let part = |error: Option<ErrorSize>| {
             error.map_or("of unknown size".to_owned(), |error| {
                 format!("about {error:.1e}")
             })
@@ -179,7 +201,8 @@ fn print(study: &Study) -> Result<(), CliError> {
 }
 
 fn row(point: &Point) -> String {
-    let number = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.2e}"));
+    let number =
+        |error: Option<ErrorSize>| error.map_or("-".to_owned(), |error| format!("{error:.2e}"));
     let memory = point
         .memory
         .map_or("-".to_owned(), |bytes| format!("{:.0}", bytes as f64 / 1e6));
@@ -197,9 +220,9 @@ fn row(point: &Point) -> String {
         point.pace.to_string(),
         format!("{:.2}", point.seconds),
         point.steps,
-        number(errors.map(|it| it.phase)),
+        number(point.error()),
         number(errors.and_then(|it| it.membrane)),
-        number(errors.map(|it| it.energy)),
+        number(errors.and_then(|it| it.energy)),
         number(point.time_error),
     );
     if let Some(run) = &point.run {

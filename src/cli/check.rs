@@ -7,15 +7,14 @@ use crate::fem::Quality;
 use crate::record::{load_scene, step_count};
 use crate::scene::{self, Mesh, Scene, Warning};
 use crate::simulation::{self, Examination};
-use crate::study::run_price;
+use crate::study::{Foresight, MOST_NODES, run_price};
 use std::ffi::{OsStr, OsString};
-
-/// The initial state, which tells most, is computed on meshes of up to so many nodes: within about
-/// a second.
-const MOST_NODES: usize = 60_000;
 
 /// Arguments of `vesica check`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "\
+A scene is ok when its first step was solved. That and what the run would take is tried for some ten seconds \
+at most, and not on meshes of more than 60000 nodes; what was not found out is said.")]
 pub(super) struct Arguments {
     /// Scenes: TOML files or presets
     #[arg(required = true, value_name = "FILE")]
@@ -25,7 +24,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
 
-    /// Do not measure what the run would take
+    /// Try no step: whether the first can be solved and what the run would take is not found out
     #[arg(long)]
     quick: bool,
 }
@@ -34,30 +33,15 @@ pub(super) struct Arguments {
 pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
     let mut wrong = 0;
     for source in &arguments.scenes {
-        let name = source.display();
-        match examine(source, &arguments.set) {
-            Ok((scene, found)) => {
-                output::line(format_args!("{name}: ok, {}", describe(&scene, &found)))?;
-                if let Some(triangles) = triangles(&scene, &found) {
-                    output::line(format_args!("{name}: {triangles}"))?;
-                }
-                for warning in found.warnings {
-                    output::warning(format_args!("{name}: {warning}"));
-                }
-                if !arguments.quick && nodes(&scene) <= MOST_NODES {
-                    // Its first steps may fail where a run divides them: then there is no price.
-                    if let Ok(price) = run_price(&scene) {
-                        output::line(format_args!("{name}: on this machine {price}"))?;
-                    }
-                }
-            }
-            Err(error @ CliError::Load(_)) => {
-                wrong += 1;
-                output::error(error);
-            }
+        match check_one(source, arguments) {
+            Ok(()) => {}
+            Err(error @ CliError::Output(_)) => return Err(error),
             Err(error) => {
                 wrong += 1;
-                output::error(format_args!("{name}: {error}"));
+                match error {
+                    CliError::Load(_) => output::error(error),
+                    _ => output::error(format_args!("{}: {error}", source.display())),
+                }
             }
         }
     }
@@ -68,6 +52,39 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
             checked: arguments.scenes.len(),
         }),
     }
+}
+
+fn check_one(source: &OsStr, arguments: &Arguments) -> Result<(), CliError> {
+    let name = source.display();
+    let (scene, found) = examine(source, &arguments.set)?;
+    // Before the first step is tried: it may be what is warned of that makes it fail.
+    for warning in &found.warnings {
+        output::warning(format_args!("{name}: {warning}"));
+    }
+    let foresight = match arguments.quick {
+        true => None,
+        // Nobody is there who might not want to wait: Ctrl-C ends the process.
+        false => Some(run_price(&scene, &mut || true).map_err(CliError::Foreseen)?),
+    };
+    let size = describe(&scene, &found);
+    let tried = match &foresight {
+        Some(Foresight::Price(_)) => format!("ok, {size}"),
+        Some(Foresight::Unsolved(unsolved)) => {
+            format!("undecided, {size}: {unsolved}; whether it can be run was not found out")
+        }
+        Some(Foresight::TooLarge(_)) => format!(
+            "well formed, {size}; no step was tried, for the mesh has more than {MOST_NODES} nodes"
+        ),
+        Some(Foresight::Ended) | None => format!("well formed, {size}; no step was tried"),
+    };
+    output::line(format_args!("{name}: {tried}"))?;
+    if let Some(triangles) = triangles(&scene, &found) {
+        output::line(format_args!("{name}: {triangles}"))?;
+    }
+    if let Some(Foresight::Price(price)) = foresight {
+        output::line(format_args!("{name}: on this machine {price}"))?;
+    }
+    Ok(())
 }
 
 /// Loads a scene and goes as far as a run would before its first step.

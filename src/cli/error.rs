@@ -84,6 +84,9 @@ pub(super) enum CliError {
     /// cannot be.
     #[error("the run could not be set up: {0}")]
     SetUp(#[source] SimulationError),
+    /// A first step that was tried failed.
+    #[error("a run would fail: {0}")]
+    Foreseen(#[source] SimulationError),
     /// The simulation could not go on.
     #[error("the run failed: {error}\nwhat there is stands in {}", folder.display())]
     Run {
@@ -158,6 +161,19 @@ pub(super) enum CliError {
         /// The signal's number.
         number: i32,
     },
+    /// A signal ended a study of accuracy after its first runs.
+    #[error(
+        "ended by {signal}; what was computed is in {}",
+        files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>().join(" ")
+    )]
+    AccuracyInterrupted {
+        /// The signal's name.
+        signal: &'static str,
+        /// The signal's number.
+        number: i32,
+        /// What was saved.
+        files: Vec<PathBuf>,
+    },
     /// A signal ended the runs of a set of figures.
     #[error(
         "ended by {signal}; what was computed is saved. Draw it with `vesica figures {}`",
@@ -220,6 +236,8 @@ impl CliError {
             | CliError::Resume(CheckpointError::None { .. } | CheckpointError::Foreign { .. })
             | CliError::NoTerminal { .. }
             | CliError::Check { .. }
+            | CliError::Foreseen(_)
+            | CliError::Accuracy(StudyError::Budget { .. })
             | CliError::Read(_)
             | CliError::FinishedRun(_)
             | CliError::SetInRun { .. }
@@ -250,6 +268,7 @@ impl CliError {
             CliError::Interrupted { number, .. }
             | CliError::SetUpInterrupted { number, .. }
             | CliError::FiguresInterrupted { number, .. }
+            | CliError::AccuracyInterrupted { number, .. }
             | CliError::StudyEnded { number, .. }
             | CliError::AppEnded { number } => 128_u8.saturating_add(*number as u8),
         }
@@ -261,6 +280,7 @@ impl CliError {
             CliError::Interrupted { .. }
             | CliError::SetUpInterrupted { .. }
             | CliError::FiguresInterrupted { .. }
+            | CliError::AccuracyInterrupted { .. }
             | CliError::StudyEnded { .. } => output::note(self),
             // It has left a line that says how far it came.
             CliError::AppEnded { .. } => {}

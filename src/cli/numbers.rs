@@ -17,6 +17,15 @@ pub(super) fn count_from_one(text: &str) -> Result<u64, String> {
         .ok_or_else(|| "it must be a whole number from 1".to_owned())
 }
 
+/// A budget of time, in seconds.
+pub(super) fn budget(text: &str) -> Result<u64, String> {
+    const MOST: u64 = 1_000_000;
+    text.parse()
+        .ok()
+        .filter(|seconds| (1..=MOST).contains(seconds))
+        .ok_or_else(|| format!("it must be a whole number of seconds from 1 to {MOST}"))
+}
+
 /// A time on the clock.
 pub(super) fn seconds(text: &str) -> Result<Duration, String> {
     text.parse()
@@ -57,6 +66,11 @@ mod tests {
             assert!(count_from_one(text).is_err(), "{text}");
             assert!(frames(text).is_err(), "{text}");
         }
+        for text in ["-1", "0", "1000001", "1.5", "ten"] {
+            let words = budget(text).expect_err(text);
+            assert!(words.contains("from 1 to 1000000"), "{words}");
+        }
+        assert_eq!((budget("1"), budget("1000000")), (Ok(1), Ok(1_000_000)));
         assert!(count_from_one("0").is_err());
         assert!(frames("0").is_err() && frames("31").is_err());
         for text in ["", "0", "-1e-3", "nan", "inf", "1e999", "soon"] {

@@ -322,9 +322,19 @@ fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     kept
 }
 
+/// A line is not broken into more pieces than this: they would be shorter than what is seen.
+const MOST_DASHES: f64 = 1e5;
+
 /// Pieces of a line: of `lengths` the first is drawn, the second left out, the third drawn, and so on
-/// for ever.
+/// for ever. A line that has no length, or more pieces than can be seen, is one.
 pub(super) fn dashes(points: &[[f64; 2]], lengths: &[f64]) -> Vec<Vec<[f64; 2]>> {
+    let along = points.windows(2).map(|pair| distance(pair[0], pair[1]));
+    let pieces = lengths.len() as f64 * along.sum::<f64>() / lengths.iter().sum::<f64>();
+    // Not so for what is no number either.
+    let is_fit = pieces <= MOST_DASHES && lengths.iter().all(|length| *length > 0.0);
+    if !is_fit {
+        return vec![points.to_vec()];
+    }
     let mut pieces = Vec::new();
     let mut piece: Vec<[f64; 2]> = points.first().copied().into_iter().collect();
     let mut turns = lengths.iter().copied().cycle();
@@ -332,7 +342,7 @@ pub(super) fn dashes(points: &[[f64; 2]], lengths: &[f64]) -> Vec<Vec<[f64; 2]>>
     for pair in points.windows(2) {
         let mut from = pair[0];
         loop {
-            let length = (pair[1][0] - from[0]).hypot(pair[1][1] - from[1]);
+            let length = distance(from, pair[1]);
             if length < left {
                 left -= length;
                 if is_on {
@@ -356,9 +366,12 @@ pub(super) fn dashes(points: &[[f64; 2]], lengths: &[f64]) -> Vec<Vec<[f64; 2]>>
         pieces.push(piece);
     }
     // What rounding leaves at the end of a dash is none.
-    let length = |[x, y]: [f64; 2], to: &[f64; 2]| (to[0] - x).hypot(to[1] - y);
-    pieces.retain(|piece| length(piece[0], &piece[piece.len() - 1]) > 1e-6);
+    pieces.retain(|piece| distance(piece[0], piece[piece.len() - 1]) > 1e-6);
     pieces
+}
+
+fn distance(from: [f64; 2], to: [f64; 2]) -> f64 {
+    (to[0] - from[0]).hypot(to[1] - from[1])
 }
 
 #[cfg(test)]
@@ -395,5 +408,21 @@ mod tests {
             .map(|it| it[it.len() - 1][0] - it[0][0])
             .collect();
         assert_eq!(lengths, [5.0, 1.0].repeat(10));
+    }
+
+    /// Each of these took memory without end.
+    #[test]
+    fn dashes_end_whatever_the_line() {
+        for end in [f64::NAN, f64::INFINITY, 1e300] {
+            let line = [[0.0, 0.0], [end, 0.0]];
+            let pieces = dashes(&line, &[3.0, 2.0]);
+            assert_eq!(pieces.len(), 1, "{end}");
+        }
+        for lengths in [&[0.0, 0.0][..], &[f64::NAN, 1.0], &[3.0, -2.0], &[]] {
+            let line = [[0.0, 0.0], [30.0, 0.0]];
+            assert_eq!(dashes(&line, lengths), [line.to_vec()], "{lengths:?}");
+        }
+        assert!(dashes(&[[0.0; 2]; 2], &[3.0, 2.0]).is_empty());
+        assert!(dashes(&[], &[3.0, 2.0]).is_empty());
     }
 }

@@ -3,14 +3,14 @@
 use crate::fem::Contour;
 use std::collections::HashMap;
 
-/// Ends of segments that are as near as this are one point.
+/// Ends of segments that are as near as this are one point, as a part of the curves' extent.
 const NEAR: f64 = 1e-7;
 
 /// The zero set's segments, chained to curves: closed ones end where they begin.
 ///
 /// Neighbouring triangles give the same end of a segment, up to rounding.
 pub(super) fn chain(contour: &Contour) -> Vec<Vec<[f64; 2]>> {
-    let mut ends = Ends::default();
+    let mut ends = Ends::around(contour);
     let segments: Vec<[usize; 2]> = contour
         .segments
         .iter()
@@ -52,15 +52,37 @@ pub(super) fn chain(contour: &Contour) -> Vec<Vec<[f64; 2]>> {
 }
 
 /// Points, those that are near each other with one number.
-#[derive(Default)]
 struct Ends {
+    corner: [f64; 2],
+    near: f64,
     places: Vec<[f64; 2]>,
     by_cell: HashMap<[i64; 2], usize>,
 }
 
 impl Ends {
+    /// None yet of those of a contour.
+    fn around(contour: &Contour) -> Self {
+        let ranges = [0, 1].map(|axis| {
+            let coordinates = contour.segments.iter().flatten().map(|place| place[axis]);
+            coordinates.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| {
+                [low.min(at), high.max(at)]
+            })
+        });
+        let extent = ranges.map(|[low, high]| high - low);
+        Self {
+            corner: ranges.map(|[low, _]| low),
+            near: NEAR * extent[0].max(extent[1]),
+            places: Vec::new(),
+            by_cell: HashMap::new(),
+        }
+    }
+
     fn number(&mut self, place: [f64; 2]) -> usize {
-        let cell = place.map(|coordinate| (coordinate / NEAR).round() as i64);
+        let cell = [0, 1].map(|axis| {
+            let offset = place[axis] - self.corner[axis];
+            // The cast saturates.
+            (offset / self.near).round() as i64
+        });
         for dx in -1..=1 {
             for dy in -1..=1 {
                 if let Some(&number) = self.by_cell.get(&[cell[0] + dx, cell[1] + dy]) {
@@ -104,6 +126,23 @@ mod tests {
         // Of order h²; chords are too short.
         assert!(error(50) < 1e-3, "{}", error(50));
         assert!(error(100) < error(50) / 3.0);
+    }
+
+    /// The same whatever the domain's size.
+    #[test]
+    fn a_tiny_circle_and_a_huge_one_are_one_curve_too() {
+        let unit = Mesh::structured(50, 0.0, 1).expect("a fair mesh");
+        for size in [1e-9, 1e-5, 1e5, 1e13] {
+            let nodes = unit.nodes().iter().map(|node| node.map(|it| size * it));
+            let mesh = Mesh::new(nodes.collect(), unit.triangles().to_vec()).expect("fair too");
+            let place = |node: &[f64; 2]| node.map(|it| it / size - 0.5);
+            let nodes = mesh.nodes().iter().map(place);
+            let values: Vec<f64> = nodes.map(|[x, y]| 0.3 - x.hypot(y)).collect();
+            let curves = chain(&Contour::new(&mesh, &values));
+            assert_eq!(curves.len(), 1, "{size:e}");
+            let ratio = length(&curves[0]) / (2.0 * PI * 0.3 * size);
+            assert!((ratio - 1.0).abs() < 1e-2, "{size:e}: {ratio}");
+        }
     }
 
     #[test]

@@ -13,7 +13,7 @@ use super::provenance::Provenance;
 use super::save::Files;
 use super::text::{Across, Along, Label, line_height};
 use super::{FigureError, FigureOptions, TEXT_SIZES_A_WIDTH, text_size};
-use crate::study::{Pace, Point, Study};
+use crate::study::{ErrorSize, Pace, Point, Study};
 use std::path::{Path, PathBuf};
 
 /// The height of the plot to its width.
@@ -68,9 +68,26 @@ impl Decades {
         }
     }
 
-    /// From 0 to 1.
+    /// From 0 to 1. What is beyond an end, as a time of zero is, stands at the end.
     fn place(&self, value: f64) -> f64 {
-        (value.log10() - f64::from(self.low)) / f64::from(self.high - self.low)
+        let share = (value.log10() - f64::from(self.low)) / f64::from(self.high - self.low);
+        if share.is_nan() {
+            return 0.0;
+        }
+        share.clamp(0.0, 1.0)
+    }
+
+    /// The powers of ten that have a number, if there is room for `most` of them, and the values between
+    /// them that have a tick.
+    fn ticks(&self, most: f64) -> (Vec<i32>, Vec<f64>) {
+        let decades = f64::from(self.high - self.low);
+        // The cast saturates.
+        let stride = (decades / most.max(1.0)).ceil().max(1.0) as usize;
+        let numbers = (self.low..=self.high).step_by(stride).collect();
+        let parts = (self.low..self.high)
+            .filter(|_| stride == 1)
+            .flat_map(|exponent| (2..10).map(move |part| f64::from(part) * 10_f64.powi(exponent)));
+        (numbers, parts.collect())
     }
 }
 
@@ -120,7 +137,8 @@ fn draw(study: &Study, title: &str, options: &FigureOptions) -> Drawing {
     .on_pixels();
     let seconds = Decades::around(study.points.iter().map(|point| point.seconds));
     let floors = study.floors.iter().map(|(_, floor)| *floor);
-    let errors = Decades::around(study.points.iter().filter_map(Point::error).chain(floors));
+    let errors = study.points.iter().filter_map(Point::error).chain(floors);
+    let errors = Decades::around(errors.map(ErrorSize::get));
     let axes = Axes {
         place,
         seconds,
@@ -167,40 +185,40 @@ impl Axes {
             let digits = exponent.to_string().replace('-', "−");
             Label::text("10").above(&digits)
         };
-        for exponent in self.seconds.low..=self.seconds.high {
-            for part in 1..10 {
-                let value = f64::from(part) * 10_f64.powi(exponent);
-                if exponent == self.seconds.high && part > 1 {
-                    break;
-                }
-                let [x, _] = self.at(value, 1.0);
-                let length = if part == 1 { 0.4 } else { 0.2 } * size;
-                drawing.line(
-                    vec![[x, place.bottom], [x, place.bottom + length]],
-                    thin,
-                    Colour::BLACK,
-                );
-            }
-            let [x, _] = self.at(10_f64.powi(exponent), 1.0);
-            let at = [x, place.bottom + 0.5 * size];
+        let (exponents, parts) = self.seconds.ticks(place.width() / (3.5 * size));
+        let mut tick = |value: f64, length: f64| {
+            let [x, _] = self.at(value, 1.0);
+            let ends = vec![[x, place.bottom], [x, place.bottom + length * size]];
+            drawing.line(ends, thin, Colour::BLACK);
+            [x, place.bottom + 0.5 * size]
+        };
+        parts.into_iter().for_each(|value| {
+            tick(value, 0.2);
+        });
+        let places: Vec<_> = exponents
+            .iter()
+            .map(|it| tick(10_f64.powi(*it), 0.4))
+            .collect();
+        for (exponent, at) in exponents.into_iter().zip(places) {
             drawing.label(&power(exponent), size, at, Across::Middle, Along::Top);
         }
-        for exponent in self.errors.low..=self.errors.high {
-            for part in 1..10 {
-                let value = f64::from(part) * 10_f64.powi(exponent);
-                if exponent == self.errors.high && part > 1 {
-                    break;
-                }
-                let [_, y] = self.at(1.0, value);
-                let length = if part == 1 { 0.4 } else { 0.2 } * size;
-                drawing.line(
-                    vec![[place.left, y], [place.left - length, y]],
-                    thin,
-                    Colour::BLACK,
-                );
-            }
-            let [_, y] = self.at(1.0, 10_f64.powi(exponent));
-            let at = [place.left - 0.6 * size, y];
+        let (exponents, parts) = self
+            .errors
+            .ticks(place.height() / (1.3 * line_height(size)));
+        let mut tick = |value: f64, length: f64| {
+            let [_, y] = self.at(1.0, value);
+            let ends = vec![[place.left, y], [place.left - length * size, y]];
+            drawing.line(ends, thin, Colour::BLACK);
+            [place.left - 0.6 * size, y]
+        };
+        parts.into_iter().for_each(|value| {
+            tick(value, 0.2);
+        });
+        let places: Vec<_> = exponents
+            .iter()
+            .map(|it| tick(10_f64.powi(*it), 0.4))
+            .collect();
+        for (exponent, at) in exponents.into_iter().zip(places) {
             drawing.label(&power(exponent), size, at, Across::Right, Along::Middle);
         }
     }
@@ -230,7 +248,7 @@ impl Axes {
             .points
             .iter()
             .filter(|point| point.is_pareto)
-            .filter_map(|point| Some((point.seconds, point.error()?)))
+            .filter_map(|point| Some((point.seconds, point.error()?.get())))
             .collect();
         front.sort_by(|a, b| a.0.total_cmp(&b.0));
         let front = front
@@ -241,7 +259,7 @@ impl Axes {
         for &cells in meshes {
             let floor = study.floors.iter().find(|(mesh, _)| *mesh == cells);
             if let Some((_, floor)) = floor {
-                let [_, y] = self.at(1.0, *floor);
+                let [_, y] = self.at(1.0, floor.get());
                 let line = [[self.place.left, y], [self.place.right, y]];
                 for dash in dashes(&line, &[0.5 * size, 0.5 * size]) {
                     drawing.line(dash, 0.8 * stroke(size), colour(cells));
@@ -251,7 +269,10 @@ impl Axes {
                 .points
                 .iter()
                 .filter(|point| point.cells == cells && is_plain(study, point))
-                .filter_map(|point| Some((point.seconds, self.at(point.seconds, point.error()?))))
+                .filter_map(|point| {
+                    let error = point.error()?.get();
+                    Some((point.seconds, self.at(point.seconds, error)))
+                })
                 .collect();
             line.sort_by(|a, b| a.0.total_cmp(&b.0));
             let line = line.into_iter().map(|(_, at)| at).collect();
@@ -260,7 +281,7 @@ impl Axes {
         for point in &study.points {
             let colour = colour(point.cells);
             let Some(error) = point.error() else {
-                let [x, _] = self.at(point.seconds.max(10_f64.powi(self.seconds.low)), 1.0);
+                let [x, _] = self.at(point.seconds, 1.0);
                 let y = self.place.top + 0.8 * size;
                 let arm = 0.35 * size;
                 for sign in [1.0, -1.0] {
@@ -269,7 +290,7 @@ impl Axes {
                 }
                 continue;
             };
-            let at = self.at(point.seconds, error);
+            let at = self.at(point.seconds, error.get());
             match &point.run {
                 Some(run) => {
                     drawing.polygon(disc(at, 0.3 * size), Colour::BLACK);
@@ -346,5 +367,26 @@ mod tests {
         assert!(one.place(0.5) > 0.0 && one.place(0.5) < 1.0);
         let none = Decades::around(std::iter::empty());
         assert!(none.low < none.high);
+    }
+
+    /// Nothing that is no number, nor what has no logarithm, reaches the drawing.
+    #[test]
+    fn every_value_has_a_place_on_the_axis() {
+        let least = f64::from_bits(1);
+        for ends in [
+            [0.02, 250.0],
+            [least, 1e-300],
+            [1e300, f64::MAX],
+            [least, f64::MAX],
+        ] {
+            let axis = Decades::around(ends.into_iter());
+            for value in [f64::NAN, f64::INFINITY, 0.0, -1.0, least, 1e-3, f64::MAX] {
+                let place = axis.place(value);
+                assert!((0.0..=1.0).contains(&place), "{value} at {place}");
+            }
+            assert!(axis.place(ends[0]) < axis.place(ends[1]));
+            let (numbers, parts) = axis.ticks(12.0);
+            assert!(numbers.len() <= 13 && parts.len() <= 12 * 8, "{ends:?}");
+        }
     }
 }

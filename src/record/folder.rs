@@ -1,7 +1,8 @@
 //! The folder of a run.
 
 use super::RecordError;
-use super::scene_file::{INPUT_NAMES, INPUTS, MESH_NAME};
+use super::scene_file::{INPUTS, MESH_NAME};
+use crate::scene::NodalKey;
 use std::ffi::OsStr;
 use std::fs::{self, File, TryLockError};
 use std::io;
@@ -172,7 +173,11 @@ fn clear(folder: &Path) -> Result<(), RecordError> {
         remove(&folder.join(file))?;
     }
     let inputs = folder.join(INPUTS);
-    for file in INPUT_NAMES.into_iter().chain([MESH_NAME]) {
+    for file in NodalKey::ALL
+        .map(NodalKey::file_name)
+        .into_iter()
+        .chain([MESH_NAME])
+    {
         remove(&inputs.join(file))?;
     }
     let fields = folder.join(FIELDS);

@@ -2,7 +2,7 @@
 
 use super::atomic::write_whole;
 use super::{Number, RecordError};
-use crate::scene::{InitialDirector, Mesh, NodalValues, ScalarField, Scene, Shape, write_mesh};
+use crate::scene::{Mesh, NodalValues, Scene, write_mesh};
 use std::fmt::Write as _;
 use std::fs;
 use std::io::{self, Write};
@@ -10,14 +10,6 @@ use std::path::{Path, PathBuf};
 
 /// The folder, within a run's, of nodal values that the scene had from files.
 pub(super) const INPUTS: &str = "inputs";
-
-/// The names that nodal values have there.
-pub(super) const INPUT_NAMES: [&str; 4] = [
-    "vesicle.txt",
-    "spontaneous_curvature.txt",
-    "director.txt",
-    "pull.txt",
-];
 
 /// The name that a mesh from a file has there.
 pub(super) const MESH_NAME: &str = "mesh.msh";
@@ -32,9 +24,9 @@ pub(super) const MESH_NAME: &str = "mesh.msh";
 /// [`RecordError`] with the file or folder that could not be written.
 pub(super) fn write_scene(folder: &Path, scene: &Scene) -> Result<(), RecordError> {
     let mut scene = scene.clone();
-    for (name, nodal) in INPUT_NAMES.iter().zip(nodal_values(&mut scene)) {
-        let Some(nodal) = nodal else { continue };
+    for (key, nodal) in scene.nodal_files_mut() {
         let inputs = make_inputs(folder)?;
+        let name = key.file_name();
         write_whole(&inputs.join(name), |file| write_values(file, nodal))?;
         nodal.path = format!("{INPUTS}/{name}");
     }
@@ -69,9 +61,8 @@ pub(super) fn identity(scene: &Scene) -> String {
     let mut scene = scene.clone();
     scene.time.end = 1.0;
     let mut checksums = String::new();
-    for (name, nodal) in INPUT_NAMES.iter().zip(nodal_values(&mut scene)) {
-        let Some(nodal) = nodal else { continue };
-        nodal.path = format!("{INPUTS}/{name}");
+    for (key, nodal) in scene.nodal_files_mut() {
+        nodal.path = format!("{INPUTS}/{}", key.file_name());
         let mut checksum = crc32fast::Hasher::new();
         for value in nodal.values.iter() {
             checksum.update(&value.to_le_bytes());
@@ -103,29 +94,6 @@ pub(super) fn identity(scene: &Scene) -> String {
         );
     }
     scene.to_toml() + &checksums
-}
-
-/// The nodal values of a scene, in the order of [`INPUT_NAMES`].
-fn nodal_values(scene: &mut Scene) -> [Option<&mut NodalValues>; 4] {
-    let vesicle = match &mut scene.vesicle.shape {
-        Shape::File(nodal) => Some(nodal),
-        Shape::Outlines(_) | Shape::Random { .. } => None,
-    };
-    let curvature = of_field(&mut scene.membrane.spontaneous_curvature);
-    let pull = scene.pull.as_mut();
-    let pull = pull.and_then(|pull| of_field(&mut pull.potential));
-    let director = match scene.nematic.as_mut().map(|nematic| &mut nematic.initial) {
-        Some(InitialDirector::File(nodal)) => Some(nodal),
-        _ => None,
-    };
-    [vesicle, curvature, director, pull]
-}
-
-fn of_field(field: &mut ScalarField) -> Option<&mut NodalValues> {
-    match field {
-        ScalarField::File(nodal) => Some(nodal),
-        ScalarField::Constant(_) | ScalarField::Expression(_) => None,
-    }
 }
 
 /// One node a line, its values separated by a space.
@@ -186,10 +154,9 @@ pub(super) mod tests {
             fs::read(folder.path().join(path))
         })
         .unwrap();
-        let [Some(nodal), None, None, None] = nodal_values(&mut scene) else {
-            panic!("one file");
-        };
-        nodal.path = "inputs/vesicle.txt".into();
+        let mut files = scene.nodal_files_mut();
+        assert_eq!(files.len(), 1);
+        files[0].1.path = "inputs/vesicle.txt".into();
         assert_eq!(again, scene);
     }
 

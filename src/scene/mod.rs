@@ -23,6 +23,7 @@ mod model;
 mod names;
 mod near;
 mod nodal_file;
+mod nodal_files;
 mod outline;
 mod overrides;
 pub mod planar;
@@ -43,6 +44,7 @@ pub use mesh_file::{
     MeshFile, MeshFileError, MeshFileProblem, MeshPlace, Triangulation, write_mesh,
 };
 pub use model::*;
+pub use nodal_files::NodalKey;
 pub use outline::{
     BoundingBox, OutlineDistance, SignedDistance, phase_profile, union_distance, wall_distance,
 };

@@ -17,6 +17,7 @@ use super::names::{
     ANCHORINGS, BOUNDARIES, ITERATIONS, LINEAR_METHODS, Names, QUADRATURES, name_of,
 };
 use super::nodal_file;
+use super::nodal_files::NodalKey;
 use super::reader::{FINITE, Field, JITTER, NOT_NEGATIVE, POSITIVE, Reader};
 use super::vesicle::read_vesicle;
 use super::{defaults, document::Value};
@@ -288,7 +289,7 @@ fn read_membrane(table: &Reader<'_>, context: &mut Context<'_>) -> Result<Membra
         interface_width: table.number("interface_width", default.interface_width, POSITIVE)?,
         mobility: table.number("mobility", default.mobility, POSITIVE)?,
         spontaneous_curvature: match table.get("spontaneous_curvature") {
-            Some(field) => read_scalar_field(&field, context)?,
+            Some(field) => read_scalar_field(&field, NodalKey::SpontaneousCurvature, context)?,
             None => default.spontaneous_curvature,
         },
     })
@@ -297,6 +298,7 @@ fn read_membrane(table: &Reader<'_>, context: &mut Context<'_>) -> Result<Membra
 /// A number, an expression in x and y, or `{ file = PATH }`.
 fn read_scalar_field(
     field: &Field<'_>,
+    key: NodalKey,
     context: &mut Context<'_>,
 ) -> Result<ScalarField, SceneError> {
     match field.value() {
@@ -306,7 +308,7 @@ fn read_scalar_field(
             let table = field.table()?;
             table.allow(&["file"])?;
             let file = table.require("file", &field.path)?;
-            read_nodal_values(&file, 1, context).map(ScalarField::File)
+            read_nodal_values(&file, key, context).map(ScalarField::File)
         }
         _ => Err(field.wrong_type(
             "a number, an expression in x and y such as \"sin(pi*x)\", or { file = \"k.txt\" }",
@@ -343,7 +345,7 @@ fn read_expression(
 /// Reads the file that `field` names.
 pub(super) fn read_nodal_values(
     field: &Field<'_>,
-    columns: usize,
+    key: NodalKey,
     context: &mut Context<'_>,
 ) -> Result<NodalValues, SceneError> {
     let path = field.text()?;
@@ -354,7 +356,7 @@ pub(super) fn read_nodal_values(
     })?;
     let wanted = nodal_file::Wanted {
         key: &field.path,
-        columns,
+        columns: key.columns(),
         mesh: context.mesh,
     };
     nodal_file::parse(path, &text, wanted)
@@ -433,7 +435,7 @@ fn read_initial_director(
         Kind::File => {
             table.allow(&["kind", "values"])?;
             let values = table.require("values", "kind = \"file\"")?;
-            read_nodal_values(&values, 2, context).map(InitialDirector::File)
+            read_nodal_values(&values, NodalKey::Director, context).map(InitialDirector::File)
         }
     }
 }
@@ -480,7 +482,7 @@ fn read_pull(table: &Reader<'_>, context: &mut Context<'_>) -> Result<Pull, Scen
     table.allow(keys::PULL)?;
     let potential = table.require("potential", "[pull]")?;
     Ok(Pull {
-        potential: read_scalar_field(&potential, context)?,
+        potential: read_scalar_field(&potential, NodalKey::Pull, context)?,
     })
 }
 

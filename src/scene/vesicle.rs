@@ -5,6 +5,7 @@ use super::error::{Problem, SceneError};
 use super::keys::{self, Keys};
 use super::model::{Curve, Outline, Shape, Vesicle};
 use super::names::{Names, PROJECTIONS, name_of};
+use super::nodal_files::NodalKey;
 use super::reader::{FINITE, Field, POSITIVE, RATIO, Reader};
 use super::schema::{Context, read_nodal_values};
 
@@ -95,7 +96,7 @@ fn read_shape(table: &Reader<'_>, context: &mut Context<'_>) -> Result<Shape, Sc
         }),
         ShapeKind::File => {
             let values = table.require("values", &kind.phrase())?;
-            read_nodal_values(&values, 1, context).map(Shape::File)
+            read_nodal_values(&values, NodalKey::Vesicle, context).map(Shape::File)
         }
         _ => Ok(Shape::Outlines(vec![read_outline(table, kind)?])),
     }

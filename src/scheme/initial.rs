@@ -6,8 +6,8 @@ use thiserror::Error;
 
 use crate::fem::{FemError, Mesh, l2_projection, ritz_projection};
 use crate::scene::{
-    Boundary, InitialDirector, OutlineDistance, Projection, ScalarField, Scene, Shape,
-    initial_director, phase_profile, random_phase, union_distance,
+    Boundary, InitialDirector, OutlineDistance, Projection, Scene, Shape, initial_director,
+    phase_profile, random_phase, union_distance,
 };
 
 /// Initial fields that could not be made.
@@ -90,28 +90,8 @@ pub fn initial_fields(scene: &Scene, mesh: &Arc<Mesh>) -> Result<InitialFields, 
 
 /// Every file of nodal values must have one for each node of the mesh.
 fn check_counts(scene: &Scene, mesh: &Mesh) -> Result<(), InitialError> {
-    let of_field = |field: &'_ ScalarField| match field {
-        ScalarField::File(file) => Some(file.clone()),
-        _ => None,
-    };
-    let director = scene.nematic.as_ref().map(|nematic| &nematic.initial);
-    let files = [
-        match &scene.vesicle.shape {
-            Shape::File(file) => Some(file.clone()),
-            _ => None,
-        },
-        match director {
-            Some(InitialDirector::File(file)) => Some(file.clone()),
-            _ => None,
-        },
-        of_field(&scene.membrane.spontaneous_curvature),
-        scene
-            .pull
-            .as_ref()
-            .and_then(|pull| of_field(&pull.potential)),
-    ];
     let nodes = mesh.nodes().len();
-    for file in files.into_iter().flatten() {
+    for (_, file) in scene.nodal_files() {
         let found = file.values.len() / file.columns.max(1);
         if found != nodes {
             return Err(InitialError::WrongCount {

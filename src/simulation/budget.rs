@@ -57,7 +57,7 @@ impl ErrorBudget {
         *self.algebra.get_or_insert(0.0) += algebra;
     }
 
-    /// The largest of those that are known.
+    /// The largest of those that are known and finite.
     pub fn largest(&self) -> Option<(ErrorPart, f64)> {
         let parts = [
             (ErrorPart::Time, self.time),
@@ -66,7 +66,7 @@ impl ErrorBudget {
         ];
         parts
             .into_iter()
-            .filter_map(|(part, error)| Some((part, error?)))
+            .filter_map(|(part, error)| Some((part, error.filter(|it| it.is_finite())?)))
             .max_by(|a, b| a.1.total_cmp(&b.1))
     }
 }
@@ -91,5 +91,7 @@ mod tests {
         let (part, error) = budget.largest().expect("all are known");
         assert_eq!((part, error), (ErrorPart::Space, 2e-3));
         assert_eq!(part.knob(), "mesh.cells");
+        budget.algebra = Some(f64::NAN);
+        assert_eq!(budget.largest(), Some((ErrorPart::Space, 2e-3)));
     }
 }

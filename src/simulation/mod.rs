@@ -578,7 +578,7 @@ impl Simulation {
     }
 
     /// The mesh.
-    pub fn mesh(&self) -> &Mesh {
+    pub fn mesh(&self) -> &Arc<Mesh> {
         &self.mesh
     }
 

@@ -1,5 +1,6 @@
 //! The work–precision diagram as text.
 
+use super::error_size::ErrorSize;
 use super::report::{Point, Study};
 use std::fmt::Write;
 
@@ -12,7 +13,7 @@ pub fn chart(study: &Study) -> String {
     let points: Vec<&Point> = study
         .points
         .iter()
-        .filter(|point| point.seconds > 0.0)
+        .filter(|point| point.seconds.is_finite() && point.seconds > 0.0)
         .collect();
     let range = |values: &mut dyn Iterator<Item = f64>| {
         let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
@@ -21,7 +22,8 @@ pub fn chart(study: &Study) -> String {
         [low.floor(), high.ceil().max(low.floor() + 1.0)]
     };
     let seconds = range(&mut points.iter().map(|point| point.seconds));
-    let errors = range(&mut points.iter().filter_map(|point| point.error()));
+    let errors = points.iter().filter_map(|point| point.error());
+    let errors = range(&mut errors.map(ErrorSize::get));
     if !seconds.iter().chain(&errors).all(|end| end.is_finite()) {
         return String::new();
     }
@@ -48,7 +50,7 @@ pub fn chart(study: &Study) -> String {
         };
         match point.error() {
             Some(error) => {
-                let row = ROWS - 1 - place(error, errors, ROWS);
+                let row = ROWS - 1 - place(error.get(), errors, ROWS);
                 cells[row][column] = if point.is_own { '*' } else { letter };
             }
             None => cells[0][column] = 'x',

@@ -1,7 +1,7 @@
 //! One way to compute a scene: a mesh, steps, quadrature and iteration.
 
 use crate::scene::{InitialDirector, Time};
-use crate::scene::{Iteration, Mesh, Order, Quadrature, ScalarField, Scene, Shape};
+use crate::scene::{Iteration, Mesh, Order, Quadrature, Scene, Shape};
 use serde::Serialize;
 use std::fmt;
 
@@ -35,6 +35,12 @@ pub struct Choice {
     pub quadrature: Quadrature,
     /// The iteration for (3.21).
     pub iteration: Iteration,
+}
+
+impl fmt::Display for Choice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} cells and {}", self.cells, self.pace)
+    }
 }
 
 impl Choice {
@@ -98,19 +104,27 @@ impl Choice {
     }
 }
 
-/// Whether a scene can be computed on another mesh: not if it has values at the nodes of its own.
-pub(super) fn can_change_mesh(scene: &Scene) -> bool {
-    let shape = matches!(scene.vesicle.shape, Shape::Outlines(_));
-    let curvature = !matches!(scene.membrane.spontaneous_curvature, ScalarField::File(_));
-    let director = scene.nematic.as_ref().is_none_or(|nematic| {
-        // Random vectors are drawn node by node.
-        !matches!(
-            nematic.initial,
-            InitialDirector::File(_) | InitialDirector::Random { .. }
-        )
-    });
-    let mesh = scene.mesh.is_grid() || matches!(scene.mesh, Mesh::Delaunay { .. });
-    shape && curvature && director && mesh
+/// Why a scene cannot be computed on another mesh, in words; `None` if it can. It cannot if it has values
+/// at the nodes of its own.
+pub(super) fn fixed_mesh(scene: &Scene) -> Option<String> {
+    if let Some((key, file)) = scene.nodal_files().first() {
+        return Some(format!(
+            "{} are the values at its nodes ({})",
+            file.path,
+            key.name()
+        ));
+    }
+    let nematic = scene.nematic.as_ref();
+    let is_random = nematic.is_some_and(|it| matches!(it.initial, InitialDirector::Random { .. }));
+    match (&scene.vesicle.shape, &scene.mesh) {
+        (Shape::Random { .. }, _) => Some("the phase is drawn at random node by node".to_owned()),
+        _ if is_random => Some("the director is drawn at random node by node".to_owned()),
+        (_, Mesh::File(file)) => Some(format!("it is that of {}", file.path)),
+        (_, Mesh::Structured { .. }) if !scene.mesh.is_grid() => {
+            Some("its nodes are moved at random (mesh.jitter)".to_owned())
+        }
+        (_, Mesh::Structured { .. } | Mesh::Delaunay { .. }) => None,
+    }
 }
 
 /// 1/h: of the structured mesh, of a generated one by its size, of another by its nodes.
@@ -137,7 +151,7 @@ mod tests {
             "mesh = { kind = 'delaunay', size = 0.03, refine = { band = 0.1, size = 0.01 } }";
         let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
         let scene = Scene::parse(text, "a study", &[], &mut no_files).expect("a scene");
-        assert!(can_change_mesh(&scene));
+        assert_eq!(fixed_mesh(&scene), None);
         let own = Choice::of(&scene);
         assert_eq!(
             (own.cells, own.applied_to(&scene).mesh),
@@ -151,5 +165,30 @@ mod tests {
         let refined = refine.expect("it stays refined");
         let close = |a: f64, b: f64| (a - b).abs() < 1e-15;
         assert!(close(size, 0.015) && close(refined.size, 0.005) && refined.band == 0.1);
+    }
+
+    /// Whatever the values are, and nothing else on a grid.
+    #[test]
+    fn values_at_nodes_keep_their_mesh() {
+        for (settings, columns) in [
+            ("vesicle = { shape = 'file', values = 'v.txt' }", 1),
+            ("membrane.spontaneous_curvature = { file = 'v.txt' }", 1),
+            ("nematic.initial = { kind = 'file', values = 'v.txt' }", 2),
+            ("pull.potential = { file = 'v.txt' }", 1),
+        ] {
+            let line = "0.5 ".repeat(columns) + "\n";
+            let mut read = |_: &str| Ok(line.repeat(81).into_bytes());
+            let text = format!("mesh.cells = 8\n{settings}");
+            let scene = Scene::parse(&text, "a study", &[], &mut read).expect("a scene");
+            let reason = fixed_mesh(&scene).expect(settings);
+            assert!(
+                reason.starts_with("v.txt are the values at its nodes"),
+                "{reason}"
+            );
+        }
+        let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+        let text = "pull.potential = 'x'\n[nematic]\n[area]";
+        let scene = Scene::parse(text, "a study", &[], &mut no_files).expect("a scene");
+        assert_eq!(fixed_mesh(&scene), None);
     }
 }

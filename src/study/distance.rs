@@ -1,21 +1,28 @@
-//! How far two solutions are apart, on whatever meshes they are.
+//! How far two solutions are apart, on whatever meshes of whatever domain they are.
 //!
-//! Both are sampled at the midpoints of the same fine grid, where P1 functions are exact, and sums
-//! over the samples stand for integrals (the midpoint rule: an error of second order in the grid's
-//! width, 1/512 of the domain, in a number that is wanted to two digits).
+//! Errors are integrals over the common domain, which is where both meshes are: meshes of the same
+//! domain with a curved wall differ a little there. Both solutions are sampled at the midpoints of the
+//! same fine grid over the rectangle around the common domain, where P1 functions are exact; the sum
+//! over the samples that lie in both meshes, times the area of a cell of the grid, stands for the
+//! integral (the midpoint rule: an error of second order in the grid's width, 1/512 of the rectangle,
+//! and of first order in it for the area at a wall across the grid, in a number that is wanted to two
+//! digits).
 
+use super::error_size::ErrorSize;
 use crate::fem::{Contour, Mesh, Raster, Rectangle};
 use crate::physics::potentials;
 use crate::scheme::State;
 use crate::simulation::Simulation;
 use serde::Serialize;
+use std::sync::Arc;
 
 /// Samples along each side.
 const SAMPLES: usize = 512;
 
-/// The state of a run at T, sampled.
+/// The state of a run at T.
 #[derive(Debug, Clone)]
 pub(super) struct Solution {
+    mesh: Arc<Mesh>,
     phase: Vec<f64>,
     director: Option<[Vec<f64>; 2]>,
     membrane: Vec<[[f64; 2]; 2]>,
@@ -23,48 +30,40 @@ pub(super) struct Solution {
     surface_area: f64,
 }
 
-/// How far a solution is from another one.
+/// How far a solution is from another one. What cannot be measured, and what does not differ at all, is
+/// left out.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Errors {
     /// ‖φ − φ*‖ in L2.
-    pub phase: f64,
+    pub phase: Option<ErrorSize>,
     /// The mean distance of the membrane φ = 0 from the other one, along the one or the other,
     /// whichever is larger; none without a membrane.
-    pub membrane: Option<f64>,
+    pub membrane: Option<ErrorSize>,
     /// (∫ I(φ*)|d − d*|²)^½; none without a director.
-    pub director: Option<f64>,
+    pub director: Option<ErrorSize>,
     /// |E_tot − E_tot*|/|E_tot*|.
-    pub energy: f64,
+    pub energy: Option<ErrorSize>,
     /// |B − B*|/B*.
-    pub surface_area: f64,
+    pub surface_area: Option<ErrorSize>,
 }
 
 impl Solution {
     pub(super) fn of(simulation: &Simulation) -> Self {
         let report = simulation.report();
         Self::new(
-            simulation.mesh(),
+            Arc::clone(simulation.mesh()),
             simulation.state(),
             report.total_energy,
             report.surface_area,
         )
     }
 
-    pub(super) fn new(mesh: &Mesh, state: &State, energy: f64, surface_area: f64) -> Self {
-        let raster = Raster::new(mesh, Rectangle::around(mesh), SAMPLES, SAMPLES);
-        let sampled = |nodal: &[f64]| {
-            let places = (0..SAMPLES).flat_map(|row| (0..SAMPLES).map(move |column| (column, row)));
-            places
-                .map(|(column, row)| raster.at(nodal, column, row).unwrap_or(f64::NAN))
-                .collect::<Vec<f64>>()
-        };
+    pub(super) fn new(mesh: Arc<Mesh>, state: &State, energy: f64, surface_area: f64) -> Self {
         Self {
-            phase: sampled(&state.phi),
-            director: state
-                .director
-                .as_ref()
-                .map(|director| [sampled(&director[0]), sampled(&director[1])]),
-            membrane: Contour::new(mesh, &state.phi).segments,
+            phase: state.phi.clone(),
+            director: state.director.clone(),
+            membrane: Contour::new(&mesh, &state.phi).segments,
+            mesh,
             energy,
             surface_area,
         }
@@ -73,37 +72,93 @@ impl Solution {
     /// How far it is from the reference.
     pub(super) fn errors(&self, reference: &Self) -> Errors {
         let relative = |value: f64, reference: f64| {
-            (value - reference).abs() / reference.abs().max(f64::MIN_POSITIVE)
+            ErrorSize::new((value - reference).abs() / reference.abs())
         };
-        let one = |_: usize| 1.0;
-        let inside = |sample: usize| potentials::inside(reference.phase[sample]);
+        let common = Common::of(self, reference);
         let director = self.director.as_ref().zip(reference.director.as_ref());
+        let inside = |place: [Option<f64>; 2]| place[1].map_or(0.0, potentials::inside);
+        let phases = [&*self.phase, &*reference.phase];
         Errors {
-            phase: mean_square(&self.phase, &reference.phase, one).sqrt(),
+            phase: common.as_ref().and_then(|common| common.difference(phases)),
             membrane: membrane_distance(&self.membrane, &reference.membrane),
-            director: director.map(|([x, y], [other_x, other_y])| {
-                (mean_square(x, other_x, inside) + mean_square(y, other_y, inside)).sqrt()
+            director: director.and_then(|(own, other)| {
+                let common = common.as_ref()?;
+                let squares = [0, 1].map(|axis| {
+                    common.square([&own[axis], &other[axis]], |sample| {
+                        inside(common.at(phases, sample))
+                    })
+                });
+                ErrorSize::new((squares[0] + squares[1]).sqrt())
             }),
             energy: relative(self.energy, reference.energy),
             surface_area: relative(self.surface_area, reference.surface_area),
         }
     }
+
+    /// ‖φ − φ*‖ in L2.
+    pub(super) fn phase_error(&self, reference: &Self) -> Option<ErrorSize> {
+        Common::of(self, reference)?.difference([&self.phase, &reference.phase])
+    }
 }
 
-fn mean_square(one: &[f64], other: &[f64], weight: impl Fn(usize) -> f64) -> f64 {
-    let squares = one.iter().zip(other).enumerate();
-    let sum: f64 = squares
-        .map(|(sample, (a, b))| weight(sample) * (a - b) * (a - b))
-        .sum();
-    sum / one.len().max(1) as f64
+/// The samples of two solutions over the rectangle that holds their common domain.
+struct Common {
+    rasters: [Raster; 2],
+    /// The area that a sample stands for.
+    cell: f64,
+}
+
+impl Common {
+    /// `None` where the two have no domain in common.
+    fn of(one: &Solution, other: &Solution) -> Option<Self> {
+        let meshes = [&*one.mesh, &*other.mesh];
+        let [a, b] = meshes.map(Rectangle::around);
+        let range = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].min(b[1])];
+        let region = Rectangle {
+            x: range(a.x, b.x),
+            y: range(a.y, b.y),
+        };
+        (region.width() > 0.0 && region.height() > 0.0).then(|| Self {
+            rasters: meshes.map(|mesh| Raster::new(mesh, region, SAMPLES, SAMPLES)),
+            cell: region.width() * region.height() / (SAMPLES * SAMPLES) as f64,
+        })
+    }
+
+    /// The values of a function of each at a sample.
+    fn at(&self, [one, other]: [&[f64]; 2], [column, row]: [usize; 2]) -> [Option<f64>; 2] {
+        [
+            self.rasters[0].at(one, column, row),
+            self.rasters[1].at(other, column, row),
+        ]
+    }
+
+    /// The difference of a function of each, in L2.
+    fn difference(&self, functions: [&[f64]; 2]) -> Option<ErrorSize> {
+        ErrorSize::new(self.square(functions, |_| 1.0).sqrt())
+    }
+
+    /// The integral of the weighted square of the difference of a function of each. Not a number where
+    /// no sample is in both.
+    fn square(&self, functions: [&[f64]; 2], weight: impl Fn([usize; 2]) -> f64) -> f64 {
+        let (mut sum, mut is_empty) = (0.0, true);
+        for row in 0..SAMPLES {
+            for column in 0..SAMPLES {
+                if let [Some(a), Some(b)] = self.at(functions, [column, row]) {
+                    sum += weight([column, row]) * (a - b) * (a - b);
+                    is_empty = false;
+                }
+            }
+        }
+        if is_empty { f64::NAN } else { sum * self.cell }
+    }
 }
 
 /// The larger of the two mean distances; none if either is empty.
-fn membrane_distance(one: &[[[f64; 2]; 2]], other: &[[[f64; 2]; 2]]) -> Option<f64> {
+fn membrane_distance(one: &[[[f64; 2]; 2]], other: &[[[f64; 2]; 2]]) -> Option<ErrorSize> {
     if one.is_empty() || other.is_empty() {
         return None;
     }
-    Some(mean_distance(one, other).max(mean_distance(other, one)))
+    ErrorSize::new(mean_distance(one, other).max(mean_distance(other, one)))
 }
 
 /// The mean distance of the points of a curve to another curve, by the middles of its segments.
@@ -140,40 +195,130 @@ mod tests {
     fn circle(cells: usize, radius: f64) -> Solution {
         let mesh = Mesh::structured(cells, 0.0, 1).expect("a mesh");
         let distance = |[x, y]: [f64; 2]| radius - (x - 0.5).hypot(y - 0.5);
+        solution(mesh, |place| (distance(place) / 0.1).tanh())
+    }
+
+    fn solution(mesh: Mesh, phase: impl Fn([f64; 2]) -> f64) -> Solution {
         let nodes = mesh.nodes().iter();
         let state = State {
-            phi: nodes.map(|node| (distance(*node) / 0.1).tanh()).collect(),
+            phi: nodes.map(|node| phase(*node)).collect(),
             omega: Vec::new(),
             mu: Vec::new(),
             director: None,
         };
-        Solution::new(&mesh, &state, 2.0, 4.0)
+        Solution::new(Arc::new(mesh), &state, 2.0, 4.0)
     }
 
     #[test]
     fn a_moved_membrane_is_as_far_as_it_was_moved() {
         let (one, other) = (circle(64, 0.25), circle(64, 0.26));
         let errors = one.errors(&other);
-        let membrane = errors.membrane.expect("a membrane");
+        let membrane = errors.membrane.expect("a membrane").get();
         assert!((membrane - 0.01).abs() < 2e-4, "{membrane}");
         // ‖φ − φ*‖² ≈ 0.01² ∫ sech⁴(s/0.1)/0.1² over the ring of length 2π·0.255: 4/3·0.1/0.1².
         let expected = 0.01 * (std::f64::consts::TAU * 0.255 * 4.0 / 3.0 / 0.1).sqrt();
-        assert!(
-            (errors.phase / expected - 1.0).abs() < 0.02,
-            "{} {expected}",
-            errors.phase
-        );
+        let phase = errors.phase.expect("an error").get();
+        assert!((phase / expected - 1.0).abs() < 0.02, "{phase} {expected}");
         assert_eq!(
             (errors.energy, errors.surface_area, errors.director),
-            (0.0, 0.0, None)
+            (None, None, None)
         );
     }
 
     #[test]
     fn the_error_of_interpolation_falls_as_the_square_of_the_width() {
         let fine = circle(128, 0.25);
-        let [coarse, halved] = [16, 32].map(|cells| circle(cells, 0.25).errors(&fine).phase);
+        let [coarse, halved] = [16, 32].map(|cells| {
+            let phase = circle(cells, 0.25).errors(&fine).phase;
+            phase.expect("an error").get()
+        });
         let order = (coarse / halved).log2();
         assert!((1.7..2.3).contains(&order), "{order}");
+    }
+
+    /// Squares of width `h`, each of two triangles, wherever `is_there` has it at the square's middle.
+    fn squares(h: f64, across: usize, up: usize, is_there: impl Fn([f64; 2]) -> bool) -> Mesh {
+        let (mut nodes, mut triangles) = (Vec::new(), Vec::new());
+        let mut numbers = std::collections::HashMap::new();
+        for (column, row) in (0..up).flat_map(|row| (0..across).map(move |column| (column, row))) {
+            if !is_there([column, row].map(|cell| h * (cell as f64 + 0.5))) {
+                continue;
+            }
+            let [a, b, c, d] = [[0, 0], [1, 0], [1, 1], [0, 1]].map(|[right, above]| {
+                let corner = [column + right, row + above];
+                *numbers.entry(corner).or_insert_with(|| {
+                    nodes.push(corner.map(|cells| h * cells as f64));
+                    nodes.len() as u32 - 1
+                })
+            });
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+        Mesh::new(nodes, triangles).expect("counter-clockwise")
+    }
+
+    /// The polygon of `sides` corners between two radii about the origin; without an inner one a disc.
+    fn ring(inner: f64, outer: f64, sides: usize, layers: usize) -> Mesh {
+        let (mut nodes, mut triangles) = (Vec::new(), Vec::new());
+        for layer in 0..=layers {
+            let radius = inner + (outer - inner) * layer as f64 / layers as f64;
+            nodes.extend((0..sides).map(|side| {
+                let angle = std::f64::consts::TAU * side as f64 / sides as f64;
+                [radius * angle.cos(), radius * angle.sin()]
+            }));
+        }
+        let number = |layer: usize, side: usize| (layer * sides + side % sides) as u32;
+        for (layer, side) in (0..layers).flat_map(|layer| (0..sides).map(move |side| (layer, side)))
+        {
+            let [a, b] = [number(layer, side), number(layer + 1, side)];
+            let [c, d] = [number(layer + 1, side + 1), number(layer, side + 1)];
+            triangles.push([a, b, c]);
+            // The innermost points of a disc are one.
+            if inner > 0.0 || layer > 0 {
+                triangles.push([a, c, d]);
+            }
+        }
+        Mesh::new(nodes, triangles).expect("counter-clockwise")
+    }
+
+    /// Functions that differ by a constant: their distance is that times the root of the area.
+    #[test]
+    fn errors_are_integrals_over_the_domain_whatever_its_shape() {
+        let domains: [(&str, &dyn Fn(usize) -> Mesh); 5] = [
+            ("an L", &|n| {
+                let h = 1.0 / n as f64;
+                squares(h, 2 * n, 2 * n, |[x, y]| x < 1.0 || y < 1.0)
+            }),
+            ("a channel", &|n| {
+                squares(0.1 / n as f64, 100 * n, n, |_| true)
+            }),
+            ("a ring", &|n| ring(0.4, 1.0, 64, n)),
+            ("a disc", &|n| ring(0.0, 2.0, 64, n)),
+            ("a tiny square", &|n| {
+                squares(1e-5 / n as f64, n, n, |_| true)
+            }),
+        ];
+        for (name, mesh) in domains {
+            let area: f64 = mesh(4).areas().iter().sum();
+            let line = |[x, y]: [f64; 2]| 2.0 * x - y;
+            let shifted = |place| line(place) + 0.1;
+            let errors = solution(mesh(4), shifted).errors(&solution(mesh(6), line));
+            let (error, expected) = (errors.phase.expect(name).get(), 0.1 * area.sqrt());
+            let ratio = error / expected;
+            assert!((ratio - 1.0).abs() < 5e-3, "{name}: {error} {expected}");
+        }
+    }
+
+    /// A disc is a polygon, and a finer mesh has another one: what one of them leaves out counts not.
+    #[test]
+    fn errors_are_measured_where_both_meshes_are() {
+        let [coarse, fine] = [8, 64].map(|sides| ring(0.0, 1.0, sides, 3));
+        let area: f64 = coarse.areas().iter().sum();
+        let errors = solution(coarse, |_| 0.3).errors(&solution(fine, |_| 0.1));
+        let error = errors.phase.expect("an error").get();
+        assert!((error / (0.2 * area.sqrt()) - 1.0).abs() < 5e-3, "{error}");
+        let elsewhere = squares(1.0, 2, 1, |[x, _]| x > 1.0);
+        let apart = squares(1.0, 1, 1, |_| true);
+        let errors = solution(elsewhere, |_| 0.3).errors(&solution(apart, |_| 0.1));
+        assert_eq!(errors.phase, None);
     }
 }

@@ -119,7 +119,8 @@ fn without(scene: &Scene, remove: Removal) -> Option<Scene> {
 /// Measures the scene and everything that it is without one of its effects. The runs take turns, step
 /// by step, so that what disturbs the machine disturbs all of them.
 ///
-/// `watch` is told after every step, and while the runs are set up, and says whether to go on; `None` where it did not.
+/// `watch` is told while the runs are set up, after every step and within one that takes long, and says
+/// whether to go on; `None` where it did not.
 ///
 /// # Errors
 /// [`SimulationError`]: one of the scenes cannot be run.
@@ -143,17 +144,21 @@ pub fn prices(
     let scenes = [scene, &alone].into_iter();
     let scenes = scenes.chain(removed.iter().map(|(_, scene)| scene));
     let of = (plan.warm_up + plan.steps) * (2 + removed.len() as u64);
+    let mut done = 0;
     let mut runs = Vec::new();
     for scene in scenes {
-        match Run::new(scene, &mut || !watch(Progress { done: 0, of })) {
+        match Run::new(scene, &mut || !watch(Progress { done, of })) {
             Err(SimulationError::Ended) => return Ok(None),
             run => runs.push(run?),
         }
     }
-    let mut done = 0;
+
     for step in 0..plan.warm_up + plan.steps {
         for run in &mut runs {
-            run.advance(step >= plan.warm_up)?;
+            let mut go_on = || watch(Progress { done, of });
+            if !run.advance(step >= plan.warm_up, &mut go_on)? {
+                return Ok(None);
+            }
             done += 1;
             if !watch(Progress { done, of }) {
                 return Ok(None);
@@ -214,10 +219,19 @@ impl Run {
         })
     }
 
-    fn advance(&mut self, counts: bool) -> Result<(), SimulationError> {
+    /// Takes a step, unless `go_on` says otherwise within it: whether it was taken.
+    fn advance(
+        &mut self,
+        counts: bool,
+        go_on: &mut dyn FnMut() -> bool,
+    ) -> Result<bool, SimulationError> {
         let before = held();
-        let report = self.simulation.advance()?;
+        let is_taken = self.simulation.advance_unless(&mut |_| !go_on())?;
         self.memory += held() - before;
+        if !is_taken {
+            return Ok(false);
+        }
+        let report = self.simulation.report();
         if counts {
             self.steps.push(report.costs.total());
             self.substeps_1.push(report.costs.of(Phase::Director));
@@ -226,7 +240,7 @@ impl Run {
                 *sum += u64::from(count);
             }
         }
-        Ok(())
+        Ok(true)
     }
 
     fn cost(&self) -> Cost {
@@ -302,5 +316,18 @@ mod tests {
         assert_eq!(ended.expect("runs"), None);
         let in_set_up = prices(&scene("[area]"), PLAN, &mut |progress| progress.done > 0);
         assert_eq!(in_set_up.expect("runs"), None);
+    }
+
+    #[test]
+    fn a_study_can_be_ended_within_a_hard_step() {
+        let hard = "membrane.spontaneous_curvature = '1e6*sign(x - 0.5)'\n[area]\n[time]\nstep = 1e-6\nend = 1.0";
+        let scene = scene(hard);
+        let (mut asked, mut done) = (0, 0);
+        let ended = prices(&scene, PLAN, &mut |progress| {
+            (asked, done) = (asked + 1, progress.done);
+            asked < 10
+        });
+        // No step was at its end.
+        assert_eq!((ended.expect("runs"), asked, done), (None, 10, 0));
     }
 }

@@ -102,6 +102,7 @@ impl FinishedRun {
             is_own: own == *scene,
             measurement: Measurement {
                 seconds: summary.setup_seconds + summary.seconds,
+                share: 1.0,
                 memory: None,
                 nodes: simulation.mesh().nodes().len(),
                 steps: summary.steps,

@@ -13,6 +13,8 @@ use std::time::Duration;
 pub(super) struct Measurement {
     /// Computing time of the run, set-up and steps.
     pub(super) seconds: f64,
+    /// How far it came: 1 is the end.
+    pub(super) share: f64,
     /// The most memory that the run had, in bytes, without what the program holds besides; `None` where the
     /// program's allocator does not count.
     pub(super) memory: Option<u64>,
@@ -39,7 +41,8 @@ pub(super) enum Failure {
     Ended,
 }
 
-/// Computes the scene this way for at most so long; `go_on` is asked at every step.
+/// Computes the scene this way for at most so long; `go_on` is asked at every step, and within one that takes
+/// long.
 pub(super) fn measure(
     scene: &Scene,
     choice: &Choice,
@@ -51,6 +54,7 @@ pub(super) fn measure(
     let watch = Stopwatch::start();
     let mut measurement = Measurement {
         seconds: 0.0,
+        share: 0.0,
         memory: None,
         nodes: 0,
         steps: 0,
@@ -84,18 +88,27 @@ fn advance(
     measurement.nodes = simulation.mesh().nodes().len();
     loop {
         let report = simulation.report();
+        let share = schedule.share(report.step, report.t);
+        measurement.share = share;
         if schedule.is_over(report.step, report.t) {
             return Ok(Solution::of(&simulation));
         }
-        if !go_on(schedule.share(report.step, report.t)) {
-            return Err(Failure::Ended);
+        let mut failure = None;
+        let mut leave = || {
+            failure = match go_on(share) {
+                false => Some(Failure::Ended),
+                true => (watch.wall() > limit).then_some(Failure::TooLong),
+            };
+            failure.is_some()
+        };
+        let is_whole = !leave()
+            && simulation
+                .advance_unless(&mut |_| leave())
+                .map_err(|error| Failure::Failed(error.to_string()))?;
+        if let Some(failure) = failure.filter(|_| !is_whole) {
+            return Err(failure);
         }
-        if watch.wall() > limit {
-            return Err(Failure::TooLong);
-        }
-        let report = simulation
-            .advance()
-            .map_err(|error| Failure::Failed(error.to_string()))?;
+        let report = simulation.report();
         measurement.steps = report.step;
         measurement.refused += u64::from(report.refused);
         measurement.newton += u64::from(report.newton);

@@ -3,6 +3,7 @@
 use super::advice::{Advice, advice};
 use super::choice::{Choice, Pace};
 use super::distance::Errors;
+use super::error_size::ErrorSize;
 use super::finished::FinishedRun;
 use super::measure::{Failure, Measurement};
 use crate::record::Number;
@@ -44,13 +45,13 @@ pub struct Point {
     pub errors: Option<Errors>,
     /// ‖φ − φ'‖ at T against the most accurate steps on the same mesh: the part of the error that is
     /// due to the steps. For the most accurate ones themselves it is extrapolated.
-    pub time_error: Option<f64>,
+    pub time_error: Option<ErrorSize>,
     /// The error of the steps that the run itself estimated, in φ.
-    pub estimated_time: Option<f64>,
+    pub estimated_time: Option<ErrorSize>,
     /// That of the mesh.
-    pub estimated_space: Option<f64>,
+    pub estimated_space: Option<ErrorSize>,
     /// That of the iterations.
-    pub estimated_algebra: Option<f64>,
+    pub estimated_algebra: Option<ErrorSize>,
     /// Why there is no result.
     pub failure: Option<String>,
     /// Whether no other point is both cheaper and more accurate in φ.
@@ -81,9 +82,9 @@ impl Point {
             krylov: measured.krylov,
             errors: None,
             time_error: None,
-            estimated_time: measured.estimates.time,
-            estimated_space: measured.estimates.space,
-            estimated_algebra: measured.estimates.algebra,
+            estimated_time: measured.estimates.time.and_then(ErrorSize::new),
+            estimated_space: measured.estimates.space.and_then(ErrorSize::new),
+            estimated_algebra: measured.estimates.algebra.and_then(ErrorSize::new),
             failure: match &measured.outcome {
                 Ok(_) => None,
                 Err(Failure::Failed(reason)) => Some(reason.clone()),
@@ -107,8 +108,8 @@ impl Point {
     }
 
     /// ‖φ − φ*‖, where it is known.
-    pub fn error(&self) -> Option<f64> {
-        Some(self.errors?.phase)
+    pub fn error(&self) -> Option<ErrorSize> {
+        self.errors?.phase
     }
 }
 
@@ -119,16 +120,18 @@ pub struct Reference {
     pub run: Option<String>,
     /// 1/h.
     pub cells: usize,
+    /// Nodes of its mesh.
+    pub nodes: usize,
     /// How long its steps are.
     pub pace: Pace,
     /// Computing time, in seconds.
     pub seconds: f64,
     /// The part of its own error that is due to its steps, in φ: that of the same tolerance on a
     /// coarser mesh.
-    pub time_error: Option<f64>,
+    pub time_error: Option<ErrorSize>,
     /// The part that is due to its mesh: what the finest other mesh is off, extrapolated by the
     /// observed order.
-    pub space_error: Option<f64>,
+    pub space_error: Option<ErrorSize>,
 }
 
 /// An order of convergence that was observed, pair by pair.
@@ -144,11 +147,11 @@ pub struct ObservedOrder {
 
 impl ObservedOrder {
     /// From errors for widths (h, or Δt, or the tolerance), the widest first; `None` for fewer than two.
-    pub(super) fn of(errors: &[(f64, f64)]) -> Option<Self> {
+    pub(super) fn of(errors: &[(f64, ErrorSize)]) -> Option<Self> {
         let orders: Vec<f64> = errors
             .windows(2)
-            .filter(|pair| pair[1].1 > 0.0 && pair[0].0 > pair[1].0)
-            .map(|pair| (pair[0].1 / pair[1].1).ln() / (pair[0].0 / pair[1].0).ln())
+            .filter(|pair| pair[0].0 > pair[1].0)
+            .map(|pair| (pair[0].1.get() / pair[1].1.get()).ln() / (pair[0].0 / pair[1].0).ln())
             .collect();
         Some(Self {
             last: *orders.last()?,
@@ -171,18 +174,30 @@ pub struct Study {
     pub order_in_space: Option<ObservedOrder>,
     /// Of φ in the tolerance, on the coarsest mesh: 1 where the error is in proportion.
     pub order_in_tolerance: Option<ObservedOrder>,
-    /// For each mesh the part of the error that no smaller tolerance takes away, by 1/h.
-    pub floors: Vec<(usize, f64)>,
+    /// For each mesh that is coarser than the reference's the part of the error that no smaller tolerance
+    /// takes away, by 1/h.
+    pub floors: Vec<(usize, ErrorSize)>,
     /// What to do.
     pub advice: Option<Advice>,
     /// The same in words.
     pub sentences: Vec<String>,
+    /// The way that the scene asks for.
+    #[serde(skip)]
+    pub(super) own: Choice,
 }
 
 impl Study {
-    pub(super) fn new(scene: &str, points: Vec<Point>, reference: Option<Reference>) -> Self {
+    /// What follows from points and a reference. `remarks` say what else is to be known of the study.
+    pub(super) fn new(
+        scene: &str,
+        own: Choice,
+        points: Vec<Point>,
+        reference: Option<Reference>,
+        remarks: Vec<String>,
+    ) -> Self {
         let mut study = Self {
             scene: scene.to_owned(),
+            own,
             reference,
             points,
             order_in_space: None,
@@ -195,11 +210,12 @@ impl Study {
         study.observe();
         let (advice, sentences) = advice(&study);
         (study.advice, study.sentences) = (advice, sentences);
+        study.sentences.extend(remarks);
         study
     }
 
     fn mark_pareto(&mut self) {
-        let known: Vec<(f64, Option<f64>)> = self
+        let known: Vec<(f64, Option<ErrorSize>)> = self
             .points
             .iter()
             .map(|point| (point.seconds, point.error()))
@@ -207,7 +223,7 @@ impl Study {
         for point in &mut self.points {
             let Some(error) = point.error() else { continue };
             point.is_pareto = !known.iter().any(|(seconds, other)| {
-                let better = |other: f64| {
+                let better = |other: ErrorSize| {
                     (*seconds <= point.seconds && other < error)
                         || (*seconds < point.seconds && other <= error)
                 };
@@ -249,14 +265,17 @@ impl Study {
 
     fn observe(&mut self) {
         let meshes = self.meshes();
+        // On the reference's own mesh the difference is that of the steps alone.
+        let nodes = self.reference.as_ref().map_or(0, |it| it.nodes);
         let floor = |cells: &usize| {
             let rungs = self.rungs(*cells);
-            let mut errors = rungs.iter().filter_map(|(_, point)| point.error());
+            let coarser = rungs.iter().filter(|(_, point)| point.nodes < nodes);
+            let mut errors = coarser.filter_map(|(_, point)| point.error());
             let last = errors.next_back()?;
             Some((*cells, last))
         };
-        let floors: Vec<(usize, f64)> = meshes.iter().filter_map(floor).collect();
-        let widths: Vec<(f64, f64)> = floors
+        let floors: Vec<(usize, ErrorSize)> = meshes.iter().filter_map(floor).collect();
+        let widths: Vec<(f64, ErrorSize)> = floors
             .iter()
             .map(|(cells, error)| ((*cells as f64).recip(), *error))
             .collect();
@@ -265,7 +284,7 @@ impl Study {
             let rungs = self.rungs(*cells);
             // The last one's is not measured but extrapolated.
             let measured = &rungs[..rungs.len().saturating_sub(1)];
-            let errors: Vec<(f64, f64)> = measured
+            let errors: Vec<(f64, ErrorSize)> = measured
                 .iter()
                 .filter_map(|(tolerance, point)| Some((*tolerance, point.time_error?)))
                 .collect();
@@ -292,7 +311,8 @@ impl Study {
             reference.space_error = comparable.and_then(|(cells, error)| {
                 let ratio = reference.cells as f64 / cells as f64;
                 let order = order?.last.clamp(1.0, 2.0);
-                (ratio > 1.0).then(|| error / (ratio.powf(order) - 1.0))
+                // Negative or infinite, and so none, unless the reference is finer.
+                ErrorSize::new(error.get() / (ratio.powf(order) - 1.0))
             });
         }
     }
@@ -302,10 +322,10 @@ impl Study {
     /// their mesh do not count, for the others are measured against them; of the mesh only points count
     /// whose steps have less than a tenth of the error.
     pub fn effectivities(&self) -> [Option<[f64; 2]>; 2] {
-        let ratios = |of: &dyn Fn(&Point) -> Option<f64>| {
-            let ratios = self.points.iter().filter_map(of);
-            ratios
-                .filter(|ratio| ratio.is_finite())
+        let ratios = |of: &dyn Fn(&Point) -> Option<[ErrorSize; 2]>| {
+            let pairs = self.points.iter().filter_map(of);
+            pairs
+                .map(|[estimate, error]| estimate.get() / error.get())
                 .fold(None, |range, ratio| {
                     let [least, greatest] = range.unwrap_or([ratio; 2]);
                     Some([f64::min(least, ratio), f64::max(greatest, ratio)])
@@ -319,12 +339,14 @@ impl Study {
         };
         let time = |point: &Point| {
             let error = point.time_error.filter(|_| !is_smallest(point))?;
-            Some(point.estimated_time? / error)
+            Some([point.estimated_time?, error])
         };
         let space = |point: &Point| {
             let error = point.error()?;
-            let is_of_mesh = point.time_error.is_some_and(|time| time < 0.1 * error);
-            Some(point.estimated_space.filter(|_| is_of_mesh)? / error)
+            let is_of_mesh = point
+                .time_error
+                .is_some_and(|time| time.get() < 0.1 * error.get());
+            Some([point.estimated_space.filter(|_| is_of_mesh)?, error])
         };
         [ratios(&time), ratios(&space)]
     }
@@ -337,6 +359,7 @@ impl Study {
                         estimated_time,estimated_space,estimated_algebra,pareto,failure,nodes,run\n"
                 .to_owned();
         let number = |value: Option<f64>| value.map_or(String::new(), |it| Number(it).to_string());
+        let error = |error: Option<ErrorSize>| number(error.map(ErrorSize::get));
         for point in &self.points {
             let (step, tolerance) = match point.pace {
                 Pace::Step(step) => (Some(step), None),
@@ -358,15 +381,15 @@ impl Study {
                 point.refused.to_string(),
                 point.newton.to_string(),
                 point.krylov.to_string(),
-                number(errors.map(|it| it.phase)),
-                number(errors.and_then(|it| it.membrane)),
-                number(errors.and_then(|it| it.director)),
-                number(errors.map(|it| it.energy)),
-                number(errors.map(|it| it.surface_area)),
-                number(point.time_error),
-                number(point.estimated_time),
-                number(point.estimated_space),
-                number(point.estimated_algebra),
+                error(point.error()),
+                error(errors.and_then(|it| it.membrane)),
+                error(errors.and_then(|it| it.director)),
+                error(errors.and_then(|it| it.energy)),
+                error(errors.and_then(|it| it.surface_area)),
+                error(point.time_error),
+                error(point.estimated_time),
+                error(point.estimated_space),
+                error(point.estimated_algebra),
                 u8::from(point.is_pareto).to_string(),
                 quoted(point.failure.as_deref().unwrap_or_default()),
                 point.nodes.to_string(),

@@ -6,7 +6,8 @@
 //! they are to be shorter, as long as the mesh can use that.
 
 use super::advice::Knob;
-use super::choice::{Choice, Pace, can_change_mesh};
+use super::choice::{Choice, Pace, fixed_mesh};
+use super::error_size::ErrorSize;
 use crate::scene::{Mesh, Scene};
 use crate::simulation::{ErrorBudget, ErrorPart};
 use std::fmt;
@@ -40,11 +41,15 @@ pub struct Suggestion {
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Why {
     /// The error of the iterations is the largest.
-    Algebra(f64),
+    Algebra(ErrorSize),
     /// The errors of the mesh and of the steps; which is to be turned.
-    Parts { space: f64, time: f64, knob: Knob },
+    Parts {
+        space: ErrorSize,
+        time: ErrorSize,
+        knob: Knob,
+    },
     /// The same, and the steps are overpaid.
-    Overpaid { space: f64, time: f64 },
+    Overpaid { space: ErrorSize, time: ErrorSize },
 }
 
 impl Suggestion {
@@ -53,7 +58,9 @@ impl Suggestion {
     pub fn of(scene: &Scene, budget: &ErrorBudget) -> Option<Self> {
         let own = Choice::of(scene);
         let tolerance = scene.solver.tolerance;
-        if let Some((ErrorPart::Algebra, error)) = budget.largest() {
+        if let Some((ErrorPart::Algebra, error)) = budget.largest()
+            && let Some(error) = ErrorSize::new(error)
+        {
             let tolerance = round(0.1 * tolerance);
             return Some(Self {
                 choice: own,
@@ -62,33 +69,39 @@ impl Suggestion {
                 why: Why::Algebra(error),
             });
         }
-        let (space, time) = (budget.space?, budget.time.filter(|time| *time > 0.0)?);
-        let finer = can_change_mesh(scene).then_some(2 * own.cells);
+        let (space, time) = (
+            ErrorSize::new(budget.space?)?,
+            ErrorSize::new(budget.time?)?,
+        );
+        let finer = fixed_mesh(scene).is_none().then_some(2 * own.cells);
         let paced = |wanted: f64| Choice {
             pace: match own.pace {
                 // Δt by its error is cheaper than any fixed one.
                 Pace::Step(_) => Pace::Tolerance(round(wanted / ERROR_TO_TOLERANCE)),
                 Pace::Tolerance(tolerance) => {
-                    let factor = (wanted / time).clamp(AT_MOST.recip(), AT_MOST);
+                    let factor = (wanted / time.get()).clamp(AT_MOST.recip(), AT_MOST);
                     Pace::Tolerance(round(factor * tolerance))
                 }
             },
             ..own
         };
         // Fixed steps are overpaid wherever the mesh dominates: chosen ones are cheaper.
-        let overpaid = matches!(own.pace, Pace::Step(_)) || time <= OVERPAID * space;
+        let overpaid = matches!(own.pace, Pace::Step(_)) || time.get() <= OVERPAID * space.get();
         let (choice, why) = match Knob::of(space, time) {
-            Knob::Mesh if overpaid => (paced(UNNOTICED * space), Why::Overpaid { space, time }),
+            Knob::Mesh if overpaid => (
+                paced(UNNOTICED * space.get()),
+                Why::Overpaid { space, time },
+            ),
             knob => {
                 let choice = match knob {
-                    Knob::Steps => paced(0.5 * space),
+                    Knob::Steps => paced(0.5 * space.get()),
                     Knob::Mesh => Choice {
                         cells: finer?,
                         ..own
                     },
                     Knob::Both => Choice {
                         cells: finer?,
-                        ..paced(0.25 * time)
+                        ..paced(0.25 * time.get())
                     },
                 };
                 (choice, Why::Parts { space, time, knob })
@@ -153,7 +166,7 @@ impl fmt::Display for Suggestion {
                 f,
                 "The error of the mesh, {space:.1e}, is {:.0} times that of the steps, {time:.1e}: steps \
                  chosen by their error cost less, and the mesh does not notice.",
-                space / time
+                space.get() / time.get()
             ),
             Why::Parts { space, time, knob } => write!(
                 f,
@@ -243,6 +256,18 @@ mod tests {
     #[test]
     fn nothing_is_suggested_where_nothing_is_known_or_can_be_changed() {
         assert_eq!(Suggestion::of(&scene(&[]), &ErrorBudget::default()), None);
+        for [time, space, algebra] in [
+            [f64::NAN, 1e-2, 1e-9],
+            [1e-4, f64::NAN, 1e-9],
+            [1e-4, f64::INFINITY, 1e-9],
+            [0.0, 1e-2, 1e-9],
+        ] {
+            assert_eq!(what(&[], [time, space, algebra]), None);
+        }
+        assert_eq!(
+            what(&[], [1e-4, 1e-2, f64::NAN]).as_deref(),
+            Some("time.tolerance=5e-4")
+        );
         let own_mesh = &["mesh.jitter=0.1", "time.tolerance=1e-4"];
         assert_eq!(what(own_mesh, [3e-3, 1e-2, 1e-9]), None);
     }

@@ -161,7 +161,9 @@ fn a_study_that_is_ended_keeps_what_it_has() {
 #[test]
 fn the_number_of_chosen_steps_is_foreseen() {
     let scene = scene(CALM);
-    let foreseen = run_price(&scene).expect("it can be run");
+    let Ok(Foresight::Price(foreseen)) = run_price(&scene, &mut || true) else {
+        panic!("it can be run");
+    };
     let mut simulation = Simulation::new(&scene).expect("it is small");
     simulation.follow(&Schedule::new(&scene.time, 1, 5));
     while simulation.report().t < scene.time.end {
@@ -179,4 +181,62 @@ fn estimates_are_compared_with_what_was_measured() {
     // A sum of what the equations damp: no less than a third of the error.
     assert!(least > 0.33, "{least}");
     assert!(0.0 < low && low <= high, "{low} {high}");
+}
+
+/// A study of a scene whose mesh is that of a file, or has values at its nodes.
+fn study_of(text: &str, file: &'static str) -> Study {
+    let mut read = |_: &str| Ok(file.as_bytes().to_vec());
+    let scene = Scene::parse(text, "the test", &[], &mut read).expect("right");
+    let budget = Budget {
+        time: Duration::from_secs(600),
+        full: false,
+    };
+    study(&scene, budget, FinishedRuns::default(), &mut |_, _| true).expect("it is small")
+}
+
+/// Two squares beside each other and one above the first, of two triangles each.
+const L_SHAPE: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n8\n1 0 0 0\n2 1 0 0\n3 2 0 0\n\
+    4 0 1 0\n5 1 1 0\n6 2 1 0\n7 0 2 0\n8 1 2 0\n$EndNodes\n$Elements\n6\n1 2 0 1 2 5\n2 2 0 1 5 4\n\
+    3 2 0 2 3 6\n4 2 0 2 6 5\n5 2 0 4 5 8\n6 2 0 4 8 7\n$EndElements\n";
+
+/// All that is written of a study is a number, or nothing.
+fn assert_finite(study: &Study) {
+    for point in &study.points {
+        assert!(point.error().is_none() || point.errors.is_some());
+    }
+    let table = study.to_csv();
+    let words = study.sentences.join("\n") + &chart(study);
+    for word in ["NaN", "inf"] {
+        assert!(
+            !table.contains(word) && !words.contains(word),
+            "{table}{words}"
+        );
+    }
+}
+
+#[test]
+fn a_mesh_that_cannot_be_refined_has_errors_of_the_steps_alone() {
+    let text = "mesh = { kind = 'file', path = 'l.msh' }
+        vesicle = { shape = 'circle', radius = 0.5, center = [0.9, 0.9] }
+        membrane.interface_width = 0.3
+        time = { step = 1e-7, end = 1e-6 }";
+    let study = study_of(text, L_SHAPE);
+    assert_finite(&study);
+    let own = study.points.iter().find(|point| point.is_own);
+    let own = own.expect("the scene's own");
+    assert!(own.error().is_some() && own.time_error.is_some(), "{own:?}");
+    // Of the mesh nothing is known, and nothing is advised.
+    assert_eq!((study.advice, &*study.floors), (None, &[][..]));
+    let said = |words: &str| study.sentences.iter().any(|it| it.contains(words));
+    assert!(said(
+        "for it is that of l.msh: the errors are those of the steps alone"
+    ));
+    assert!(said("the error of φ from the steps is about"));
+    let jittered = "mesh = { cells = 12, jitter = 0.1 }
+        vesicle = { shape = 'circle', radius = 0.3 }
+        membrane.interface_width = 0.1
+        time = { step = 1e-7, end = 1e-6 }";
+    let study = study_of(jittered, "");
+    assert_finite(&study);
+    assert!(study.advice.is_none() && study.floors.is_empty());
 }

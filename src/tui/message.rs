@@ -30,7 +30,7 @@ pub enum Message {
     /// The prices of effects as a table, or how far measuring them is, or why they cannot be had.
     Prices(String),
     /// What a scene of this name would take, in words.
-    Expected(String, String),
+    Expected(String, Option<String>),
     /// What was to be saved is saved, or why not.
     Saved(Result<PathBuf, String>),
     /// A signal asks the process to end.

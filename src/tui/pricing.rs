@@ -4,19 +4,28 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::scene::Scene;
-use crate::study::{Plan, prices, prices_table, run_price};
+use crate::simulation::memory_needed;
+use crate::study::{Foresight, Plan, prices, prices_table, run_price};
 
 /// What the run of a scene would take on this machine, in words; `load` gets it where it is not given.
+/// `None`: `end` was set.
 pub(super) fn expected(
     scene: Option<Arc<Scene>>,
     load: impl FnOnce() -> Option<Arc<Scene>>,
-) -> String {
+    end: &AtomicBool,
+) -> Option<String> {
     let Some(scene) = scene.or_else(load) else {
-        return "there is no such scene".to_owned();
+        return Some("there is no such scene".to_owned());
     };
-    match run_price(&scene) {
-        Ok(price) => price.to_string(),
-        Err(_) => "more than can be foreseen: its first steps are hard".to_owned(),
+    match run_price(&scene, &mut || !end.load(Ordering::Relaxed)) {
+        Ok(Foresight::Price(price)) => Some(price.to_string()),
+        Ok(Foresight::TooLarge(nodes)) => Some(format!(
+            "{:.1} GB; how long is not tried with {nodes} nodes",
+            memory_needed(&scene) as f64 / 1e9
+        )),
+        Ok(Foresight::Unsolved(unsolved)) => Some(format!("more than can be foreseen: {unsolved}")),
+        Ok(Foresight::Ended) => None,
+        Err(error) => Some(format!("it cannot be run: {error}")),
     }
 }
 
@@ -76,5 +85,13 @@ mod tests {
             told.push(text)
         });
         assert!(told.len() <= 1, "{told:?}");
+    }
+
+    #[test]
+    fn an_expectation_that_nobody_looks_at_is_given_up() {
+        let scene = Some(Arc::new(scene()));
+        let expected = |end| expected(scene.clone(), || None, &AtomicBool::new(end));
+        assert_eq!(expected(true), None);
+        assert!(expected(false).is_some_and(|words| words.starts_with("about ")));
     }
 }

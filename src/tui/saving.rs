@@ -163,7 +163,7 @@ mod tests {
         };
         Job {
             name: "circle".into(),
-            mesh: Arc::new(simulation.mesh().clone()),
+            mesh: Arc::clone(simulation.mesh()),
             scene: Arc::new(scene),
             switches: Vec::new(),
             in_haste: false,

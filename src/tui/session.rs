@@ -25,7 +25,7 @@ use super::saving::{Job, PARENT, Save, Saver, What};
 use super::state::{self, App, Ending, Overlay, Run, Slot};
 use super::terminal::{self, Terminal};
 use super::theme::{ColorTier, Theme};
-use super::update::update;
+use super::update::{expectation_wanted, update};
 use super::watch::Watch;
 use super::{editing, heap, job_control, opening, panel, pricing};
 use crate::record::Settings;
@@ -110,6 +110,7 @@ pub fn run(options: Options) -> Result<Ending, AppError> {
         incoming,
         queue,
         pricing: None,
+        expecting: None,
         quitting: false,
     };
     session.run()
@@ -132,6 +133,8 @@ struct Session {
     queue: Receiver<Incoming>,
     /// Where effects are being priced: tells that to end.
     pricing: Option<Arc<AtomicBool>>,
+    /// Where it is measured what a scene would take: likewise.
+    expecting: Option<Arc<AtomicBool>>,
     quitting: bool,
 }
 
@@ -233,7 +236,10 @@ impl Session {
             self.perform(effect)?;
         }
         if !matches!(self.app.overlay, Some(Overlay::Prices { .. })) {
-            self.end_pricing();
+            call_off(&mut self.pricing);
+        }
+        if expectation_wanted(&self.app) != self.app.expectation.asked {
+            call_off(&mut self.expecting);
         }
         Ok(())
     }
@@ -351,7 +357,7 @@ impl Session {
 
     /// Prices the effects of a scene, until it is done or nobody looks any more.
     fn price(&mut self, scene: Arc<Scene>) -> Result<(), AppError> {
-        self.end_pricing();
+        call_off(&mut self.pricing);
         let end = Arc::new(AtomicBool::new(false));
         self.pricing = Some(Arc::clone(&end));
         let incoming = self.incoming.clone();
@@ -363,25 +369,22 @@ impl Session {
         })
     }
 
-    /// Measures what a scene would take.
+    /// Measures what a scene would take, until it is done or nobody looks any more.
     fn expect(&mut self, name: String, scene: Option<Arc<Scene>>) -> Result<(), AppError> {
+        let end = Arc::new(AtomicBool::new(false));
+        self.expecting = Some(Arc::clone(&end));
         let incoming = self.incoming.clone();
         let home = std::env::var_os("HOME").map(PathBuf::from);
         self.aside("expectation", move || {
-            let words = pricing::expected(scene, || {
+            let load = || {
                 let source = opening::typed_path(&name, home);
                 let slot = opening::open(source.as_os_str(), &[]).ok()?;
                 Some(slot.scene)
-            });
+            };
+            let words = pricing::expected(scene, load, &end);
             // If the loop has ended, nobody wants it.
             let _ = incoming.send(Incoming::Message(Message::Expected(name, words)));
         })
-    }
-
-    fn end_pricing(&mut self) {
-        if let Some(end) = self.pricing.take() {
-            end.store(true, Ordering::Relaxed);
-        }
     }
 
     fn save_view(&mut self, picture: Arc<Picture>, slot: usize) -> Result<(), AppError> {
@@ -553,6 +556,13 @@ impl Session {
             .into_values()
             .for_each(std::mem::forget);
         Ok(ending)
+    }
+}
+
+/// Tells what is being measured, if anything is, to end.
+fn call_off(measuring: &mut Option<Arc<AtomicBool>>) {
+    if let Some(end) = measuring.take() {
+        end.store(true, Ordering::Relaxed);
     }
 }
 

@@ -2,10 +2,10 @@
 //! its first steps. How many further ones there will be does not depend much on the mesh; so they are counted in a run
 //! to the end, or as far as time permits, on a coarse one.
 
-use super::{CALIBRATION, PATIENCE, RunPrice, coarse, has_factor, is_over, middle};
+use super::{CALIBRATION, Patience, RunPrice, coarse, has_factor, is_over, middle};
 use crate::record::Settings;
 use crate::scene::{LinearMethod, Scene};
-use crate::simulation::{Schedule, Simulation, SimulationError, memory_held};
+use crate::simulation::{Report, Schedule, Simulation, SimulationError, memory_held};
 use crate::study::clock::Stopwatch;
 use std::time::Duration;
 
@@ -21,8 +21,11 @@ const COARSE_CORRECTIONS: f64 = 25.0;
 /// but at most this long.
 const COARSE_LIMIT: Duration = Duration::from_secs(5);
 
-/// What a run will take.
-pub(super) fn price(scene: &Scene) -> Result<RunPrice, SimulationError> {
+/// What a run will take; `None` where no step was solved in time.
+pub(super) fn price(
+    scene: &Scene,
+    patience: &mut Patience<'_>,
+) -> Result<Option<RunPrice>, SimulationError> {
     let watch = Stopwatch::start();
     let mut simulation = recorded(scene)?;
     let setup = watch.elapsed();
@@ -30,32 +33,65 @@ pub(super) fn price(scene: &Scene) -> Result<RunPrice, SimulationError> {
     let mut a_correction = Vec::new();
     let mut made = 0.0;
     let mut before = setup;
+    let mut last = None;
     while simulation.report().t < end && (a_correction.is_empty() || !is_over(&watch)) {
-        let newton = f64::from(simulation.advance()?.newton);
+        if !patience.step(&mut simulation)? {
+            break;
+        }
+        let step = Step::of(simulation.report());
         let now = watch.elapsed();
         let seconds = (now - before).as_secs_f64();
-        a_correction.push(seconds / newton.max(1.0));
+        a_correction.push(seconds / step.corrections.max(1.0));
         made += seconds;
         before = now;
+        last = Some(step);
     }
+    let Some(last) = last else {
+        return Ok(None);
+    };
     let a_correction = middle(a_correction.into_iter());
-    let (steps, t) = (simulation.report().step, simulation.report().t);
+    let steps = simulation.report().step;
     let memory = memory_held(scene, has_factor(&simulation));
-    let further = if t < end {
+    let further = if last.t < end {
         let limit = Duration::from_secs_f64(COARSE_CORRECTIONS * a_correction);
         let limit = limit.clamp(CALIBRATION, COARSE_LIMIT);
-        match coarse(scene, LinearMethod::Automatic) {
-            Some(coarse) => Further::of(recorded(&coarse)?, t, limit)?.on_a_finer_mesh(),
-            None => Further::of(simulation, t, limit)?,
+        let coarse = coarse(scene, LinearMethod::Automatic);
+        // A coarse mesh on which the scene cannot be run tells nothing.
+        let on_coarse = coarse.and_then(|coarse| {
+            let simulation = recorded(&coarse).ok()?;
+            Further::of(simulation, last, limit, patience).ok()
+        });
+        match on_coarse {
+            Some(further) => further.on_a_finer_mesh(),
+            None => Further::of(simulation, last, limit, patience)?,
         }
     } else {
         Further::default()
     };
-    Ok(RunPrice {
+    Ok(Some(RunPrice {
         steps: steps + further.steps.ceil() as u64,
         seconds: setup.as_secs_f64() + made + further.corrections * a_correction,
         memory,
-    })
+    }))
+}
+
+/// A step that was made.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Step {
+    /// Its end.
+    pub(super) t: f64,
+    pub(super) dt: f64,
+    pub(super) corrections: f64,
+}
+
+impl Step {
+    pub(super) fn of(report: &Report) -> Self {
+        Self {
+            t: report.t,
+            dt: report.dt,
+            corrections: report.newton.into(),
+        }
+    }
 }
 
 /// A simulation whose chosen steps end where a run's snapshots are taken.
@@ -77,33 +113,34 @@ pub(super) struct Further {
 }
 
 impl Further {
-    /// From the time `from` on, as this simulation shows it.
+    /// From the end of the step `made` on, as this simulation shows it, which may be another one.
     pub(super) fn of(
         mut simulation: Simulation,
-        from: f64,
+        made: Step,
         limit: Duration,
+        patience: &mut Patience<'_>,
     ) -> Result<Self, SimulationError> {
         let watch = Stopwatch::start();
         let end = simulation.scene().time.end;
         let mut further = Self::default();
-        let (mut t, mut last) = (simulation.report().t, None);
-        while t < end {
-            let is_over = watch.elapsed() > limit || watch.wall() > PATIENCE;
-            if let Some((dt, corrections)) = last.filter(|_| is_over) {
+        let mut last = None;
+        while simulation.report().t < end {
+            let is_over = last.is_some() && watch.elapsed() > limit;
+            if is_over || !patience.step(&mut simulation)? {
                 // A relaxation slows down, and its steps grow about as √t: that is what case 3 shows.
-                let steps = 2.0 * (end.sqrt() - t.max(from).sqrt()).max(0.0) * t.sqrt() / dt;
+                let Step { t, dt, corrections } = last.unwrap_or(made);
+                let from = simulation.report().t.max(made.t);
+                let steps = 2.0 * (end.sqrt() - from.sqrt()).max(0.0) * t.sqrt() / dt;
                 further.steps += steps;
                 further.corrections += steps * corrections;
                 break;
             }
-            let report = simulation.advance()?;
-            t = report.t;
-            let corrections = f64::from(report.newton);
-            if t > from {
+            let step = Step::of(simulation.report());
+            if step.t > made.t {
                 further.steps += 1.0;
-                further.corrections += corrections;
+                further.corrections += step.corrections;
             }
-            last = Some((report.dt, corrections));
+            last = Some(step);
         }
         Ok(further)
     }

@@ -1,7 +1,7 @@
 //! Steps of one length. The later ones are cheaper than the first, for their guesses are better: by how much is told
 //! by the iterations that steps on a coarse mesh come down to.
 
-use super::{RunPrice, coarse, has_factor, is_over, middle};
+use super::{Patience, RunPrice, coarse, has_factor, is_over, middle};
 use crate::scene::{LinearMethod, Scene};
 use crate::simulation::{Phase, Report, Simulation, SimulationError, memory_held};
 use crate::study::clock::Stopwatch;
@@ -22,26 +22,36 @@ const LAST: usize = 8;
 const FEWEST: usize = 48;
 
 /// unless they take longer than this.
-const LONGEST: Duration = Duration::from_secs(5);
+const LONG: Duration = Duration::from_secs(5);
 
-/// What a run of so many steps will take.
-pub(super) fn price(scene: &Scene, steps: u64) -> Result<RunPrice, SimulationError> {
+/// What a run of so many steps will take; `None` where no step was solved in time.
+pub(super) fn price(
+    scene: &Scene,
+    steps: u64,
+    patience: &mut Patience<'_>,
+) -> Result<Option<RunPrice>, SimulationError> {
     let watch = Stopwatch::start();
     let mut simulation = Simulation::new(scene)?;
     let setup = watch.elapsed();
     let mut made: Vec<TimedStep> = Vec::new();
     let mut before = setup;
     while (made.len() as u64) < steps.min(SETTLED)
-        && (!is_over(&watch) || (made.len() < FEWEST && watch.elapsed() < LONGEST))
+        && (made.is_empty() || !is_over(&watch) || (made.len() < FEWEST && watch.elapsed() < LONG))
     {
-        let report = simulation.advance()?;
+        if !patience.step(&mut simulation)? {
+            break;
+        }
         let now = watch.elapsed();
-        made.push(TimedStep::of(report, (now - before).as_secs_f64()));
+        let seconds = (now - before).as_secs_f64();
+        made.push(TimedStep::of(simulation.report(), seconds));
         before = now;
+    }
+    if made.is_empty() && steps > 0 {
+        return Ok(None);
     }
     let left = steps - made.len() as u64;
     let later = if left > 0 {
-        Later::of(scene, steps, simulation.linear_method())?
+        Later::of(scene, steps, simulation.linear_method(), patience)
     } else {
         Later::default()
     };
@@ -52,11 +62,11 @@ pub(super) fn price(scene: &Scene, steps: u64) -> Result<RunPrice, SimulationErr
     }));
     let seconds: f64 = made.iter().map(|step| step.seconds).sum();
     let with_factor = has_factor(&simulation) || later.with_factor;
-    Ok(RunPrice {
+    Ok(Some(RunPrice {
         steps,
         seconds: setup.as_secs_f64() + seconds + left as f64 * a_step,
         memory: memory_held(scene, with_factor),
-    })
+    }))
 }
 
 /// What substep 2 of a step takes.
@@ -127,36 +137,44 @@ pub(super) struct Later {
 }
 
 impl Later {
-    /// For a scene whose linear systems are solved by this method after its first steps.
-    pub(super) fn of(scene: &Scene, steps: u64, method: &str) -> Result<Self, SimulationError> {
+    /// For a scene whose linear systems are solved by this method after its first steps. A coarse mesh on which the
+    /// scene cannot be run tells nothing.
+    pub(super) fn of(scene: &Scene, steps: u64, method: &str, patience: &mut Patience<'_>) -> Self {
         let linear = match method {
             "factor" => LinearMethod::Factor,
             "shifted" => LinearMethod::Shifted,
             _ => LinearMethod::Automatic,
         };
         let Some(coarse) = coarse(scene, linear) else {
-            return Ok(Self::default());
+            return Self::default();
         };
         let watch = Stopwatch::start();
-        let mut simulation = Simulation::new(&coarse)?;
+        let Ok(mut simulation) = Simulation::new(&coarse) else {
+            return Self::default();
+        };
         let mut work = Vec::new();
         let mut with_factor = false;
         while work.is_empty()
             || ((work.len() as u64) < steps.min(SETTLED_COARSE) && !is_over(&watch))
         {
-            work.push(Work::of(simulation.advance()?));
+            match patience.step(&mut simulation) {
+                Ok(true) => {}
+                Ok(false) => break,
+                Err(_) => return Self::default(),
+            }
+            work.push(Work::of(simulation.report()));
             with_factor |= has_factor(&simulation);
         }
         let last = &work[work.len().saturating_sub(LAST)..];
         let mean = |part: fn(&Work) -> f64| last.iter().map(part).sum::<f64>() / last.len() as f64;
         // Another method takes other iterations.
-        let is_alike = simulation.linear_method() == method;
-        Ok(Self {
+        let is_alike = simulation.linear_method() == method && !last.is_empty();
+        Self {
             work: is_alike.then(|| Work {
                 corrections: mean(|work| work.corrections),
                 iterations: mean(|work| work.iterations),
             }),
             with_factor,
-        })
+        }
     }
 }

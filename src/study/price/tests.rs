@@ -1,6 +1,6 @@
 //! Prices: what is counted, and how it is told.
 
-use super::chosen::Further;
+use super::chosen::{Further, Step};
 use super::fixed::{Later, TimedStep, Work};
 use super::*;
 use crate::study::tests::{CALM, scene};
@@ -18,13 +18,15 @@ fn what_a_run_still_takes_is_counted_from_where_it_stands() {
     let mut steps = Vec::new();
     while whole.report().t < scene.time.end {
         let report = whole.advance().expect("a step");
-        steps.push((report.t, f64::from(report.newton)));
+        steps.push(Step::of(report));
     }
-    let (from, _) = steps[2];
+    let made = steps[2];
     let rest = &steps[3..];
-    let all = Further::of(new(), from, Duration::MAX).expect("solved");
+    let mut go_on = || true;
+    let mut patience = Patience::new(Duration::MAX, &mut go_on);
+    let all = Further::of(new(), made, Duration::MAX, &mut patience).expect("solved");
     assert_eq!(all.steps, rest.len() as f64);
-    let corrections: f64 = rest.iter().map(|(_, newton)| newton).sum();
+    let corrections: f64 = rest.iter().map(|step| step.corrections).sum();
     assert_eq!(all.corrections, corrections);
     let begun = |steps: usize| {
         let mut simulation = new();
@@ -33,15 +35,21 @@ fn what_a_run_still_takes_is_counted_from_where_it_stands() {
         }
         simulation
     };
-    let more = Further::of(begun(3), from, Duration::MAX).expect("solved");
+    let more = Further::of(begun(3), made, Duration::MAX, &mut patience).expect("solved");
     assert_eq!((more.steps, more.corrections), (all.steps, all.corrections));
     // Without time the rest is extrapolated.
-    let cut = Further::of(begun(steps.len() / 2), from, Duration::ZERO).expect("solved");
-    let left = (steps.len() - steps.len() / 2) as f64;
+    let half = steps.len() / 2;
+    let cut = Further::of(begun(half), made, Duration::ZERO, &mut patience).expect("solved");
+    let left = (steps.len() - half) as f64;
     assert!(
         cut.steps > 0.3 * left && cut.steps < 3.0 * left,
         "{cut:?} {left}"
     );
+    // Without even one step, from what was made elsewhere.
+    let mut no_more = Patience::new(Duration::ZERO, &mut go_on);
+    let none = Further::of(begun(half), steps[half - 1], Duration::MAX, &mut no_more);
+    let none = none.expect("not one step").steps;
+    assert!(none > 0.25 * left && none < 4.0 * left, "{none} {left}");
 }
 
 #[test]
@@ -90,7 +98,15 @@ fn later_steps_are_told_of_by_steps_that_are_solved_alike() {
         };
         scene
     };
-    let later = |scene: &Scene, method| Later::of(scene, 40, method).expect("solved");
+    let later = |scene: &Scene, method| {
+        let mut go_on = || true;
+        Later::of(
+            scene,
+            40,
+            method,
+            &mut Patience::new(Duration::MAX, &mut go_on),
+        )
+    };
     let fast = later(&finer(""), "transform");
     let factor = later(&finer(""), "factor");
     let work = |later: Later| later.work.expect("it can be told");
@@ -100,4 +116,71 @@ fn later_steps_are_told_of_by_steps_that_are_solved_alike() {
     // At a wall that is clamped there is the factor alone.
     let clamped = finer("domain.boundary = 'clamped'");
     assert_eq!(later(&clamped, "transform").work, None);
+}
+
+/// k jumps so much that the first step takes minutes, in parts of it.
+fn hard(settings: &str) -> Scene {
+    let text = format!(
+        "
+        mesh.cells = 12
+        membrane = {{ interface_width = 0.08, spontaneous_curvature = '1e6*sign(x - 0.5)' }}
+        vesicle = {{ shape = 'circle', radius = 0.25 }}
+        area = {{ target = 1.25 }}
+        {settings}"
+    );
+    let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+    Scene::parse(&text, "hard", &[], &mut no_files).expect("right")
+}
+
+#[test]
+fn a_hard_first_step_is_left_when_the_time_is_over() {
+    for settings in [
+        "time = { step = 1e-6, end = 1.0 }",
+        "time = { tolerance = 1e-9, end = 1.0 }",
+    ] {
+        let scene = hard(settings);
+        let mut go_on = || true;
+        let mut patience = Patience::new(Duration::from_millis(100), &mut go_on);
+        let price = match step_count(&scene.time) {
+            Some(steps) => fixed::price(&scene, steps, &mut patience),
+            None => chosen::price(&scene, &mut patience),
+        };
+        assert_eq!(price, Ok(None), "{settings}");
+        assert!(!patience.is_ended());
+        let told = patience.unsolved().to_string();
+        assert!(
+            told.contains("was not solved in 0 s: it is at t = "),
+            "{told}"
+        );
+    }
+}
+
+#[test]
+fn a_price_that_nobody_waits_for_is_measured_no_further() {
+    let mut asked = 0;
+    let price = run_price(&hard("time = { step = 1e-6, end = 1.0 }"), &mut || {
+        asked += 1;
+        asked < 5
+    });
+    assert_eq!((price, asked), (Ok(Foresight::Ended), 5));
+    // The thread that measures ends as well.
+    let mut asked = 0;
+    let price = calibrate(&hard("time = { step = 1e-6, end = 1.0 }"), &mut || {
+        asked += 1;
+        asked < 5
+    });
+    assert_eq!((price, asked), (Ok(Foresight::Ended), 5));
+}
+
+#[test]
+fn a_scene_that_fails_at_its_first_step_has_no_price() {
+    let mut scene = scene("solver.law_tolerance = 1e-300");
+    scene.mesh = Mesh::Structured {
+        cells: 8,
+        jitter: 0.0,
+        seed: 1,
+    };
+    let price = run_price(&scene, &mut || true);
+    let is_first = matches!(price, Err(SimulationError::Step { step: 1, .. }));
+    assert!(is_first, "{price:?}");
 }

@@ -38,11 +38,12 @@ pub fn wanted(app: &App) -> Option<String> {
     }
 }
 
-/// Takes what was measured.
-pub(super) fn expected(app: &mut App, name: String, words: String) {
+/// Takes what was measured; `None`: nothing, for nobody looked at it any more.
+pub(super) fn expected(app: &mut App, name: String, words: Option<String>) {
     app.stale |= wanted(app).as_ref() == Some(&name);
+    let known = words.map(|words| (name, words));
     app.expectation = Expectation {
         asked: None,
-        known: Some((name, words)),
+        known: known.or_else(|| app.expectation.known.take()),
     };
 }

@@ -302,9 +302,16 @@ fn the_dialog_tells_what_the_chosen_scene_would_take() {
     rig.press_control('u');
     rig.keys("case1");
     assert!(asked_prices(&mut rig).is_empty());
-    rig.tell(Message::Expected("circle".into(), "about 3 s".into()));
+    rig.tell(Message::Expected("circle".into(), Some("about 3 s".into())));
     assert_eq!(asked_prices(&mut rig), ["case1"]);
-    rig.tell(Message::Expected("case1".into(), "about 9 min".into()));
+    // What is not looked at any more may be left unknown.
+    rig.tell(Message::Expected("case1".into(), None));
+    assert_eq!(asked_prices(&mut rig), ["case1"]);
+    assert_eq!(rig.app.expectation.words("circle"), Some("about 3 s"));
+    rig.tell(Message::Expected(
+        "case1".into(),
+        Some("about 9 min".into()),
+    ));
     assert!(asked_prices(&mut rig).is_empty());
     assert_eq!(rig.app.expectation.words("case1"), Some("about 9 min"));
     rig.press(KeyCode::Esc);

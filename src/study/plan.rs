@@ -1,0 +1,146 @@
+//! What a study would like to compute, and about what each of its runs will take.
+
+use super::choice::{Choice, Pace, fixed_mesh};
+use super::measure::{Failure, Measurement};
+use crate::scene::{Iteration, Quadrature, Scene};
+
+/// With less there is no vesicle to speak of.
+const FEWEST_CELLS: usize = 8;
+
+/// How the time of a run grows with the cells: nodes, and the solvers' share beyond them.
+const GROWTH: f64 = 2.6;
+
+/// The tolerance of what is compared where the scene's own steps are of one length: their error is then
+/// a small part of the mesh's.
+const MIDDLE: f64 = 1e-3;
+
+/// The run on the scene's own mesh that a study cannot do without.
+pub(super) fn own_mesh(own: &Choice) -> Choice {
+    let pace = match own.pace {
+        Pace::Tolerance(_) => own.pace,
+        Pace::Step(_) => Pace::Tolerance(MIDDLE),
+    };
+    Choice { pace, ..*own }
+}
+
+/// What the errors may be measured against, the most accurate first: meshes that are finer than the
+/// scene's own, where there can be any.
+pub(super) fn references(scene: &Scene, full: bool) -> Vec<Choice> {
+    let own = Choice::of(scene);
+    let choice = |cells, tolerance| Choice {
+        cells,
+        pace: Pace::Tolerance(tolerance),
+        ..own
+    };
+    let smallest = if full { 1e-5 } else { 1e-4 };
+    if fixed_mesh(scene).is_some() {
+        // Smaller than any that is compared with it.
+        return vec![choice(own.cells, 0.1 * smallest)];
+    }
+    let tolerances = [smallest, 10.0 * smallest, MIDDLE];
+    let mut choices: Vec<Choice> = Vec::new();
+    for cells in [2 * own.cells, 3 * own.cells / 2] {
+        choices.extend(tolerances.map(|tolerance| choice(cells, tolerance)));
+    }
+    choices.dedup();
+    choices
+}
+
+/// The choices of a study, the cheapest first.
+pub(super) fn ladder(scene: &Scene, full: bool) -> Vec<Choice> {
+    let own = Choice::of(scene);
+    let meshes = if fixed_mesh(scene).is_none() {
+        let cells = own.cells;
+        let mut meshes = vec![cells / 4, cells / 2, cells];
+        if full {
+            meshes.push(3 * cells / 4);
+        }
+        meshes.retain(|cells| *cells >= FEWEST_CELLS);
+        meshes.sort_unstable();
+        meshes
+    } else {
+        vec![own.cells]
+    };
+    let tolerances: &[f64] = if full {
+        &[1e-2, 1e-3, 1e-4, 1e-5]
+    } else {
+        &[1e-2, 1e-3, 1e-4]
+    };
+    let mut choices = Vec::new();
+    for &cells in &meshes {
+        for &tolerance in tolerances {
+            choices.push(Choice {
+                cells,
+                pace: Pace::Tolerance(tolerance),
+                ..own
+            });
+        }
+        // The scene's own steps, on every mesh.
+        choices.push(Choice { cells, ..own });
+    }
+    let middle = meshes.get(meshes.len().saturating_sub(2)).copied();
+    let variant = Choice {
+        cells: middle.unwrap_or(own.cells),
+        pace: Pace::Tolerance(1e-3),
+        ..own
+    };
+    choices.push(Choice {
+        quadrature: match own.quadrature {
+            Quadrature::Consistent => Quadrature::Lumped,
+            Quadrature::Lumped => Quadrature::Consistent,
+        },
+        ..variant
+    });
+    choices.push(Choice {
+        iteration: match own.iteration {
+            Iteration::Newton => Iteration::Lagged,
+            Iteration::Lagged => Iteration::Newton,
+        },
+        ..variant
+    });
+    let mut unique: Vec<Choice> = Vec::new();
+    for choice in choices {
+        if !unique.contains(&choice) {
+            unique.push(choice);
+        }
+    }
+    unique
+}
+
+/// What a run took, or is expected to take, in seconds.
+pub(super) type Known = (Choice, f64);
+
+/// What a run has taken; of one that was stopped on its way, by how far it had come. `None` where it tells
+/// nothing.
+pub(super) fn known((choice, measured): &(Choice, Measurement)) -> Option<Known> {
+    let tells = match measured.outcome {
+        Ok(_) => true,
+        Err(Failure::TooLong) => measured.share > 0.0,
+        Err(_) => false,
+    };
+    tells.then(|| (*choice, measured.seconds / measured.share))
+}
+
+/// About what a run would take, in seconds, by the most similar one of which that is known.
+pub(super) fn price(scene: &Scene, choice: &Choice, known: impl Iterator<Item = Known>) -> f64 {
+    let steps = |pace: Pace| match pace {
+        // Six solves each, and longer ones; the number as the cube root of the tolerance.
+        Pace::Tolerance(tolerance) => 60.0 / tolerance.cbrt(),
+        Pace::Step(step) => scene.time.end / step,
+    };
+    let estimate = |(other, seconds): Known| {
+        let cells = choice.cells as f64 / other.cells as f64;
+        let pace = steps(choice.pace) / steps(other.pace);
+        let lagged = if choice.iteration == Iteration::Lagged {
+            4.0
+        } else {
+            1.0
+        };
+        // Likeness: the same pace is worth more than the same mesh.
+        let same_pace = if choice.pace == other.pace { 0.0 } else { 1.0 };
+        let strangeness = same_pace + cells.ln().abs() + 0.3 * pace.ln().abs();
+        (strangeness, seconds * cells.powf(GROWTH) * pace * lagged)
+    };
+    let nearest = known.map(estimate).min_by(|a, b| a.0.total_cmp(&b.0));
+    nearest.map_or(f64::INFINITY, |(_, seconds)| seconds)
+}
