@@ -134,11 +134,25 @@ pub struct Outline {
     pub curve: Curve,
     /// Its centre.
     pub center: [f64; 2],
-    /// The angle of its long axis to the x axis, in degrees.
+    /// The angle to the x axis of the axis that the curve has along x, in degrees.
     pub angle: f64,
 }
 
-/// The kind and the size of a closed curve, its long axis along x and its centre at the origin.
+impl Outline {
+    /// The direction of its long axis, a unit vector.
+    pub fn long_axis(&self) -> [f64; 2] {
+        let [x, y] = direction(self.angle);
+        match self.curve {
+            Curve::Ellipse {
+                half_axes: [first, second],
+            } if first < second => [-y, x],
+            _ => [x, y],
+        }
+    }
+}
+
+/// The kind and the size of a closed curve, centred at the origin; its long axis is along x, but for an
+/// ellipse whose second axis is the longer one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Curve {
     /// A circle.
@@ -148,7 +162,7 @@ pub enum Curve {
     },
     /// An ellipse.
     Ellipse {
-        /// Half its axes, along the long axis first (in fact: first along `angle`).
+        /// Half its axes; the first is the one along [`Outline::angle`].
         half_axes: [f64; 2],
     },
     /// A Cassini oval: the points whose distances to the foci (±c, 0) have the product a².

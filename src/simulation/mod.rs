@@ -22,7 +22,7 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use crate::fem::{Contour, Mesh, Quality, Recovery};
+use crate::fem::{Contour, Mesh, Pieces, Quality, Recovery, long_axis};
 use crate::scene::{AnchoringKind, Iteration, Order, Scene, Shape, Time, Warning};
 use crate::scheme::{Scheme, StepError, StepReport, initial_fields};
 
@@ -87,9 +87,10 @@ pub struct Simulation {
     events: Vec<Event>,
     contour: Contour,
     recovery: Recovery,
-    /// The long axis of the vesicle, in degrees to the x axis.
-    axis: f64,
+    /// The long axis of the vesicle at the start, a unit vector.
+    axis: [f64; 2],
     near_wall: NearWall,
+    pieces: Pieces,
     pacing: Pacing,
     /// What was done of a step that was left before its end.
     left: Option<Left>,
@@ -134,20 +135,21 @@ impl Simulation {
         let mesh = Mesh::of(scene)?;
         let initial = initial_fields(scene, &mesh)?;
         let warnings = warnings(scene, &mesh, &initial.phi);
-        let scheme = Scheme::new(scene, mesh.clone(), initial.phi, initial.director)
-            .map_err(SimulationError::Factor)?;
         let axis = match &scene.vesicle.shape {
-            Shape::Outlines(outlines) => outlines.first().map_or(90.0, |outline| outline.angle),
-            _ => 90.0,
+            Shape::Outlines(outlines) if outlines.len() == 1 => outlines[0].long_axis(),
+            _ => long_axis(&mesh, &initial.phi),
         };
         let mut simulation = Self {
             near_wall: NearWall::new(&mesh, scene.membrane.interface_width),
             contour: Contour::default(),
             recovery: Recovery::default(),
             report: Report {
+        let scheme = Scheme::new(scene, mesh.clone(), initial.phi, initial.director)
+            .map_err(SimulationError::Factor)?;
                 dt: scene.time.step,
                 ..Report::default()
             },
+            pieces: Pieces::default(),
             scene: scene.clone(),
             mesh,
             scheme,
@@ -520,11 +522,18 @@ impl Simulation {
         }
     }
 
-    /// Measures the vesicle.
+    /// Measures the vesicle, if there is one: of several, extents and areas together mean nothing.
     fn measure(&mut self) {
-        self.contour.trace(&self.mesh, &self.scheme.state().phi);
-        self.report.outline = self.contour.measure(self.axis);
-        self.report.isoperimetric_quotient = self.contour.isoperimetric_quotient();
+        let phi = &self.scheme.state().phi;
+        let vesicles = self.pieces.count(&self.mesh, phi);
+        self.report.vesicles = Some(vesicles);
+        (self.report.outline, self.report.isoperimetric_quotient) = if vesicles == 1 {
+            self.contour.trace(&self.mesh, phi);
+            let outline = self.contour.measure(self.axis);
+            (outline, self.contour.isoperimetric_quotient())
+        } else {
+            (None, None)
+        };
     }
 
     /// The scene.
