@@ -204,6 +204,15 @@ pub struct Time {
     pub end: f64,
 }
 
+impl Time {
+    /// The number of steps: T/Δt, rounded. `None` where Δt is chosen on the way.
+    pub fn steps(&self) -> Option<u64> {
+        // A cast from f64 saturates; Δt and T are positive and finite.
+        let is_fixed = self.tolerance.is_none();
+        is_fixed.then(|| (self.end / self.step).round() as u64)
+    }
+}
+
 /// The order of the method in time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Order {
@@ -355,7 +364,8 @@ pub enum AnchoringKind {
     Homeotropic,
 }
 
-/// A magnetic or electric field, E = −½ χ ∫ I(φ)(d·H)².
+/// A magnetic or electric field, E = −½ χ Σ_T |T| ⟨I(φ)⟩ ⟨(d·H)²⟩ with means over the triangles T: but for
+/// the order h² it is −½ χ ∫ I(φ)(d·H)².
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Field {
     /// χ: the director turns along the field where it is positive, across it where it is negative.

@@ -9,6 +9,7 @@ mod event;
 mod ladder;
 mod memory;
 mod needs;
+mod presence;
 mod report;
 mod schedule;
 #[cfg(test)]
@@ -35,6 +36,7 @@ pub use event::{Event, EventKind};
 pub use ladder::{Ladder, Tried};
 pub use memory::Memory;
 pub use needs::{check_memory, memory_available, memory_held, memory_needed, node_count};
+pub use presence::{NoVesicle, Part, check_outlines};
 pub use report::{Costs, Report};
 pub use schedule::{Schedule, step_count};
 pub use underway::Underway;
@@ -45,6 +47,7 @@ pub use worker::{
 
 use controller::Controller;
 use division::Division;
+use presence::check_vesicle;
 use underway::Left;
 use warnings::NearWall;
 
@@ -65,10 +68,11 @@ pub struct Examination {
 /// Makes a scene's mesh and initial state, and tells what they are like.
 ///
 /// # Errors
-/// `Mesh` and `Initial`: the state could not be made.
+/// `Mesh` and `Initial`: the state could not be made; `NoVesicle`: there is none in the domain.
 pub fn examine(scene: &Scene) -> Result<Examination, SimulationError> {
     let mesh = Mesh::of(scene)?;
     let initial = initial_fields(scene, &mesh)?;
+    check_vesicle(scene, &mesh, &initial.phi)?;
     Ok(Examination {
         warnings: warnings(scene, &mesh, &initial.phi),
         nodes: mesh.nodes().len(),
@@ -86,11 +90,11 @@ pub struct Simulation {
     warnings: Vec<Warning>,
     events: Vec<Event>,
     contour: Contour,
+    pieces: Pieces,
     recovery: Recovery,
     /// The long axis of the vesicle at the start, a unit vector.
     axis: [f64; 2],
     near_wall: NearWall,
-    pieces: Pieces,
     pacing: Pacing,
     /// What was done of a step that was left before its end.
     left: Option<Left>,
@@ -134,22 +138,23 @@ impl Simulation {
         check_memory(scene)?;
         let mesh = Mesh::of(scene)?;
         let initial = initial_fields(scene, &mesh)?;
+        check_vesicle(scene, &mesh, &initial.phi)?;
         let warnings = warnings(scene, &mesh, &initial.phi);
         let axis = match &scene.vesicle.shape {
             Shape::Outlines(outlines) if outlines.len() == 1 => outlines[0].long_axis(),
             _ => long_axis(&mesh, &initial.phi),
         };
+        let scheme = Scheme::new(scene, mesh.clone(), initial.phi, initial.director)
+            .map_err(SimulationError::Factor)?;
         let mut simulation = Self {
             near_wall: NearWall::new(&mesh, scene.membrane.interface_width),
             contour: Contour::default(),
+            pieces: Pieces::default(),
             recovery: Recovery::default(),
             report: Report {
-        let scheme = Scheme::new(scene, mesh.clone(), initial.phi, initial.director)
-            .map_err(SimulationError::Factor)?;
                 dt: scene.time.step,
                 ..Report::default()
             },
-            pieces: Pieces::default(),
             scene: scene.clone(),
             mesh,
             scheme,
