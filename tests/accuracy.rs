@@ -11,6 +11,7 @@ cells = 16
 [vesicle]
 shape = \"ellipse\"
 half_axes = [0.3, 0.2]
+angle = 90
 [time]
 tolerance = 1e-3
 end = 2e-5

@@ -318,6 +318,21 @@ fn a_wrong_scene_is_refused_with_its_place() {
 }
 
 #[test]
+fn a_domain_without_a_vesicle_is_refused() {
+    let folder = folder_with_scene();
+    let path = folder.path();
+    let circle = "vesicle={ shape = 'circle', radius = 0.9 }";
+    let words = "the vesicle covers the whole domain, which reaches from (0, 0) to (1.00, 1.00)";
+    // On a mesh that the check does not make, too.
+    for cells in ["mesh.cells=12", "mesh.cells=400"] {
+        let scene = ["small.toml", "--set", circle, "--set", cells];
+        refused(path, &[&["check"][..], &scene].concat(), &[words]);
+    }
+    let scene = ["small.toml", "--set", circle];
+    refused(path, &[&["run"][..], &scene].concat(), &[words]);
+}
+
+#[test]
 fn a_check_tells_what_a_run_would_tell() {
     let folder = folder_with_scene();
     let path = folder.path();

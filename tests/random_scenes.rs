@@ -143,7 +143,12 @@ fn scene() -> impl Strategy<Value = String> {
 fn take_steps(text: &str) -> Result<(), String> {
     let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
     let scene = Scene::parse(text, "random", &[], &mut no_files).map_err(|e| e.to_string())?;
-    let mut simulation = Simulation::new(&scene).map_err(|error| error.to_string())?;
+    let mut simulation = match Simulation::new(&scene) {
+        Ok(simulation) => simulation,
+        // Outside of the domain, all around it, or between the nodes of the mesh.
+        Err(SimulationError::NoVesicle(_)) => return Ok(()),
+        Err(error) => return Err(error.to_string()),
+    };
     let volume = simulation.report().phase_integral;
     let phi = &simulation.state().phi;
     let size = phi.iter().fold(1.0_f64, |size, phi| size.max(phi.abs()));

@@ -11,6 +11,7 @@ use common::{TIGHT, energy_scale, scheme};
 use vesica::fem::Mesh;
 use vesica::record::read_fields;
 use vesica::scene::{Scene, Triangulation, write_mesh};
+use vesica::simulation::Simulation;
 
 /// Every effect; the mesh and the vesicle are to be added.
 const EFFECTS: &str = r#"
@@ -247,19 +248,15 @@ fn the_check_tells_how_good_the_triangles_are() {
 }
 
 #[test]
-fn a_circle_outside_of_the_domain_is_told() {
+fn a_circle_outside_of_the_domain_is_refused() {
     let scene = scene(
         CHANNEL,
         "[vesicle]\nshape = \"circle\"\nradius = 0.1\ncenter = [-1.0, 0.6]\n",
         &[],
     );
-    let mesh = Mesh::of(&scene).expect("a mesh");
-    let initial = vesica::scheme::initial_fields(&scene, &mesh).expect("fields");
-    let warnings = vesica::simulation::warnings(&scene, &mesh, &initial.phi);
-    let told: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+    let error = Simulation::new(&scene).expect_err("no vesicle").to_string();
     assert!(
-        told.iter()
-            .any(|told| told.contains("reaches across the wall")),
-        "{told:?}"
+        error.contains("lies outside of the domain, which reaches from ("),
+        "{error}"
     );
 }

@@ -104,9 +104,10 @@ fn examine(source: &OsStr, overrides: &[String]) -> Result<(Scene, Found), CliEr
             quality: Some(quality),
         }
     } else {
+        simulation::check_outlines(&scene).map_err(CliError::SetUp)?;
         let is_estimate = matches!(scene.mesh, Mesh::Delaunay { .. });
         Found {
-            warnings: scene::warnings(&scene),
+            warnings: scene::warnings(&scene, None),
             nodes: format!(
                 "{}{}",
                 if is_estimate { "about " } else { "" },

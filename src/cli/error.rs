@@ -80,8 +80,8 @@ pub(super) enum CliError {
         /// Of how many.
         checked: usize,
     },
-    /// The simulation could not be set up; if it is for the mesh, then the scene asks for one that
-    /// cannot be.
+    /// The simulation could not be set up; if it is for the mesh or the vesicle, then the scene asks for
+    /// what cannot be.
     #[error("the run could not be set up: {0}")]
     SetUp(#[source] SimulationError),
     /// A first step that was tried failed.
@@ -247,10 +247,16 @@ impl CliError {
                 | FigureError::Occupied { .. }
                 | FigureError::Nothing,
             )
-            | CliError::Study(SimulationError::Mesh(_) | SimulationError::Memory { .. })
-            | CliError::SetUp(SimulationError::Mesh(_) | SimulationError::Memory { .. }) => {
-                CliError::USAGE
-            }
+            | CliError::Study(
+                SimulationError::Mesh(_)
+                | SimulationError::NoVesicle(_)
+                | SimulationError::Memory { .. },
+            )
+            | CliError::SetUp(
+                SimulationError::Mesh(_)
+                | SimulationError::NoVesicle(_)
+                | SimulationError::Memory { .. },
+            ) => CliError::USAGE,
             CliError::SetUp(_)
             | CliError::Study(_)
             | CliError::Run { .. }

@@ -1,5 +1,6 @@
 //! The bar that shows how far a run is.
 
+use crate::scene::significant;
 use crate::simulation::{Report, Schedule};
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use std::fmt;
@@ -65,7 +66,7 @@ impl Progress {
         }
         self.updated = Instant::now();
         self.bar
-            .set_message(format!("E = {:.6}", report.total_energy));
+            .set_message(format!("E = {}", significant(report.total_energy, 6)));
         self.bar.set_position(match self.schedule.steps {
             Some(_) => report.step,
             None => (PARTS as f64 * self.schedule.share(report.step, report.t)) as u64,

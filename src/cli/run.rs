@@ -421,10 +421,11 @@ fn result_line(summary: &RunSummary, folder: &Path) -> String {
         steps => format!("{steps} steps"),
     };
     format!(
-        "{}: {steps}, t = {}, E_total = {energy:.6}, largest law residual {:.1e}, \
+        "{}: {steps}, t = {}, E_total = {}, largest law residual {:.1e}, \
          {per_step:.2} ms a step, in {}",
         summary.scene,
         Brief(summary.t),
+        Brief(energy),
         summary.largest_law_residual,
         folder.display(),
     )

@@ -11,7 +11,7 @@ pub struct Contour {
     pub area: f64,
 }
 
-/// The size of a vesicle along and across an axis.
+/// The size of a vesicle along and across its long axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OutlineMeasure {
     /// Its extent along the axis.
@@ -89,10 +89,19 @@ impl Contour {
             .min_by(f64::total_cmp)
     }
 
-    /// Length, waist and width along an axis at `angle` degrees to the x axis; `None` where the
-    /// zero set is empty.
-    pub fn measure(&self, angle: f64) -> Option<OutlineMeasure> {
-        let (sine, cosine) = angle.to_radians().sin_cos();
+    /// Length, waist and width along an axis, a unit vector, or along the one across it if the
+    /// vesicle is longer that way; `None` where the zero set is empty.
+    pub fn measure(&self, axis: [f64; 2]) -> Option<OutlineMeasure> {
+        let [x, y] = axis;
+        let along = self.measure_along(axis)?;
+        if along.width > along.length {
+            self.measure_along([-y, x])
+        } else {
+            Some(along)
+        }
+    }
+
+    fn measure_along(&self, [cosine, sine]: [f64; 2]) -> Option<OutlineMeasure> {
         let turned = |[x, y]: [f64; 2]| [cosine * x + sine * y, cosine * y - sine * x];
         let mut extent = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
         for place in self.segments.iter().flatten() {
@@ -159,21 +168,24 @@ mod tests {
     }
 
     #[test]
-    fn an_ellipse_is_measured_along_its_axis() {
+    fn an_ellipse_is_measured_along_its_longer_axis() {
         let mesh = Mesh::structured(100, 0.0, 0).expect("a regular mesh");
-        let contour = Contour::new(&mesh, &ellipse(&mesh, 0.2, 0.4));
-        let measure = contour.measure(90.0).expect("an outline");
-        for (value, exact) in [
-            (measure.length, 0.8),
-            (measure.waist, 0.4),
-            (measure.width, 0.4),
-        ] {
-            assert!((value - exact).abs() < 1e-3, "{measure:?}");
+        for half_axes in [[0.2, 0.4], [0.4, 0.2]] {
+            let [a, b] = half_axes;
+            let contour = Contour::new(&mesh, &ellipse(&mesh, a, b));
+            for axis in [[0.0, 1.0], [1.0, 0.0]] {
+                let measure = contour.measure(axis).expect("an outline");
+                for (value, exact) in [
+                    (measure.length, 0.8),
+                    (measure.waist, 0.4),
+                    (measure.width, 0.4),
+                ] {
+                    assert!((value - exact).abs() < 1e-3, "{measure:?}");
+                }
+            }
         }
-        let across = contour.measure(0.0).expect("an outline");
-        assert!((across.length - 0.4).abs() < 1e-3 && (across.waist - 0.8).abs() < 1e-3);
         assert_eq!(
-            Contour::new(&mesh, &vec![-1.0; mesh.nodes().len()]).measure(0.0),
+            Contour::new(&mesh, &vec![-1.0; mesh.nodes().len()]).measure([1.0, 0.0]),
             None
         );
     }

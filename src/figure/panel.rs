@@ -4,7 +4,7 @@ use super::Director;
 use super::colour::{Colour, Scale};
 use super::data::Field;
 use super::drawing::{Drawing, Image, Rectangle};
-use super::number::Axis;
+use super::number::{Axis, number};
 use super::outline::chain;
 use super::sampling::{Frame, sample};
 use super::text::{Across, Along, Label};
@@ -248,7 +248,7 @@ pub(super) fn draw_axes(
     let width = 0.8 * stroke(size);
     let Frame { corner, side } = Frame::around(mesh);
     for share in [0.0, 0.5, 1.0] {
-        let [across, up] = corner.map(|least| tick_name(least + share * side));
+        let [across, up] = corner.map(|least| tick_label(least + share * side, side));
         let x = place.left + share * place.width();
         let y = place.bottom - share * place.height();
         drawing.line(
@@ -263,19 +263,18 @@ pub(super) fn draw_axes(
         );
         if numbers.below {
             let at = [x, place.bottom + tick + NUMBER_GAP * size];
-            let label = Label::text(&across);
             // Long numbers at the ends keep out of the next picture.
             let anchor = match share {
-                _ if label.width(size) < LONG_NUMBER * size => Across::Middle,
+                _ if across.width(size) < LONG_NUMBER * size => Across::Middle,
                 0.0 => Across::Left,
                 1.0 => Across::Right,
                 _ => Across::Middle,
             };
-            drawing.label(&label, size, at, anchor, Along::Top);
+            drawing.label(&across, size, at, anchor, Along::Top);
         }
         if numbers.left {
             let at = [place.left - tick - TICK_GAP * size, y];
-            drawing.label(&Label::text(&up), size, at, Across::Right, Along::Middle);
+            drawing.label(&up, size, at, Across::Right, Along::Middle);
         }
     }
     // The axes' names stand between the numbers.
@@ -295,14 +294,17 @@ pub(super) fn draw_axes(
     }
 }
 
-/// A coordinate in at most two decimals.
-fn tick_name(value: f64) -> String {
+/// A coordinate in at most two decimals, or in three digits where the domain is too small for that.
+fn tick_label(value: f64, span: f64) -> Label {
+    if span < 0.05 {
+        return number(value, 3);
+    }
     let text = format!("{value:.2}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
-    match text {
+    Label::text(&match text {
         "-0" => "0".to_owned(),
         text => text.replace('-', "\u{2212}"),
-    }
+    })
 }
 
 /// Which axes of a picture have numbers.

@@ -1,7 +1,9 @@
 //! Directions from angles in degrees.
 
 /// The unit vector at an angle to the x axis, in degrees; exact at the multiples of 90°.
-pub(super) fn direction(degrees: f64) -> [f64; 2] {
+pub fn direction(degrees: f64) -> [f64; 2] {
+    // The remainder is exact for any size, as a quotient of large numbers is not.
+    let degrees = degrees % 360.0;
     let quarter_turns = (degrees / 90.0).round();
     let (sine, cosine) = (degrees - 90.0 * quarter_turns).to_radians().sin_cos();
     match quarter_turns.rem_euclid(4.0) {
@@ -24,6 +26,12 @@ mod tests {
         assert_eq!(direction(-90.0), [0.0, -1.0]);
         assert_eq!(direction(270.0), [0.0, -1.0]);
         assert_eq!(direction(450.0), [0.0, 1.0]);
+        assert_eq!(direction(360_000_090.0), [0.0, 1.0]);
+        assert_eq!(direction(-360_000_090.0), [0.0, -1.0]);
+        assert_eq!(direction(90.0 * 99_999_999_999_999.0), [0.0, -1.0]);
+        assert_eq!(direction(90.0 * 2_f64.powi(900)), [1.0, 0.0]);
+        // 10²⁰ = 280 + 360 n.
+        assert_eq!(direction(1e20), direction(280.0));
         for degrees in -800..800 {
             let degrees = f64::from(degrees) + 0.25;
             let (sine, cosine) = degrees.to_radians().sin_cos();

@@ -12,8 +12,9 @@ use super::model::{
 
 /// The centre of the domain.
 pub(super) const CENTER: [f64; 2] = [0.5, 0.5];
-/// Long axes point along y.
-pub(super) const ANGLE: f64 = 90.0;
+/// The paper's vesicle, the Cassini oval, stands upright; every other shape lies along x.
+pub(super) const CASSINI_ANGLE: f64 = 90.0;
+pub(super) const ANGLE: f64 = 0.0;
 /// c/a of the Cassini oval.
 pub(super) const RATIO: f64 = 0.92;
 /// sqrt(a² + c²) of the Cassini oval.
@@ -75,7 +76,7 @@ impl Default for Outline {
         Self {
             curve,
             center: CENTER,
-            angle: ANGLE,
+            angle: CASSINI_ANGLE,
         }
     }
 }

@@ -133,6 +133,13 @@ pub enum ExpressionProblem {
         /// What may stand there.
         allowed: Vec<&'static str>,
     },
+    /// A logarithm without its base, for which a near miss would be one of several.
+    #[error("unknown name 'log' in the expression; did you mean ln or log10? Allowed: {}",
+        allowed.join(", "))]
+    Logarithm {
+        /// What may stand there.
+        allowed: Vec<&'static str>,
+    },
     /// A function of another number of arguments.
     #[error("the function '{function}' takes {expected} argument(s), not {found}")]
     Arguments {
@@ -372,11 +379,14 @@ impl<'a> Parser<'a> {
             }
             let all = FUNCTIONS.iter().chain(&CONSTANTS).map(|(known, _)| *known);
             let allowed: Vec<_> = names.iter().map(|(known, _)| *known).collect();
-            let name = name.to_owned();
-            let problem = ExpressionProblem::UnknownName {
-                near: nearest(&name, all),
-                name,
-                allowed,
+            let problem = if name == "log" {
+                ExpressionProblem::Logarithm { allowed }
+            } else {
+                ExpressionProblem::UnknownName {
+                    near: nearest(name, all),
+                    name: name.to_owned(),
+                    allowed,
+                }
             };
             return Err(ExpressionError { range, problem });
         };
@@ -504,7 +514,12 @@ mod tests {
             "{unknown}"
         );
         assert!(error("sqr(x)").to_string().contains("did you mean 'sqrt'?"));
-        assert!(error("log(x)").to_string().contains("log10"));
+        let logarithm = error("log(x)").to_string();
+        assert!(
+            logarithm.contains("unknown name 'log' in the expression; did you mean ln or log10?")
+                && !logarithm.contains("'log2'"),
+            "{logarithm}"
+        );
         assert!(error("z").to_string().contains("Allowed: x, y, pi, e"));
         assert_eq!(error("2x").range, 1..2);
         assert_eq!(error("2e").range, 1..2);

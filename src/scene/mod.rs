@@ -30,6 +30,7 @@ pub mod planar;
 mod presets;
 mod reader;
 mod schema;
+mod significant;
 mod sizing;
 #[cfg(test)]
 mod tests;
@@ -49,5 +50,6 @@ pub use outline::{
     BoundingBox, OutlineDistance, SignedDistance, phase_profile, union_distance, wall_distance,
 };
 pub use presets::{UnknownPreset, find_preset, preset, preset_description, preset_names};
+pub use significant::significant;
 pub use sizing::MeshSize;
-pub use warning::{Warning, thin_interface, warnings};
+pub use warning::{Warning, warnings};

@@ -134,11 +134,25 @@ pub struct Outline {
     pub curve: Curve,
     /// Its centre.
     pub center: [f64; 2],
-    /// The angle of its long axis to the x axis, in degrees.
+    /// The angle to the x axis of the axis that the curve has along x, in degrees.
     pub angle: f64,
 }
 
-/// The kind and the size of a closed curve, its long axis along x and its centre at the origin.
+impl Outline {
+    /// The direction of its long axis, a unit vector.
+    pub fn long_axis(&self) -> [f64; 2] {
+        let [x, y] = direction(self.angle);
+        match self.curve {
+            Curve::Ellipse {
+                half_axes: [first, second],
+            } if first < second => [-y, x],
+            _ => [x, y],
+        }
+    }
+}
+
+/// The kind and the size of a closed curve, centred at the origin; its long axis is along x, but for an
+/// ellipse whose second axis is the longer one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Curve {
     /// A circle.
@@ -148,7 +162,7 @@ pub enum Curve {
     },
     /// An ellipse.
     Ellipse {
-        /// Half its axes, along the long axis first (in fact: first along `angle`).
+        /// Half its axes; the first is the one along [`Outline::angle`].
         half_axes: [f64; 2],
     },
     /// A Cassini oval: the points whose distances to the foci (±c, 0) have the product a².
@@ -188,6 +202,15 @@ pub struct Time {
     pub order: Order,
     /// T.
     pub end: f64,
+}
+
+impl Time {
+    /// The number of steps: T/Δt, rounded. `None` where Δt is chosen on the way.
+    pub fn steps(&self) -> Option<u64> {
+        // A cast from f64 saturates; Δt and T are positive and finite.
+        let is_fixed = self.tolerance.is_none();
+        is_fixed.then(|| (self.end / self.step).round() as u64)
+    }
 }
 
 /// The order of the method in time.
@@ -341,7 +364,8 @@ pub enum AnchoringKind {
     Homeotropic,
 }
 
-/// A magnetic or electric field, E = −½ χ ∫ I(φ)(d·H)².
+/// A magnetic or electric field, E = −½ χ Σ_T |T| ⟨I(φ)⟩ ⟨(d·H)²⟩ with means over the triangles T: but for
+/// the order h² it is −½ χ ∫ I(φ)(d·H)².
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Field {
     /// χ: the director turns along the field where it is positive, across it where it is negative.

@@ -98,7 +98,13 @@ fn read_shape(table: &Reader<'_>, context: &mut Context<'_>) -> Result<Shape, Sc
             let values = table.require("values", &kind.phrase())?;
             read_nodal_values(&values, NodalKey::Vesicle, context).map(Shape::File)
         }
-        _ => Ok(Shape::Outlines(vec![read_outline(table, kind)?])),
+        _ => {
+            // The angle of the shape that an override has replaced is not that of the new one.
+            let angle = table
+                .get("angle")
+                .filter(|field| field.is_override() || !overridden);
+            Ok(Shape::Outlines(vec![read_outline(table, kind, angle)?]))
+        }
     }
 }
 
@@ -164,10 +170,14 @@ fn read_part(part: &Field<'_>) -> Result<Outline, SceneError> {
     for (key, field) in table.fields() {
         check_key(&table, key, &field, &kind.phrase(), kind.keys())?;
     }
-    read_outline(&table, kind)
+    read_outline(&table, kind, table.get("angle"))
 }
 
-fn read_outline(table: &Reader<'_>, kind: ShapeKind) -> Result<Outline, SceneError> {
+fn read_outline(
+    table: &Reader<'_>,
+    kind: ShapeKind,
+    angle: Option<Field<'_>>,
+) -> Result<Outline, SceneError> {
     let curve = match kind {
         ShapeKind::Circle => Curve::Circle {
             radius: table.require("radius", &kind.phrase())?.number(POSITIVE)?,
@@ -189,6 +199,10 @@ fn read_outline(table: &Reader<'_>, kind: ShapeKind) -> Result<Outline, SceneErr
     Ok(Outline {
         curve,
         center: table.vector("center", defaults::CENTER)?,
-        angle: table.number("angle", defaults::ANGLE, FINITE)?,
+        angle: match (angle, kind) {
+            (Some(angle), _) => angle.number(FINITE)?,
+            (None, ShapeKind::Cassini) => defaults::CASSINI_ANGLE,
+            (None, _) => defaults::ANGLE,
+        },
     })
 }

@@ -2,10 +2,13 @@
 
 use std::fmt;
 
-use super::model::{Mesh, Scene};
+use super::model::{Defect, InitialDirector, Mesh, Scene, Time};
+use super::significant::significant;
 
-/// Cells that an interface of width ε should span.
-const CELLS_PER_INTERFACE: f64 = 3.0;
+/// Cells that an interface of width ε should span, for accurate energies.
+const CELLS_FOR_ENERGIES: f64 = 3.0;
+/// Cells that it must span for the membrane to move freely: on a coarser mesh it sticks.
+const CELLS_FOR_SHAPES: f64 = 1.0;
 
 /// What is allowed in a scene but probably not meant.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,10 +25,31 @@ pub enum Warning {
     ThinInterfaceInTriangles {
         /// ε.
         interface_width: f64,
-        /// The length of an edge at the membrane.
+        /// The mean length of an edge at the membrane.
         edge: f64,
         /// The key by which it is made smaller; none where the mesh is from a file.
         key: Option<&'static str>,
+    },
+    /// φ⁰ changes its sign nowhere; only where it is random or from a file.
+    NoMembrane {
+        /// Whether it is positive.
+        inside: bool,
+    },
+    /// The director turns by no whole number of turns around a point, so that it jumps along a line.
+    FractionalWinding {
+        /// The point.
+        center: [f64; 2],
+        /// The sum of the windings there.
+        winding: f64,
+    },
+    /// T is no multiple of Δt.
+    EndBetweenSteps {
+        /// T.
+        end: f64,
+        /// Δt.
+        step: f64,
+        /// How many steps there will be.
+        steps: u64,
     },
     /// The vesicle touches or crosses ∂Ω.
     VesicleAtWall {
@@ -58,62 +82,96 @@ impl fmt::Display for Warning {
             Self::ThinInterface {
                 interface_width,
                 cells,
-            } => write!(
-                f,
-                "the interface spans {:.2} cells of the mesh (membrane.interface_width · mesh.cells \
-                 = {interface_width} · {cells}), fewer than {CELLS_PER_INTERFACE}: the law of energy \
-                 holds, but the bending energy is too high, by 50 to 100 % at 1.2 cells (by more with \
-                 lumped quadrature); for accurate energies take mesh.cells = {} or more",
-                interface_width * cells as f64,
-                (CELLS_PER_INTERFACE / interface_width).ceil(),
-            ),
+            } => {
+                let spanned = interface_width * cells as f64;
+                write!(
+                    f,
+                    "the interface spans {} cells of the mesh (membrane.interface_width · mesh.cells \
+                     = {interface_width} · {cells}), {}; ",
+                    significant(spanned, 3),
+                    consequence(spanned),
+                )?;
+                let enough =
+                    |wanted: f64| format!("mesh.cells = {}", (wanted / interface_width).ceil());
+                remedy(f, spanned, enough, "or more")
+            }
             Self::ThinInterfaceInTriangles {
                 interface_width,
                 edge,
                 key,
             } => {
+                let spanned = interface_width / edge;
                 write!(
                     f,
-                    "the interface spans {:.2} triangles of the mesh (membrane.interface_width = \
-                     {interface_width}, edges at the membrane {edge:.4}), fewer than \
-                     {CELLS_PER_INTERFACE}: the law of energy holds, but the bending energy is too \
-                     high, by some 50 % at 1.2 (by more with lumped quadrature); for accurate energies ",
-                    interface_width / edge,
+                    "the interface spans {} triangles of the mesh (membrane.interface_width = \
+                     {interface_width}, edges at the membrane {}), {}; ",
+                    significant(spanned, 3),
+                    significant(edge, 3),
+                    consequence(spanned),
                 )?;
-                let enough = interface_width / CELLS_PER_INTERFACE;
-                match key {
-                    Some(key) => write!(f, "take {key} = {enough:.2e} or less"),
-                    None => write!(f, "take a mesh with edges of {enough:.2e} there"),
-                }
+                let enough = |wanted: f64| {
+                    let key = key.unwrap_or("a mesh with edges there");
+                    let of = if key.contains(' ') { "of" } else { "=" };
+                    format!("{key} {of} {:.2e}", interface_width / wanted)
+                };
+                remedy(f, spanned, enough, "or less")
             }
+            Self::NoMembrane { inside } => write!(
+                f,
+                "the initial φ is {} everywhere: there is no membrane, so neither a vesicle nor what acts \
+                 on one, until φ changes its sign somewhere",
+                if inside { "positive" } else { "negative or 0" },
+            ),
+            Self::FractionalWinding {
+                center: [x, y],
+                winding,
+            } => {
+                let jump = if (2.0 * winding).fract() == 0.0 {
+                    "to −d"
+                } else {
+                    "to another direction"
+                };
+                write!(
+                    f,
+                    "the director turns {winding} times around ({x}, {y}), which is no whole number: it is \
+                     a vector here, for which d and −d are not the same, so it jumps from d {jump} along a \
+                     line that begins there, and the line costs energy as a wall does; take whole numbers \
+                     for the winding, such as 1 or −1",
+                )
+            }
+            Self::EndBetweenSteps { end, step, steps } => write!(
+                f,
+                "time.end = {end:e} is no multiple of time.step = {step:e}: the run takes {steps} steps and \
+                 ends at t = {:e}",
+                rounded(steps as f64 * step),
+            ),
             Self::VesicleAtWall {
                 distance,
                 interface_width,
             } => {
-                if distance.abs() < 5e-4 {
+                if distance.abs() < 0.05 * interface_width {
                     f.write_str("the membrane touches the wall")?;
                 } else if distance > 0.0 {
-                    write!(f, "the membrane comes within {distance:.3} of the wall")?;
+                    let distance = significant(distance, 2);
+                    write!(f, "the membrane comes within {distance} of the wall")?;
                 } else {
-                    write!(
-                        f,
-                        "the vesicle reaches across the wall (by {:.3})",
-                        -distance
-                    )?;
+                    let distance = significant(-distance, 2);
+                    write!(f, "the vesicle reaches across the wall (by {distance})")?;
                 }
                 write!(
                     f,
-                    ", and its interface is about {:.3} wide (4 · membrane.interface_width): the \
+                    ", and its interface is about {} wide (4 · membrane.interface_width): the \
                      wall takes part in what happens; move the vesicle (vesicle.center) or make it \
                      smaller",
-                    4.0 * interface_width,
+                    significant(4.0 * interface_width, 2),
                 )
             }
             Self::FieldTooStrong { pull, bound } => write!(
                 f,
                 "the field draws the director out without end: field.weight · field.strength² = \
-                 {pull} must be below 2 · nematic.weight/nematic.penalty² = {bound:.6}, or nothing \
-                 keeps |d| near 1",
+                 {pull} must be below 2 · nematic.weight/nematic.penalty² = {}, or nothing keeps |d| \
+                 near 1",
+                significant(bound, 6),
             ),
             Self::TargetOutOfReach {
                 target_squared,
@@ -121,64 +179,132 @@ impl fmt::Display for Warning {
             } => write!(
                 f,
                 "the area can never reach its target: the volume is conserved, so area.target² \
-                 must be at least 4π·area/length² of the initial shape = {bound:.4} (isoperimetric \
-                 inequality), and it is {target_squared:.4}; the smallest target within reach is \
-                 {:.4}",
-                bound.sqrt(),
+                 must be at least 4π·area/length² of the initial shape = {} (isoperimetric \
+                 inequality), and it is {}; the smallest target within reach is {}",
+                significant(bound, 4),
+                significant(target_squared, 4),
+                significant(bound.sqrt(), 4),
             ),
         }
     }
 }
 
-/// The warnings that need no more than the scene's numbers. Those about the initial shape
-/// ([`Warning::VesicleAtWall`], [`Warning::TargetOutOfReach`]) come from who computes that shape.
-pub fn warnings(scene: &Scene) -> Vec<Warning> {
-    let interface_width = scene.membrane.interface_width;
-    let mut warnings = Vec::new();
-    match scene.mesh {
-        Mesh::Structured { cells, .. } => {
-            // Rounding must not warn of 0.03 · 100 cells.
-            let spanned = interface_width * cells as f64 * (1.0 + f64::EPSILON);
-            if spanned < CELLS_PER_INTERFACE {
-                warnings.push(Warning::ThinInterface {
-                    interface_width,
-                    cells,
-                });
-            }
-        }
-        Mesh::Delaunay { size, refine, .. } => {
-            let (key, edge) = match refine {
-                Some(refinement) => ("mesh.refine.size", refinement.size),
-                None => ("mesh.size", size),
-            };
-            warnings.extend(thin_interface(interface_width, edge, Some(key)));
-        }
-        // What its triangles are at the membrane is told when φ⁰ is known.
-        Mesh::File(_) => {}
+/// Without the digits that rounding leaves: 9.999e-4, not 9.998999999999999e-4.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.11e}").parse().unwrap_or(value)
+}
+
+/// What an interface that spans too few cells does, in words.
+fn consequence(spanned: f64) -> String {
+    if spanned < CELLS_FOR_SHAPES {
+        format!(
+            "fewer than {CELLS_FOR_SHAPES}: the membrane sticks to the mesh, so the SHAPE CANNOT BE TRUSTED, \
+             nor can the energies"
+        )
+    } else {
+        format!(
+            "fewer than {CELLS_FOR_ENERGIES}: the law of energy holds, but the bending energy is too high, by \
+             50 to 100 % at 1.2 (by more with lumped quadrature)"
+        )
     }
-    if let (Some(field), Some(nematic)) = (scene.field, &scene.nematic) {
-        let pull = field.weight * field.strength * field.strength;
-        let bound = 2.0 * nematic.weight / (nematic.penalty * nematic.penalty);
-        if pull >= bound {
-            warnings.push(Warning::FieldTooStrong { pull, bound });
+}
+
+/// What to take in its place: `enough` says it for as many cells as are wanted.
+fn remedy(
+    f: &mut fmt::Formatter<'_>,
+    spanned: f64,
+    enough: impl Fn(f64) -> String,
+    or: &str,
+) -> fmt::Result {
+    if spanned < CELLS_FOR_SHAPES {
+        write!(f, "for shapes take {} {or}, ", enough(CELLS_FOR_SHAPES))?;
+        write!(f, "for accurate energies {}", enough(CELLS_FOR_ENERGIES))
+    } else {
+        write!(
+            f,
+            "for accurate energies take {} {or}",
+            enough(CELLS_FOR_ENERGIES)
+        )
+    }
+}
+
+/// The warnings that need no more than the scene's numbers and `edge`, the length of an edge at the
+/// membrane; where that is not known, it is the one that the scene asks for. Those about the initial
+/// state ([`Warning::VesicleAtWall`], [`Warning::TargetOutOfReach`], [`Warning::NoMembrane`]) come from
+/// who computes that state.
+pub fn warnings(scene: &Scene, edge: Option<f64>) -> Vec<Warning> {
+    let mut warnings = Vec::new();
+    warnings.extend(thin_interface(scene, edge));
+    warnings.extend(end_between_steps(&scene.time));
+    if let Some(nematic) = &scene.nematic {
+        if let InitialDirector::Defects { at, .. } = &nematic.initial {
+            warnings.extend(fractional_windings(at));
+        }
+        if let Some(field) = scene.field {
+            let pull = field.weight * field.strength * field.strength;
+            let bound = 2.0 * nematic.weight / (nematic.penalty * nematic.penalty);
+            if pull >= bound {
+                warnings.push(Warning::FieldTooStrong { pull, bound });
+            }
         }
     }
     warnings
 }
 
-/// The warning of an interface that spans too few triangles, whose edges at the membrane have this
-/// length; `key` is what makes them smaller.
-pub fn thin_interface(
-    interface_width: f64,
-    edge: f64,
-    key: Option<&'static str>,
-) -> Option<Warning> {
-    let spanned = interface_width / edge * (1.0 + f64::EPSILON);
-    (spanned < CELLS_PER_INTERFACE).then_some(Warning::ThinInterfaceInTriangles {
+/// The warning of an interface that spans too few cells, or triangles.
+fn thin_interface(scene: &Scene, edge: Option<f64>) -> Option<Warning> {
+    let interface_width = scene.membrane.interface_width;
+    // Rounding must not warn of 0.03 · 100 cells.
+    let is_thin = |spanned: f64| spanned * (1.0 + f64::EPSILON) < CELLS_FOR_ENERGIES;
+    let (key, wanted) = match scene.mesh {
+        Mesh::Structured { cells, .. } => {
+            return is_thin(interface_width * cells as f64).then_some(Warning::ThinInterface {
+                interface_width,
+                cells,
+            });
+        }
+        Mesh::Delaunay { size, refine, .. } => match refine {
+            Some(refinement) => (Some("mesh.refine.size"), Some(refinement.size)),
+            None => (Some("mesh.size"), Some(size)),
+        },
+        Mesh::File(_) => (None, None),
+    };
+    let edge = edge.or(wanted)?;
+    is_thin(interface_width / edge).then_some(Warning::ThinInterfaceInTriangles {
         interface_width,
         edge,
         key,
     })
+}
+
+/// The warning of an end that no step of the grid meets.
+fn end_between_steps(time: &Time) -> Option<Warning> {
+    let steps = time.steps()?;
+    let (end, step) = (time.end, time.step);
+    let parts = end / step;
+    // What a quotient of decimal fractions is off by is far less.
+    let is_met = (parts - steps as f64).abs() <= 1e-9 * parts.max(1.0);
+    (!is_met).then_some(Warning::EndBetweenSteps { end, step, steps })
+}
+
+/// A warning for each point around which the director turns by no whole number of turns.
+fn fractional_windings(defects: &[Defect]) -> Vec<Warning> {
+    let mut points: Vec<Defect> = Vec::new();
+    for defect in defects {
+        match points
+            .iter_mut()
+            .find(|point| point.center == defect.center)
+        {
+            Some(point) => point.winding += defect.winding,
+            None => points.push(*defect),
+        }
+    }
+    let fractional = points
+        .into_iter()
+        .filter(|point| (point.winding - point.winding.round()).abs() > 1e-9);
+    fractional
+        .map(|Defect { center, winding }| Warning::FractionalWinding { center, winding })
+        .collect()
 }
 
 #[cfg(test)]
@@ -198,18 +324,112 @@ mod tests {
 
     #[test]
     fn an_interface_of_fewer_than_three_cells_is_told() {
-        assert_eq!(warnings(&scene(0.03, 100)), []);
-        assert_eq!(warnings(&scene(0.01, 300)), []);
+        assert_eq!(warnings(&scene(0.03, 100), None), []);
+        assert_eq!(warnings(&scene(0.01, 300), None), []);
         let thin = Warning::ThinInterface {
             interface_width: 0.01,
             cells: 299,
         };
-        assert_eq!(warnings(&scene(0.01, 299)), [thin]);
-        let text = warnings(&scene(0.01, 120))[0].to_string();
+        assert_eq!(warnings(&scene(0.01, 299), None), [thin]);
+        let text = warnings(&scene(0.01, 120), None)[0].to_string();
         assert!(
             text.contains("1.20 cells") && text.contains("mesh.cells = 300"),
             "{text}"
         );
+        assert!(!text.contains("SHAPE"), "{text}");
+    }
+
+    #[test]
+    fn of_an_interface_within_a_cell_the_shape_is_not_to_be_trusted() {
+        let text = |scene: &Scene, edge| warnings(scene, edge)[0].to_string();
+        let grid = text(&scene(0.01, 48), None);
+        for words in [
+            "0.480 cells",
+            "SHAPE CANNOT BE TRUSTED",
+            "mesh.cells = 100 or more",
+        ] {
+            assert!(grid.contains(words), "{grid}");
+        }
+        assert!(!text(&scene(0.01, 100), None).contains("SHAPE"));
+        // On other meshes the edges at the membrane count, not the ones that are asked for.
+        let mut delaunay = scene(0.01, 4);
+        delaunay.mesh = Mesh::Delaunay {
+            size: 0.05,
+            seed: 1,
+            refine: Some(crate::scene::Refinement {
+                band: 0.05,
+                size: 0.0095,
+            }),
+        };
+        assert!(!text(&delaunay, None).contains("SHAPE"));
+        let coarse = text(&delaunay, Some(0.012));
+        for words in [
+            "0.833 triangles",
+            "edges at the membrane 0.0120",
+            "SHAPE CANNOT BE TRUSTED",
+            "mesh.refine.size = 1.00e-2 or less",
+        ] {
+            assert!(coarse.contains(words), "{coarse}");
+        }
+        assert!(!text(&delaunay, Some(0.0099)).contains("SHAPE"));
+        delaunay.membrane.interface_width = 1e-7;
+        let small = text(&delaunay, Some(1e-6));
+        assert!(small.contains("edges at the membrane 1.00e-6"), "{small}");
+    }
+
+    #[test]
+    fn an_end_between_two_steps_is_reported() {
+        let warned = |step, end| {
+            let mut scene = scene(0.03, 100);
+            scene.time = Time {
+                step,
+                end,
+                ..Time::default()
+            };
+            warnings(&scene, None)
+        };
+        for (step, end) in [(1e-7, 1e-3), (0.1, 0.3), (3e-7, 3e-4), (1e-9, 1.0)] {
+            assert_eq!(warned(step, end), [], "{step} {end}");
+        }
+        let text = warned(3e-7, 1e-3)[0].to_string();
+        assert!(
+            text.contains("takes 3333 steps and ends at t = 9.999e-4"),
+            "{text}"
+        );
+        let text = warned(3e-7, 5e-7)[0].to_string();
+        assert!(text.contains("2 steps and ends at t = 6e-7"), "{text}");
+        let mut chosen = scene(0.03, 100);
+        chosen.time.step = 3e-7;
+        chosen.time.tolerance = Some(1e-3);
+        assert_eq!(warnings(&chosen, None), []);
+    }
+
+    #[test]
+    fn a_winding_that_is_no_whole_number_is_reported_with_the_reason() {
+        let warned = |at: &[([f64; 2], f64)]| {
+            let mut scene = scene(0.03, 100);
+            let defect = |&(center, winding)| Defect { center, winding };
+            let at = at.iter().map(defect).collect();
+            scene.nematic = Some(crate::scene::Nematic {
+                initial: InitialDirector::Defects { at, angle: 0.0 },
+                ..Default::default()
+            });
+            let warnings = warnings(&scene, None);
+            warnings.iter().map(ToString::to_string).collect::<Vec<_>>()
+        };
+        let (here, there) = ([0.5, 0.5], [0.25, 0.5]);
+        assert!(warned(&[(here, 1.0), (there, -2.0)]).is_empty());
+        // Two halves in one place are a whole.
+        assert!(warned(&[(here, 0.5), (here, 0.5)]).is_empty());
+        let halves = warned(&[(here, 0.5), (there, -0.5), ([0.1, 0.1], 1.0)]);
+        assert_eq!(halves.len(), 2, "{halves:?}");
+        assert!(
+            halves[0].contains("turns 0.5 times around (0.5, 0.5)")
+                && halves[0].contains("jumps from d to −d"),
+            "{halves:?}"
+        );
+        let third = warned(&[(here, 0.3)]);
+        assert!(third[0].contains("to another direction"), "{third:?}");
     }
 
     #[test]
@@ -226,15 +446,15 @@ mod tests {
             ..Default::default()
         };
         scene.field = Some(field(99.0));
-        assert_eq!(warnings(&scene), []);
+        assert_eq!(warnings(&scene, None), []);
         scene.field = Some(field(100.0));
-        let text = warnings(&scene)[0].to_string();
+        let text = warnings(&scene, None)[0].to_string();
         assert!(
             text.contains("= 400 must be below") && text.contains("400.0"),
             "{text}"
         );
         scene.field = Some(field(-1e9));
-        assert_eq!(warnings(&scene), []);
+        assert_eq!(warnings(&scene, None), []);
     }
 
     #[test]
@@ -256,7 +476,17 @@ mod tests {
             interface_width: 0.01,
         }
         .to_string();
-        assert!(across.contains("across the wall (by 0.100)"), "{across}");
+        assert!(across.contains("across the wall (by 0.10)"), "{across}");
+        // A domain in metres.
+        let small = Warning::VesicleAtWall {
+            distance: 1.2e-6,
+            interface_width: 1e-6,
+        }
+        .to_string();
+        assert!(
+            small.contains("within 1.2e-6 of the wall") && small.contains("about 4.0e-6 wide"),
+            "{small}"
+        );
         for distance in [0.0, -0.0, 1e-4, -1e-4] {
             let at = Warning::VesicleAtWall {
                 distance,

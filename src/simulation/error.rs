@@ -6,6 +6,7 @@ use thiserror::Error;
 
 use super::free_memory::FreeMemory;
 use super::ladder::Tried;
+use super::presence::NoVesicle;
 use crate::fem::FemError;
 use crate::linalg::LinalgError;
 use crate::scheme::{InitialError, RecallError, StepError};
@@ -59,6 +60,9 @@ pub enum SimulationError {
     /// The initial fields cannot be made.
     #[error("the initial state: {0}")]
     Initial(#[from] InitialError),
+    /// There is no vesicle to simulate.
+    #[error(transparent)]
+    NoVesicle(#[from] NoVesicle),
     /// The initial state has values that are not finite.
     #[error(
         "the initial state has a {place} that is not finite, for a value or a weight of the scene is too \

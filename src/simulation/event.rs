@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::scene::AnchoringKind;
+use crate::scene::{AnchoringKind, significant};
 use crate::scheme::StepError;
 
 /// Something that happened at a step.
@@ -100,7 +100,8 @@ impl fmt::Display for EventKind {
             ),
             EventKind::Damped { factor } => write!(
                 f,
-                "Newton's method is damped from here on for a while, by {factor:.2} at most in this step"
+                "Newton's method is damped from here on for a while, by {} at most in this step",
+                significant(*factor, 2)
             ),
             EventKind::ReachedWall => f.write_str(
                 "the vesicle has reached the wall, which now takes part in what happens",

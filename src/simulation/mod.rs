@@ -10,6 +10,7 @@ mod free_memory;
 mod ladder;
 mod memory;
 mod needs;
+mod presence;
 mod report;
 mod schedule;
 #[cfg(test)]
@@ -23,7 +24,7 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use crate::fem::{Contour, Mesh, Quality, Recovery};
+use crate::fem::{Contour, Mesh, Pieces, Quality, Recovery, long_axis};
 use crate::scene::{AnchoringKind, Iteration, Order, Scene, Shape, Time, Warning};
 use crate::scheme::{Scheme, StepError, StepReport, initial_fields};
 
@@ -37,6 +38,7 @@ pub use free_memory::{FreeMemory, MemoryBound, free_memory};
 pub use ladder::{Ladder, Tried};
 pub use memory::Memory;
 pub use needs::{check_memory, memory_held, memory_needed, node_count};
+pub use presence::{NoVesicle, Part, check_outlines};
 pub use report::{Costs, Report};
 pub use schedule::{Schedule, step_count};
 pub use underway::Underway;
@@ -47,6 +49,7 @@ pub use worker::{
 
 use controller::Controller;
 use division::Division;
+use presence::check_vesicle;
 use underway::Left;
 use warnings::NearWall;
 
@@ -89,10 +92,11 @@ pub struct Examination {
 /// Makes a scene's mesh and initial state, and tells what they are like.
 ///
 /// # Errors
-/// `Mesh` and `Initial`: the state could not be made.
+/// `Mesh` and `Initial`: the state could not be made; `NoVesicle`: there is none in the domain.
 pub fn examine(scene: &Scene) -> Result<Examination, SimulationError> {
     let mesh = Mesh::of(scene)?;
     let initial = initial_fields(scene, &mesh)?;
+    check_vesicle(scene, &mesh, &initial.phi)?;
     Ok(Examination {
         warnings: warnings(scene, &mesh, &initial.phi),
         nodes: mesh.nodes().len(),
@@ -110,9 +114,10 @@ pub struct Simulation {
     warnings: Vec<Warning>,
     events: Vec<Event>,
     contour: Contour,
+    pieces: Pieces,
     recovery: Recovery,
-    /// The long axis of the vesicle, in degrees to the x axis.
-    axis: f64,
+    /// The long axis of the vesicle at the start, a unit vector.
+    axis: [f64; 2],
     near_wall: NearWall,
     pacing: Pacing,
     /// What was done of a step that was left before its end.
@@ -175,17 +180,19 @@ impl Simulation {
         let mesh = Mesh::of_unless(scene, &mut || go_on(SetUp::Mesh).is_err())?;
         go_on(SetUp::InitialState)?;
         let initial = initial_fields(scene, &mesh)?;
+        check_vesicle(scene, &mesh, &initial.phi)?;
         let warnings = warnings(scene, &mesh, &initial.phi);
+        let axis = match &scene.vesicle.shape {
+            Shape::Outlines(outlines) if outlines.len() == 1 => outlines[0].long_axis(),
+            _ => long_axis(&mesh, &initial.phi),
+        };
         go_on(SetUp::Solver)?;
         let scheme = Scheme::new(scene, mesh.clone(), initial.phi, initial.director)
             .map_err(SimulationError::Factor)?;
-        let axis = match &scene.vesicle.shape {
-            Shape::Outlines(outlines) => outlines.first().map_or(90.0, |outline| outline.angle),
-            _ => 90.0,
-        };
         let mut simulation = Self {
             near_wall: NearWall::new(&mesh, scene.membrane.interface_width),
             contour: Contour::default(),
+            pieces: Pieces::default(),
             recovery: Recovery::default(),
             report: Report {
                 dt: scene.time.step,
@@ -565,11 +572,18 @@ impl Simulation {
         }
     }
 
-    /// Measures the vesicle.
+    /// Measures the vesicle, if there is one: of several, extents and areas together mean nothing.
     fn measure(&mut self) {
-        self.contour.trace(&self.mesh, &self.scheme.state().phi);
-        self.report.outline = self.contour.measure(self.axis);
-        self.report.isoperimetric_quotient = self.contour.isoperimetric_quotient();
+        let phi = &self.scheme.state().phi;
+        let vesicles = self.pieces.count(&self.mesh, phi);
+        self.report.vesicles = Some(vesicles);
+        (self.report.outline, self.report.isoperimetric_quotient) = if vesicles == 1 {
+            self.contour.trace(&self.mesh, phi);
+            let outline = self.contour.measure(self.axis);
+            (outline, self.contour.isoperimetric_quotient())
+        } else {
+            (None, None)
+        };
     }
 
     /// The scene.

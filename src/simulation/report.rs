@@ -47,9 +47,11 @@ pub struct Report {
     pub ledger: Vec<NamedValue>,
     /// What it took to solve the step.
     pub ladder: Ladder,
-    /// The size of the vesicle.
+    /// How many vesicles there are: pieces of the region φ > 0. `None`: not counted.
+    pub vesicles: Option<usize>,
+    /// The size of the vesicle; `None` where there is not exactly one.
     pub outline: Option<OutlineMeasure>,
-    /// 4π·area/length² of the zero set of φ: 1 for a circle.
+    /// 4π·area/length² of the vesicle: 1 for a circle; `None` where there is not exactly one.
     pub isoperimetric_quotient: Option<f64>,
 }
 

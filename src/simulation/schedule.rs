@@ -4,10 +4,7 @@ use crate::scene::Time;
 
 /// The number of steps of a run: T/Δt, rounded. t_n = n·Δt. `None` where Δt is chosen on the way.
 pub fn step_count(time: &Time) -> Option<u64> {
-    // A cast from f64 saturates; a scene's Δt and T are positive and finite.
-    time.tolerance
-        .is_none()
-        .then(|| (time.end / time.step).round() as u64)
+    time.steps()
 }
 
 /// Which steps of a run leave a row in the tables, and which a snapshot of the fields.

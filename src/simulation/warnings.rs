@@ -1,28 +1,26 @@
 //! What a scene's numbers alone do not tell: the vesicle's place, and whether β can be reached.
 
+use super::presence::sign;
 use crate::fem::{Contour, Mesh, Wall};
-use crate::scene::{
-    self, OutlineDistance, Scene, Shape, Warning, thin_interface, union_distance, wall_distance,
-};
+use crate::scene::{self, OutlineDistance, Scene, Shape, Warning, union_distance, wall_distance};
 
 /// The interface of a vesicle reaches this many ε beyond φ = 0: tanh(2√2) = 0.993.
 const INTERFACE_REACH: f64 = 4.0;
 
 /// All that is allowed in a scene but probably not meant, given φ⁰.
 pub fn warnings(scene: &Scene, mesh: &Mesh, phi: &[f64]) -> Vec<Warning> {
-    let mut warnings = scene::warnings(scene);
-    let interface_width = scene.membrane.interface_width;
     let contour = Contour::new(mesh, phi);
-    if let scene::Mesh::File(_) = scene.mesh {
-        let edge = edge_at_membrane(mesh, phi);
-        warnings.extend(edge.and_then(|edge| thin_interface(interface_width, edge, None)));
-    }
+    let mut warnings = scene::warnings(scene, edge_at_membrane(mesh, phi, &contour));
+    let interface_width = scene.membrane.interface_width;
+    warnings.extend(sign(phi).map(|inside| Warning::NoMembrane { inside }));
     let distance = match &scene.vesicle.shape {
         Shape::Outlines(outlines) => {
             let outlines: Vec<OutlineDistance> =
                 outlines.iter().map(OutlineDistance::new).collect();
             Some(match scene.mesh {
-                scene::Mesh::File(_) => distance_in_polygon(&outlines, mesh, &contour),
+                scene::Mesh::File(_) => {
+                    Wall::of(mesh).clearance(|place| union_distance(&outlines, place).value)
+                }
                 _ => wall_distance(&outlines),
             })
         }
@@ -55,32 +53,24 @@ pub fn warnings(scene: &Scene, mesh: &Mesh, phi: &[f64]) -> Vec<Warning> {
     warnings
 }
 
-/// The least distance of outlines to the wall of any domain: negative if one lies across it, or outside.
-fn distance_in_polygon(outlines: &[OutlineDistance], mesh: &Mesh, contour: &Contour) -> f64 {
-    let wall = Wall::of(mesh);
-    let distance = wall.clearance(|place| union_distance(outlines, place).value);
-    if contour.area > 0.0 {
-        distance
-    } else {
-        // Nothing of the vesicle is in the domain.
-        -distance.abs()
-    }
-}
-
-/// The mean length of an edge of the triangles that φ = 0 crosses; `None` where there are none.
-fn edge_at_membrane(mesh: &Mesh, phi: &[f64]) -> Option<f64> {
+/// The mean length of an edge of the triangles that φ = 0 crosses, where each triangle counts by the
+/// length of φ = 0 in it: many small ones do not outvote a few large ones. `None` where there are none.
+fn edge_at_membrane(mesh: &Mesh, phi: &[f64], contour: &Contour) -> Option<f64> {
+    let length = |[from, to]: [[f64; 2]; 2]| (to[0] - from[0]).hypot(to[1] - from[1]);
     let crossed = mesh.triangles().iter().filter(|corners| {
         let inside = corners.map(|node| phi[node as usize] > 0.0);
         inside.contains(&true) && inside.contains(&false)
     });
-    let lengths = crossed.flat_map(|corners| {
+    // The contour has a segment for each of them, in their order.
+    let parts = crossed.zip(&contour.segments).map(|(corners, segment)| {
         let [a, b, c] = corners.map(|node| mesh.nodes()[node as usize]);
-        [[a, b], [b, c], [c, a]].map(|[from, to]| (to[0] - from[0]).hypot(to[1] - from[1]))
+        let edge = [[a, b], [b, c], [c, a]].map(length).iter().sum::<f64>() / 3.0;
+        [edge, length(*segment)]
     });
-    let (sum, count) = lengths.fold((0.0, 0.0), |(sum, count), length| {
-        (sum + length, count + 1.0)
+    let [sum, membrane] = parts.fold([0.0; 2], |[sum, membrane], [edge, part]| {
+        [sum + edge * part, membrane + part]
     });
-    (count > 0.0).then(|| sum / count)
+    (membrane > 0.0).then(|| sum / membrane)
 }
 
 /// The nodes within ε of the wall, and whether the vesicle has been seen there.

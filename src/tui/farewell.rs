@@ -58,9 +58,9 @@ fn progress(run: &Run) -> String {
         None => String::new(),
     };
     format!(
-        "step {}{of}, t = {}, E_total = {:.6}",
+        "step {}{of}, t = {}, E_total = {}",
         report.step,
         Brief(report.t),
-        report.total_energy,
+        Brief(report.total_energy),
     )
 }

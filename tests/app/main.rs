@@ -24,6 +24,7 @@ cells = 20
 [vesicle]
 shape = \"ellipse\"
 half_axes = [0.35, 0.2]
+angle = 90
 [time]
 step = 1e-6
 end = 1.0

@@ -157,7 +157,7 @@ impl MeshKind {
             Self::Graded => format!(
                 "[mesh]\nkind = \"delaunay\"\nsize = {size:?}\n\
                  refine = {{ band = 0.05, size = {:?} }}\n\
-                 [vesicle]\nshape = \"ellipse\"\nhalf_axes = [0.35, 0.25]\n",
+                 [vesicle]\nshape = \"ellipse\"\nhalf_axes = [0.35, 0.25]\nangle = 90\n",
                 0.5 * size
             ),
         }

@@ -35,12 +35,12 @@ pub struct SignedDistance {
 #[derive(Debug, Clone)]
 pub struct OutlineDistance {
     center: [f64; 2],
-    /// The direction of the long axis.
+    /// The direction of the axis that is along x in `shape`.
     axis: [f64; 2],
     shape: PreparedCurve,
 }
 
-/// A curve with what its evaluation needs, its long axis along x and its centre at the origin.
+/// A curve with what its evaluation needs, as [`Curve`] has it.
 #[derive(Debug, Clone)]
 enum PreparedCurve {
     Circle { radius: f64 },

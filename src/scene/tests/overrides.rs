@@ -116,7 +116,8 @@ fn a_shape_takes_the_place_of_the_scenes_shape() {
     let outline = |center| Outline {
         curve: circle,
         center,
-        angle: 90.0,
+        // Not that of the scene's own shape.
+        angle: 0.0,
     };
     let scene = case3(&[
         "vesicle.radius=0.2",
@@ -128,6 +129,16 @@ fn a_shape_takes_the_place_of_the_scenes_shape() {
         Shape::Outlines(vec![outline([0.5, 0.5])])
     );
     assert_eq!(scene.vesicle.scale, 1.5);
+
+    let turned = case3(&[
+        "vesicle.radius=0.2",
+        "vesicle.shape=circle",
+        "vesicle.angle=30",
+    ]);
+    let Shape::Outlines(turned) = turned.vesicle.shape else {
+        panic!("{turned:?}");
+    };
+    assert_eq!(turned[0].angle, 30.0);
 
     let parts = "vesicle.parts=[{shape='circle',radius=0.2,center=[0.2,0.2]}]";
     assert_eq!(

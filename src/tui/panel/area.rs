@@ -66,6 +66,10 @@ pub fn draw(shown: &Shown<'_>, look: Look, theme: &Theme, area: Rect, buffer: &m
         let words = format!("{name} {}", significant(target, digits));
         text::line(buffer, beside, 0, Span::styled(words, theme.muted()));
     }
+    if let Some(words) = shown.vesicles() {
+        let words = Span::styled(format!(" {words}"), theme.muted());
+        text::line(buffer, next(area), 0, words);
+    }
     if let Some(outline) = report.outline {
         let sizes = [
             ("length", outline.length, &history.length),

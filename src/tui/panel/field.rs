@@ -140,6 +140,15 @@ fn notes<'a>(shown: &Shown<'_>, view: View, theme: &Theme) -> Line<'a> {
     Line::styled(words, theme.muted())
 }
 
+/// A coordinate in at most two decimals, or in three digits where the domain is too small for that.
+fn coordinate(value: f64, span: f64) -> String {
+    if span < 0.05 {
+        return brief(value, 3);
+    }
+    let text = format!("{value:.2}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
 /// Ticks on the frame and their numbers.
 fn axes(region: Rectangle, parts: u16, frame: Rect, theme: &Theme, buffer: &mut Buffer) {
     let glyphs = theme.glyphs();
@@ -147,10 +156,8 @@ fn axes(region: Rectangle, parts: u16, frame: Rect, theme: &Theme, buffer: &mut 
     for tick in 0..=parts {
         let share = f64::from(tick) / f64::from(parts);
         let label = |range: [f64; 2]| {
-            let value = range[0] + share * (range[1] - range[0]);
-            let text = format!("{value:.2}");
-            let text = text.trim_end_matches('0').trim_end_matches('.');
-            Span::styled(text.to_owned(), theme.muted())
+            let span = range[1] - range[0];
+            Span::styled(coordinate(range[0] + share * span, span), theme.muted())
         };
         let inner = tick > 0 && tick < parts;
         let x = left + (share * f64::from(frame.width - 1)).round() as u16;
@@ -219,5 +226,18 @@ fn colour_bar(range: [f64; 2], view: View, theme: &Theme, area: Rect, buffer: &m
         }
         let number = brief(value, 3);
         text::line(buffer, labels, row, Span::styled(number, theme.muted()));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::coordinate;
+
+    #[test]
+    fn coordinates_of_a_small_domain_do_not_all_read_0() {
+        let parts = |span: f64| [0.0, 0.25, 0.5].map(|share| coordinate(share * span, span));
+        assert_eq!(parts(1.0), ["0", "0.25", "0.5"]);
+        assert_eq!(parts(1e-5), ["0", "2.5e-6", "5e-6"]);
+        assert_eq!(coordinate(-0.25, 1.5), "-0.25");
     }
 }

@@ -213,6 +213,9 @@ fn scalars<'a>(shown: &Shown<'_>, theme: &Theme) -> Vec<Line<'a>> {
         .map(|start| percent(energy - start, start));
     let change = change.map_or(String::new(), |change| format!(" {change}"));
     lines.push(entry("E", significant(energy, 5), change));
+    if let Some(words) = shown.vesicles() {
+        lines.push(Line::styled(format!(" {words}"), theme.muted()));
+    }
     if let Some(outline) = report.outline {
         let ratio = outline.waist / outline.width;
         lines.push(entry("waist/width", significant(ratio, 3), String::new()));

@@ -113,6 +113,15 @@ impl<'a> Shown<'a> {
         Some(area.target * self.initial_surface_area()?)
     }
 
+    /// How many vesicles there are, where that is why their size is not shown.
+    pub fn vesicles(&self) -> Option<String> {
+        match self.report?.vesicles? {
+            0 => Some("no vesicle".to_owned()),
+            1 => None,
+            count => Some(format!("{count} vesicles")),
+        }
+    }
+
     /// How much of the run is done at what is looked at, from 0 to 1.
     pub fn share(&self) -> f64 {
         let (Some(setting), Some(report)) = (self.setting, self.report) else {

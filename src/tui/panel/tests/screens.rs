@@ -374,6 +374,29 @@ fn looking_back_shows_the_figures_of_that_time() {
 }
 
 #[test]
+fn of_two_vesicles_no_size_is_shown() {
+    let theme = Theme::new(ColorTier::None, true);
+    let mut app = made_up::app();
+    for gallery in [false, true] {
+        if gallery {
+            app.screen = Screen::Gallery;
+        }
+        let one = drawn(&app, &theme, 120, 40);
+        assert!(!characters(&one, one.area).contains("vesicles"));
+        let report = &mut made_up::run(&mut app).report;
+        let before = report.clone();
+        report.vesicles = Some(2);
+        report.outline = None;
+        report.isoperimetric_quotient = None;
+        let two = drawn(&app, &theme, 120, 40);
+        let two = characters(&two, two.area);
+        assert!(two.contains("2 vesicles"), "{two}");
+        assert!(gallery || !two.contains("waist"), "{two}");
+        made_up::run(&mut app).report = before;
+    }
+}
+
+#[test]
 fn a_saved_path_is_shown_whole() {
     let path = made_up::long_path().display().to_string();
     for (columns, rows) in SIZES {
