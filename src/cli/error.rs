@@ -116,7 +116,7 @@ pub(super) enum CliError {
     },
     /// A signal ended the run.
     #[error(
-        "ended by {signal} after step {step}{of}; saved in {0}. Go on with: vesica run {0} --resume",
+        "ended by {signal} after step {step}{of}{within}; saved in {0}. Go on with: vesica run {0} --resume",
         folder.display()
     )]
     Interrupted {
@@ -128,6 +128,8 @@ pub(super) enum CliError {
         step: u64,
         /// " of N", where N steps were planned.
         of: String,
+        /// Where in the next step, if it was begun.
+        within: String,
         /// The run's folder.
         folder: PathBuf,
     },

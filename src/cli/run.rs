@@ -187,12 +187,16 @@ fn record(
             })
         }
         Stop::Signal(Signal { name, number }) => {
-            let step = finished.map_err(unrecorded)?.steps;
+            let summary = finished.map_err(unrecorded)?;
+            let within = summary.underway.filter(|underway| underway.refused > 0);
             Err(CliError::Interrupted {
                 signal: name,
                 number,
-                step,
+                step: summary.steps,
                 of: steps.map_or(String::new(), |steps| format!(" of {steps}")),
+                within: within.map_or(String::new(), |Underway { step, t, .. }| {
+                    format!(", within step {step}, at t = {}", Brief(t))
+                }),
                 folder: path,
             })
         }
@@ -298,22 +302,9 @@ impl Patience {
         let next = if is_told { 2 * told_after } else { told_after };
         self.step = Some((underway.step, begun, next));
         if is_told && !self.quiet {
-            let Underway {
-                step,
-                t,
-                end,
-                dt,
-                parts,
-                refused,
-            } = *underway;
             progress.above(|| {
                 output::note(format_args!(
-                    "step {step} takes long: it is at t = {} of {}, after {parts} parts and {refused} \
-                     attempts that failed, with \u{394}t = {} next; Ctrl-C ends the run here, and \
-                     --resume goes on",
-                    Brief(t),
-                    Brief(end),
-                    Brief(dt)
+                    "{underway}; Ctrl-C ends the run here, and --resume goes on"
                 ));
             });
         }

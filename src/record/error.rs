@@ -73,6 +73,14 @@ pub enum RecordError {
         /// The first file in it that a run would overwrite.
         found: &'static str,
     },
+    /// A table lacks a column.
+    #[error("{} has no column {name}", path.display())]
+    NoColumn {
+        /// The file.
+        path: PathBuf,
+        /// The column.
+        name: String,
+    },
     /// A table is not what a checkpoint says.
     #[error("{} has {rows} whole rows, and not the {wanted} that it had", path.display())]
     Short {

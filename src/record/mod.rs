@@ -30,6 +30,7 @@ mod error;
 mod folder;
 mod history;
 mod kept;
+mod lenient;
 mod number;
 mod read;
 mod recorder;
@@ -39,6 +40,7 @@ mod source;
 mod states;
 mod summary;
 mod table;
+mod table_repair;
 mod vtu;
 mod whole;
 

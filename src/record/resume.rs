@@ -13,6 +13,9 @@ use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+/// Snapshots that are named one by one.
+const NAMED_SNAPSHOTS: usize = 4;
+
 /// What stands in a folder for a run to go on from.
 #[derive(Debug)]
 pub enum Found {
@@ -160,7 +163,7 @@ impl Resumption {
     }
 
     /// Brings the simulation, which is new and of the same scene, to where the run was, and its files.
-    /// With it come the checkpoints that cannot be used, and why.
+    /// With it come the checkpoints that cannot be used, and why, and what is not as the run has left it.
     ///
     /// # Errors
     /// [`CheckpointError::Unusable`]: nothing was changed. [`CheckpointError::Record`]: a file could not
@@ -171,12 +174,19 @@ impl Resumption {
         settings: Settings,
         simulation: &mut Simulation,
     ) -> Result<(Recorder, Vec<String>), CheckpointError> {
-        let Some((name, content, tables)) = self.choose(simulation) else {
+        let Some((name, mut content, tables)) = self.choose(simulation) else {
             return Err(CheckpointError::Unusable {
                 folder: self.folder().to_owned(),
                 problems: self.problems,
             });
         };
+        let remarks = [
+            tables.remarks(),
+            lose_snapshots(&self.folder().join(FIELDS), &mut content.written)
+                .into_iter()
+                .collect(),
+        ]
+        .concat();
         let schedule = settings.schedule(scene);
         let (step, t) = (content.simulation.step(), content.simulation.t());
         let mut summary =
@@ -185,12 +195,13 @@ impl Resumption {
             kind: "resumed".into(),
             step,
             t,
-            text: match &self.problems[..] {
-                [] => format!("the run was taken up again from {name}"),
-                problems => format!(
-                    "the run was taken up again from {name}; not used: {}",
-                    problems.join("; ")
-                ),
+            text: {
+                let mut text = format!("the run was taken up again from {name}");
+                if !self.problems.is_empty() {
+                    text += &format!("; not used: {}", self.problems.join("; "));
+                }
+                remarks.iter().for_each(|remark| text += &format!("; {remark}"));
+                text
             },
         });
         let tables = self.cut_back(scene, &content, tables)?;
@@ -209,6 +220,7 @@ impl Resumption {
             (keeper, content),
         );
         recorder.summarise()?;
+        self.problems.extend(remarks);
         Ok((recorder, self.problems))
     }
 
@@ -279,6 +291,30 @@ impl Resumption {
         write_scene(folder, scene)?;
         Ok(tables)
     }
+}
+
+/// Takes those snapshots off the list that are not in the folder, or not whole; what is to be reported of
+/// them, in words.
+fn lose_snapshots(fields: &Path, written: &mut Vec<(f64, String)>) -> Option<String> {
+    let all = written.len();
+    let mut lost = Vec::new();
+    written.retain(|(_, name)| {
+        let is_whole = vtu::is_whole(&fields.join(name));
+        if !is_whole {
+            lost.push(name.clone());
+        }
+        is_whole
+    });
+    let named = lost.iter().take(NAMED_SNAPSHOTS).cloned();
+    let named = named.collect::<Vec<String>>().join(", ");
+    let more = if lost.len() > NAMED_SNAPSHOTS { ", …" } else { "" };
+    (!lost.is_empty()).then(|| {
+        format!(
+            "{} of {all} snapshots in {} are gone or damaged, and no longer listed in {SERIES}: {named}{more}",
+            lost.len(),
+            fields.display()
+        )
+    })
 }
 
 fn words(problems: &[(&'static str, Problem)]) -> Vec<String> {

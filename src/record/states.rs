@@ -12,9 +12,8 @@ use crate::simulation::{Report, State};
 const STEP_DIGITS: usize = 7;
 
 /// Writes states of a run into a folder: `scene.toml`, the tables, and the fields; of one state as
-/// `state.vtu`, of several in `fields/`, as a run's snapshots. The tables have a row a state, but for
-/// `history.csv` and `shape.csv` where the whole `history` is given: then they have all its rows.
-/// `wall` is not a number: only the run itself knows it.
+/// `state.vtu`, of several in `fields/`, as a run's snapshots. The tables have a row a state, or all rows
+/// of the `history` where that is given. `wall` is not a number: only the run itself knows it.
 ///
 /// # Errors
 /// [`RecordError`] with the file that could not be written. What was written before stays.
@@ -37,9 +36,11 @@ pub fn write_states(
     tables.finish()?;
     if let Some(history) = history {
         for (file, text) in [
-            ("history.csv", history.to_history()),
-            ("shape.csv", history.to_shape()),
+            ("history.csv", Some(history.to_history())),
+            ("shape.csv", Some(history.to_shape())),
+            ("ledger.csv", history.to_ledger()),
         ] {
+            let Some(text) = text else { continue };
             write_whole(&folder.path().join(file), |out| {
                 out.write_all(text.as_bytes())
             })?;

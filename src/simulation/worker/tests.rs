@@ -39,10 +39,15 @@ fn start(orders: Orders, scene: Scene) -> Watched {
 }
 
 impl Watched {
+    /// The next news, but for how far a step is: that depends on the clock.
     fn next(&self) -> News {
-        let message = self.news.recv_timeout(PATIENCE).unwrap();
-        assert_eq!(message.run, RunId(7));
-        message.news
+        loop {
+            let message = self.news.recv_timeout(PATIENCE).unwrap();
+            assert_eq!(message.run, RunId(7));
+            if !matches!(message.news, News::Underway(_)) {
+                return message.news;
+            }
+        }
     }
 
     /// All news up to the first of which this holds.
@@ -69,6 +74,7 @@ fn word(news: &News) -> String {
             let steps: Vec<u64> = reports.iter().map(|report| report.step).collect();
             format!("{steps:?}")
         }
+        News::Underway(underway) => format!("within {}", underway.step),
         News::Event(event) => event.kind.name().to_owned(),
         News::Anchored { kind, report } => format!("{kind} at {}", report.step),
         News::Snapshot(picture) => format!("snapshot {}", picture.report.step),

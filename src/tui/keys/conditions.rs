@@ -16,7 +16,6 @@ pub(super) fn on_one_run(app: &App) -> Result<(), &'static str> {
 pub(super) fn when_not_over(app: &App) -> Result<(), &'static str> {
     let status = app.active_run().map(|run| &run.status);
     match (app.screen, status) {
-        (Screen::Run, Some(Status::Done)) => Err("the run is done: r begins it anew"),
         (Screen::Run, Some(Status::Failed(_))) => {
             Err("the run has failed: r begins it anew, e edits its scene")
         }

@@ -3,7 +3,7 @@
 use crossterm::event::KeyCode;
 
 use super::super::super::message::{Effect, Message};
-use super::super::super::state::{Overlay, Question, Severity, Status};
+use super::super::super::state::{Beyond, Overlay, Question, Severity, Status};
 use super::rig::{Rig, scene, slot};
 use crate::physics::NamedValue;
 use crate::scene::{AnchoringKind, Warning};
@@ -57,10 +57,54 @@ fn the_status_is_what_the_worker_has_told() {
     rig.work(2000);
     assert_eq!(status(&rig, 2), Status::Done);
     assert_eq!(rig.run(2).report.step, 1000);
-    rig.keys(" ");
-    let remark = rig.app.remark.clone().unwrap();
-    assert!(remark.contains("r begins it anew"), "{remark}");
-    assert_eq!(status(&rig, 2), Status::Done);
+}
+
+/// A run that has reached its end goes on to a later one if that is wanted, and else stays as it was.
+#[test]
+fn keys_that_a_run_at_its_end_cannot_follow_ask_whether_it_goes_on() {
+    for (key, beyond) in [
+        (" ", Beyond::Run),
+        ("n", Beyond::Step),
+        ("a", Beyond::Anchor(AnchoringKind::Parallel)),
+    ] {
+        let mut rig = Rig::new();
+        rig.work(2000);
+        rig.keys(key);
+        let question = Overlay::Confirm(Question::GoBeyond(beyond));
+        assert_eq!(rig.app.overlay, Some(question.clone()), "{key:?}");
+        rig.press(KeyCode::Esc);
+        rig.settle();
+        assert_eq!((rig.run(2).report.step, status(&rig, 2)), (1000, Status::Done));
+        assert_eq!(rig.run(2).anchoring, Some(AnchoringKind::Homeotropic));
+        assert_eq!(rig.app.slots[2].anchoring(), Some(AnchoringKind::Homeotropic));
+        assert!(rig.run(2).history.marks.is_empty() && rig.app.remark.is_none());
+
+        rig.keys(key);
+        assert_eq!(rig.app.overlay, Some(question), "{key:?}");
+        rig.keys("y");
+        rig.settle();
+        assert_eq!(rig.run(2).steps(), Some(2000));
+        if key == "n" {
+            assert_eq!((rig.run(2).report.step, status(&rig, 2)), (1001, Status::Paused));
+            rig.keys(" ");
+        } else {
+            assert_eq!(status(&rig, 2), Status::Running);
+        }
+        let marks = match key {
+            "a" => vec![(1000, AnchoringKind::Parallel)],
+            _ => Vec::new(),
+        };
+        assert_eq!(rig.run(2).history.marks, marks);
+        rig.work(2000);
+        assert_eq!((rig.run(2).report.step, status(&rig, 2)), (2000, Status::Done));
+        // Once more, and anew to the end that the scene has.
+        rig.keys(" y");
+        rig.settle();
+        assert_eq!(rig.run(2).steps(), Some(4000));
+        rig.keys("ry");
+        rig.work(2);
+        assert_eq!(rig.run(2).steps(), Some(1000));
+    }
 }
 
 #[test]
