@@ -809,6 +809,38 @@ fn a_run_that_fails_leaves_its_last_good_state() {
     assert_eq!(table.lines().count(), 2, "{table}");
 }
 
+/// A folder that was moved while the run went on: where it is now is told. And a link that leads nowhere is
+/// called one.
+#[test]
+fn a_folder_that_moves_away_and_a_link_that_leads_nowhere_are_told() {
+    let folder = folder_with_scene();
+    let path = folder.path();
+    let endless = ["run", "small.toml", "--out", "r", "--steps", "100000000"];
+    let child = command(path, &endless).spawn().expect("vesica starts");
+    while !path.join("r/checkpoint.bin").is_file() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    fs::rename(path.join("r"), path.join("elsewhere")).expect("it can be moved");
+    send(&child, "-INT");
+    let told = check(child.wait_with_output().expect("it ends"), 1);
+    assert!(!told.contains("stands in r\n"), "{told}");
+    if cfg!(target_os = "linux") {
+        let now = path.join("elsewhere");
+        let words = format!("r was moved while the run went on: what was written until then stands in {}", now.display());
+        assert!(told.contains(&words), "{told}");
+    }
+
+    std::os::unix::fs::symlink("nowhere", path.join("runs")).expect("a link");
+    let below = ["run", "small.toml", "--out", "runs/below/it"];
+    for arguments in [&["run", "small.toml"][..], &below] {
+        let told = vesica(path, arguments, 2);
+        assert!(
+            told.contains("runs is a symbolic link to nowhere, which is not there"),
+            "{told}"
+        );
+    }
+}
+
 #[test]
 fn odd_paths_are_no_hindrance() {
     use std::os::unix::ffi::OsStrExt;

@@ -2,7 +2,7 @@
 
 use super::output;
 use crate::figure::FigureError;
-use crate::record::{CheckpointError, LoadError, ReadError, RecordError};
+use crate::record::{CheckpointError, LoadError, ReadError, RecordError, Whereabouts};
 use crate::scene::UnknownPreset;
 use crate::simulation::SimulationError;
 use crate::study::{FinishedRunError, StudyError};
@@ -85,13 +85,13 @@ pub(super) enum CliError {
     #[error("the run could not be set up: {0}")]
     SetUp(#[source] SimulationError),
     /// The simulation could not go on.
-    #[error("the run failed: {error}\nwhat there is stands in {}", folder.display())]
+    #[error("the run failed: {error}\n{whereabouts}")]
     Run {
         /// Why.
         #[source]
         error: SimulationError,
-        /// The run's folder.
-        folder: PathBuf,
+        /// Of what was recorded.
+        whereabouts: Whereabouts,
     },
     /// A run cannot be recorded, from the start.
     #[error("the run cannot be recorded: {0}")]
@@ -103,16 +103,13 @@ pub(super) enum CliError {
     #[error(transparent)]
     FinishedRun(#[from] FinishedRunError),
     /// A run was made but not all of it could be recorded.
-    #[error(
-        "not all of the run could be recorded: {error}\nwhat there is stands in {}",
-        folder.display()
-    )]
+    #[error("not all of the run could be recorded: {error}\n{whereabouts}")]
     Unrecorded {
         /// Why.
         #[source]
         error: RecordError,
-        /// The run's folder.
-        folder: PathBuf,
+        /// Of what was recorded.
+        whereabouts: Whereabouts,
     },
     /// A signal ended the run.
     #[error(

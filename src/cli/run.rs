@@ -171,20 +171,18 @@ fn record(
     let steps = recorder.schedule().steps;
     let progress = Progress::new(recorder.schedule(), quiet);
     let stop = simulate(&mut simulation, &mut recorder, signal, progress, quiet);
+    let whereabouts = recorder.whereabouts();
     let finished = recorder.finish(&mut simulation, stop.ending());
     let unrecorded = |error| CliError::Unrecorded {
         error,
-        folder: path.clone(),
+        whereabouts: whereabouts.clone(),
     };
     match stop {
         Stop::Failed(error) => {
             if let Err(error) = finished {
                 output::error(unrecorded(error));
             }
-            Err(CliError::Run {
-                error,
-                folder: path,
-            })
+            Err(CliError::Run { error, whereabouts })
         }
         Stop::Signal(Signal { name, number }) => {
             let summary = finished.map_err(unrecorded)?;

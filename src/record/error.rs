@@ -1,5 +1,6 @@
 //! What can go wrong with a run's files.
 
+use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -40,6 +41,17 @@ pub enum RecordError {
         /// What the system says.
         #[source]
         reason: io::Error,
+    },
+    /// A symbolic link leads nowhere.
+    #[error(
+        "{} is a symbolic link to {}, which is not there: make that folder, or remove the link",
+        link.display(), target.display()
+    )]
+    DanglingLink {
+        /// The link.
+        link: PathBuf,
+        /// Where it leads.
+        target: PathBuf,
     },
     /// A file of an earlier run could not be removed.
     #[error("cannot remove {}: {reason}", path.display())]
@@ -115,6 +127,23 @@ pub enum RecordError {
 }
 
 impl RecordError {
+    /// For `map_err`: the folder at `path` could not be made.
+    pub(super) fn make_folder(path: &Path) -> impl FnOnce(io::Error) -> RecordError + '_ {
+        move |reason| {
+            let dangling = path.ancestors().find_map(|link| {
+                let target = fs::read_link(link).ok()?;
+                (!link.exists()).then(|| (link.to_owned(), target))
+            });
+            match dangling {
+                Some((link, target)) => RecordError::DanglingLink { link, target },
+                None => RecordError::MakeFolder {
+                    path: path.to_owned(),
+                    reason,
+                },
+            }
+        }
+    }
+
     /// For `map_err`: the file at `path` could not be written.
     pub(super) fn write(path: &Path) -> impl FnOnce(io::Error) -> RecordError + '_ {
         move |reason| RecordError::Write {

@@ -49,7 +49,7 @@ pub use checkpoint::{CheckpointError, Problem};
 pub use columns::Columns;
 pub use error::RecordError;
 pub(crate) use folder::make as make_folder;
-pub use folder::{IfOccupied, RunFolder};
+pub use folder::{IfOccupied, RunFolder, Whereabouts};
 pub use history::HISTORY_COLUMNS;
 pub use kept::{KeptRun, RunKeeper};
 pub use number::{Brief, Number};

@@ -5,7 +5,7 @@ use super::folder::{FINAL, SERIES, SUMMARY};
 use super::history::Tables;
 use super::scene_file::{identity, write_scene};
 use super::summary::{EventRecord, seconds};
-use super::{Ending, RecordError, RunFolder, RunSummary, Schedule, vtu};
+use super::{Ending, RecordError, RunFolder, RunSummary, Schedule, Whereabouts, vtu};
 use crate::fem::Mesh;
 use crate::scene::Scene;
 use crate::simulation::{Simulation, State};
@@ -200,6 +200,11 @@ impl Recorder {
     /// The run's folder.
     pub fn folder(&self) -> &Path {
         self.folder.path()
+    }
+
+    /// Whether the folder is still there, or where it is now.
+    pub fn whereabouts(&self) -> Whereabouts {
+        self.folder.whereabouts()
     }
 
     /// What is recorded when.

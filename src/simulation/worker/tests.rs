@@ -415,6 +415,58 @@ fn check_life_cycle(news: &[News]) {
     }
 }
 
+/// A step that takes many seconds: how far it is is told, and its state in the midst of it; whoever goes on
+/// from there is told the last whole step first.
+#[test]
+fn a_hard_step_is_told_and_kept_in_its_midst() {
+    let scene = small(&[
+        "mesh.cells=24",
+        "vesicle={ shape = 'random', amplitude = 9.0, seed = 1 }",
+        "membrane.interface_width=0.03",
+        "area={ target = 1.25, penalty = 1e-8 }",
+    ]);
+    let start = |from: Option<Box<Memory>>| {
+        let (sender, news) = mpsc::channel();
+        let sink = move |message: Message| {
+            // Whoever listens may have gone.
+            let _ = sender.send(message.news);
+        };
+        let continuity = Continuity {
+            from,
+            keep: Some(Duration::ZERO),
+        };
+        let orders = Orders {
+            paused: false,
+            ..orders()
+        };
+        let worker = Worker::start_from(orders, Arc::new(scene.clone()), continuity, sink);
+        (worker, news)
+    };
+    let (worker, news) = start(None);
+    let mut kept = None;
+    let underway = loop {
+        match news.recv_timeout(PATIENCE).unwrap() {
+            News::Underway(underway) => break underway,
+            News::State(memory) => kept = Some(memory),
+            News::Reports(reports) => assert!(reports.iter().all(|report| report.step == 0)),
+            _ => {}
+        }
+    };
+    assert_eq!(underway.step, 1);
+    assert!(underway.t < underway.end && underway.dt < 1e-6, "{underway:?}");
+    let kept = kept.expect("it is kept too");
+    assert!(kept.is_begun() && kept.step() == 0 && kept.t() <= underway.t);
+    drop(worker);
+
+    let (_worker, news) = start(Some(kept.clone()));
+    let told: Vec<News> = (0..4).map(|_| news.recv_timeout(PATIENCE).unwrap()).collect();
+    let (News::Reports(reports), News::Underway(again)) = (&told[1], &told[2]) else {
+        panic!("{told:?}");
+    };
+    assert_eq!((reports[0].step, reports[0].t), (0, 0.0));
+    assert_eq!((again.step, again.t), (1, kept.t()));
+}
+
 #[test]
 fn a_set_up_that_fails_is_told() {
     // More than any memory holds: refused before anything is allocated.

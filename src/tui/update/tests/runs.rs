@@ -7,7 +7,9 @@ use super::super::super::state::{Beyond, Overlay, Question, Severity, Status};
 use super::rig::{Rig, scene, slot};
 use crate::physics::NamedValue;
 use crate::scene::{AnchoringKind, Warning};
-use crate::simulation::{Event, EventKind, Message as WorkerMessage, News, Report, RunId};
+use crate::simulation::{
+    Event, EventKind, Message as WorkerMessage, News, Report, RunId, Underway,
+};
 
 /// A worker of the active run says this.
 fn say(rig: &mut Rig, news: News) {
@@ -57,6 +59,44 @@ fn the_status_is_what_the_worker_has_told() {
     rig.work(2000);
     assert_eq!(status(&rig, 2), Status::Done);
     assert_eq!(rig.run(2).report.step, 1000);
+}
+
+/// A step that takes long: how far it is shows, and leaving it asks.
+#[test]
+fn a_hard_first_step_is_shown_and_asked_about() {
+    let mut rig = Rig::new();
+    let run = rig.run(2).id;
+    rig.turn(run);
+    while let Some(message) = rig.on_the_way.pop_front() {
+        // Set up, and at no step.
+        if matches!(message.news, News::Ready(_)) {
+            rig.tell(Message::Solver(message));
+        }
+    }
+    assert!(!rig.run(2).unsaved);
+    let underway = Underway {
+        step: 1,
+        t: 2.6e-8,
+        end: 1e-6,
+        dt: 1.5e-11,
+        parts: 84,
+        refused: 14,
+    };
+    say(&mut rig, News::Underway(underway));
+    assert_eq!(rig.run(2).underway, Some(underway));
+    let told = underway.to_string();
+    for words in ["step 1 takes long", "t = 2.600e-8 of 1.000e-6", "84 parts", "= 1.5e-11"] {
+        assert!(told.contains(words), "{told}");
+    }
+    rig.keys("q");
+    assert_eq!(rig.app.overlay, Some(Overlay::Confirm(Question::Quit)));
+    rig.press(KeyCode::Esc);
+    let report = Report {
+        step: 1,
+        ..Report::default()
+    };
+    say(&mut rig, News::Reports(vec![report]));
+    assert_eq!(rig.run(2).underway, None);
 }
 
 /// A run that has reached its end goes on to a later one if that is wanted, and else stays as it was.
