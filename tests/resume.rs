@@ -412,7 +412,16 @@ impl Changed {
         let run = path.join("a");
         let _ = fs::remove_dir_all(&run);
         // The snapshots of a run of 40 steps, up to step 20.
-        let half = ["run", "small.toml", "--snapshots", "3", "--steps", "20", "--out", "a"];
+        let half = [
+            "run",
+            "small.toml",
+            "--snapshots",
+            "3",
+            "--steps",
+            "20",
+            "--out",
+            "a",
+        ];
         vesica(path, &half, 0);
         change(&run);
         let more = ["--out", "a", "--resume", "--quiet"];
@@ -478,8 +487,14 @@ fn tables_that_another_program_has_rewritten_are_brought_back() {
             }
         });
         for table in ["history.csv", "ledger.csv", "shape.csv"] {
-            let line = told.lines().find(|line| line.contains(table)).expect("it is told");
-            assert!(line.contains(words) && line.contains("all its numbers"), "{line}");
+            let line = told
+                .lines()
+                .find(|line| line.contains(table))
+                .expect("it is told");
+            assert!(
+                line.contains(words) && line.contains("all its numbers"),
+                "{line}"
+            );
         }
         changed.assert_tables(&[]);
     }
@@ -517,19 +532,43 @@ fn tables_that_are_damaged_are_told_and_the_run_goes_on() {
     });
     type Change<'a> = &'a dyn Fn(String) -> String;
     let changes: [(Change<'_>, &str, bool); 6] = [
-        (&no_number, "line 4, column dt had \"soon\", which is no number", false),
-        (&missing, "1 of 21 rows are missing, the first of them between the steps 2 and 4", false),
-        (&twice, "line 7 is left out: step 4 stands in line 6 too", true),
-        (&other, "its numbers are not those that the run wrote", false),
+        (
+            &no_number,
+            "line 4, column dt had \"soon\", which is no number",
+            false,
+        ),
+        (
+            &missing,
+            "1 of 21 rows are missing, the first of them between the steps 2 and 4",
+            false,
+        ),
+        (
+            &twice,
+            "line 7 is left out: step 4 stands in line 6 too",
+            true,
+        ),
+        (
+            &other,
+            "its numbers are not those that the run wrote",
+            false,
+        ),
         (&nonsense, "line 8 is left out: it has no step", false),
-        (&earlier, "line 9 has t = 0.000000001, after t = 0.000006 in line 8", false),
+        (
+            &earlier,
+            "line 9 has t = 0.000000001, after t = 0.000006 in line 8",
+            false,
+        ),
     ];
     for (change, words, is_whole) in changes {
         let told = changed.go_on_after(|run| rewrite(&run.join("history.csv"), change));
         assert!(told.contains(words), "{words}: {told}");
         let but_for: &[&str] = if is_whole { &[] } else { &["history.csv"] };
         changed.assert_tables(but_for);
-        vesica(changed.folder.path(), &["figures", "a", "--out", "b", "--force"], 0);
+        vesica(
+            changed.folder.path(),
+            &["figures", "a", "--out", "b", "--force"],
+            0,
+        );
     }
     let told = changed.go_on_after(|run| {
         fs::remove_file(run.join("ledger.csv")).expect("it is there");
@@ -546,14 +585,22 @@ fn snapshots_that_are_gone_are_told_and_no_longer_listed() {
     let cut = |path: PathBuf| rewrite(&path, |text| text[..text.len() / 2].to_owned());
     type Change<'a> = &'a dyn Fn(&Path);
     let changes: [(Change<'_>, &str, &[u64]); 3] = [
-        (&|fields| fs::remove_dir_all(fields).expect("it is there"), all, &[30, 40]),
+        (
+            &|fields| fs::remove_dir_all(fields).expect("it is there"),
+            all,
+            &[30, 40],
+        ),
         (
             &|fields| fs::remove_file(fields.join("step-0000010.vtu")).expect("it is there"),
             "1 of 3 snapshots in a/fields are gone or damaged, and no longer listed in fields.pvd: \
              step-0000010.vtu",
             &[0, 20, 30, 40],
         ),
-        (&|fields| cut(fields.join("step-0000000.vtu")), "step-0000000.vtu", &[10, 20, 30, 40]),
+        (
+            &|fields| cut(fields.join("step-0000000.vtu")),
+            "step-0000000.vtu",
+            &[10, 20, 30, 40],
+        ),
     ];
     for (change, words, listed) in changes {
         let told = changed.go_on_after(|run| change(&run.join("fields")));
@@ -563,7 +610,11 @@ fn snapshots_that_are_gone_are_told_and_no_longer_listed() {
         let list = fs::read_to_string(run.join("fields.pvd")).expect("the list");
         for step in [0, 10, 20, 30, 40] {
             let name = format!("step-{step:07}.vtu");
-            assert_eq!(list.contains(&name), listed.contains(&step), "{name}: {list}");
+            assert_eq!(
+                list.contains(&name),
+                listed.contains(&step),
+                "{name}: {list}"
+            );
         }
     }
 }
@@ -826,7 +877,10 @@ fn a_folder_that_moves_away_and_a_link_that_leads_nowhere_are_told() {
     assert!(!told.contains("stands in r\n"), "{told}");
     if cfg!(target_os = "linux") {
         let now = path.join("elsewhere");
-        let words = format!("r was moved while the run went on: what was written until then stands in {}", now.display());
+        let words = format!(
+            "r was moved while the run went on: what was written until then stands in {}",
+            now.display()
+        );
         assert!(told.contains(&words), "{told}");
     }
 

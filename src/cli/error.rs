@@ -91,7 +91,7 @@ pub(super) enum CliError {
         #[source]
         error: SimulationError,
         /// Of what was recorded.
-        whereabouts: Whereabouts,
+        whereabouts: Box<Whereabouts>,
     },
     /// A run cannot be recorded, from the start.
     #[error("the run cannot be recorded: {0}")]
@@ -109,7 +109,7 @@ pub(super) enum CliError {
         #[source]
         error: RecordError,
         /// Of what was recorded.
-        whereabouts: Whereabouts,
+        whereabouts: Box<Whereabouts>,
     },
     /// A signal ended the run.
     #[error(

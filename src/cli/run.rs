@@ -171,7 +171,7 @@ fn record(
     let steps = recorder.schedule().steps;
     let progress = Progress::new(recorder.schedule(), quiet);
     let stop = simulate(&mut simulation, &mut recorder, signal, progress, quiet);
-    let whereabouts = recorder.whereabouts();
+    let whereabouts = Box::new(recorder.whereabouts());
     let finished = recorder.finish(&mut simulation, stop.ending());
     let unrecorded = |error| CliError::Unrecorded {
         error,

@@ -200,7 +200,9 @@ impl Resumption {
                 if !self.problems.is_empty() {
                     text += &format!("; not used: {}", self.problems.join("; "));
                 }
-                remarks.iter().for_each(|remark| text += &format!("; {remark}"));
+                remarks
+                    .iter()
+                    .for_each(|remark| text += &format!("; {remark}"));
                 text
             },
         });
@@ -307,7 +309,11 @@ fn lose_snapshots(fields: &Path, written: &mut Vec<(f64, String)>) -> Option<Str
     });
     let named = lost.iter().take(NAMED_SNAPSHOTS).cloned();
     let named = named.collect::<Vec<String>>().join(", ");
-    let more = if lost.len() > NAMED_SNAPSHOTS { ", …" } else { "" };
+    let more = if lost.len() > NAMED_SNAPSHOTS {
+        ", …"
+    } else {
+        ""
+    };
     (!lost.is_empty()).then(|| {
         format!(
             "{} of {all} snapshots in {} are gone or damaged, and no longer listed in {SERIES}: {named}{more}",
@@ -385,6 +391,27 @@ mod tests {
         serde_json::from_str(&text).unwrap()
     }
 
+    /// What happened before the first checkpoint is known to a run that goes on from there.
+    #[test]
+    fn a_run_that_is_killed_in_its_first_step_knows_what_happened_at_the_start() {
+        let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+        let scene = Scene::parse(HARD, "the test", &[], &mut no_files).unwrap();
+        let parent = tempfile::tempdir().unwrap();
+        let folder = RunFolder::at(parent.path(), IfOccupied::Refuse).unwrap();
+        let settings = Settings::default();
+        let preparation = Preparation::begin(folder, &scene, settings).unwrap();
+        let simulation = Simulation::new(&scene).unwrap();
+        drop(preparation.start(&simulation, Duration::ZERO).unwrap());
+        let mut simulation = Simulation::new(&scene).unwrap();
+        let Ok(Found::Run(found)) = Resumption::find(parent.path(), &scene) else {
+            panic!("it can be taken up again");
+        };
+        let (mut recorder, _) = found.start(&scene, settings, &mut simulation).unwrap();
+        recorder.step(&mut simulation, Duration::ZERO).unwrap();
+        let kinds = recorder.events().iter().map(|event| &*event.kind);
+        assert_eq!(kinds.collect::<Vec<_>>(), ["reached-wall", "resumed"]);
+    }
+
     /// A run that is ended again and again within its steps tells what an undisturbed one does; and whenever
     /// it is ended its files are about the same time.
     #[test]
@@ -411,8 +438,12 @@ mod tests {
                     continue;
                 }
                 ended += 1;
-                recorder.within_step(&mut simulation, Duration::ZERO).unwrap();
-                recorder.finish(&mut simulation, Ending::Interrupted).unwrap();
+                recorder
+                    .within_step(&mut simulation, Duration::ZERO)
+                    .unwrap();
+                recorder
+                    .finish(&mut simulation, Ending::Interrupted)
+                    .unwrap();
                 let run = summary(path);
                 let rows = Columns::read(path).unwrap();
                 let last = |name: &str| *rows.column(name).unwrap().last().unwrap();

@@ -6,6 +6,7 @@ use super::lenient::{Difference, LenientTable};
 use super::read::LARGEST;
 use super::table::Extent;
 use super::whole::read_text;
+use std::cmp::Ordering;
 use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::Path;
@@ -199,8 +200,9 @@ impl Content {
 /// Where the time does not grow with the step.
 fn backward_times(rows: &[Row]) -> Vec<String> {
     let pairs = rows.windows(2);
-    // Written so that a time which is no number counts.
-    let wrong = pairs.filter(|pair| !(pair[0].t < pair[1].t));
+    // A time that is no number counts.
+    let is_less = Some(Ordering::Less);
+    let wrong = pairs.filter(|pair| pair[0].t.partial_cmp(&pair[1].t) != is_less);
     wrong
         .map(|pair| {
             format!(
@@ -221,7 +223,8 @@ fn missing_rows(rows: &[Row], wanted: u64) -> Option<String> {
         || "before the first".to_owned(),
         |pair| format!("between the steps {} and {}", pair[0].step, pair[1].step),
     );
-    (missing > 0).then(|| format!("{missing} of {wanted} rows are missing, the first of them {place}"))
+    (missing > 0)
+        .then(|| format!("{missing} of {wanted} rows are missing, the first of them {place}"))
 }
 
 fn damage_words(path: &Path, damages: &[String]) -> String {
@@ -230,5 +233,9 @@ fn damage_words(path: &Path, damages: &[String]) -> String {
         0 => String::new(),
         more => format!("; and {more} more"),
     };
-    format!("{} is damaged: {}{more}", path.display(), described.join("; "))
+    format!(
+        "{} is damaged: {}{more}",
+        path.display(),
+        described.join("; ")
+    )
 }

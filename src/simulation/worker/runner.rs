@@ -292,7 +292,6 @@ impl<Sink: Fn(Message)> Runner<Sink> {
             }
         };
         if !is_whole {
-            self.show(simulation);
             if let Some(underway) = simulation.underway()
                 && self.step_in_hand.is_due(underway.step)
             {
@@ -314,14 +313,9 @@ impl<Sink: Fn(Message)> Runner<Sink> {
         for event in simulation.drain_events() {
             self.teller.tell(News::Event(event));
         }
-        let (report, state) = simulation.last_whole();
+        let (report, _) = simulation.last_whole();
         if schedule.snapshot_due(report.step, report.t) {
-            let picture = PictureOf {
-                report,
-                state,
-                ..self.picture(simulation)
-            };
-            let picture = Arc::new(picture.to_picture());
+            let picture = Arc::new(self.picture(simulation).to_picture());
             self.teller.tell(News::Snapshot(picture));
         }
     }
@@ -340,7 +334,8 @@ impl<Sink: Fn(Message)> Runner<Sink> {
         self.teller.tell(News::Anchored { kind, report });
     }
 
-    /// Puts the present state into the mailbox.
+    /// Puts the present state into the mailbox: that of the last whole step, with which all else that is
+    /// told and saved agrees.
     fn show(&mut self, simulation: &Simulation) {
         let picture = self.canvases.paint(self.picture(simulation));
         self.mailbox.put(picture);
@@ -351,11 +346,12 @@ impl<Sink: Fn(Message)> Runner<Sink> {
         let kind = scene
             .anchoring
             .map_or(AnchoringKind::None, |anchoring| anchoring.kind);
+        let (report, state) = simulation.last_whole();
         PictureOf {
             run: self.orders.run,
             anchoring: scene.nematic.as_ref().map(|_| kind),
-            report: simulation.report(),
-            state: simulation.state(),
+            report,
+            state,
         }
     }
 }

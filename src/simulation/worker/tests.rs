@@ -453,13 +453,18 @@ fn a_hard_step_is_told_and_kept_in_its_midst() {
         }
     };
     assert_eq!(underway.step, 1);
-    assert!(underway.t < underway.end && underway.dt < 1e-6, "{underway:?}");
+    assert!(
+        underway.t < underway.end && underway.dt < 1e-6,
+        "{underway:?}"
+    );
     let kept = kept.expect("it is kept too");
     assert!(kept.is_begun() && kept.step() == 0 && kept.t() <= underway.t);
     drop(worker);
 
     let (_worker, news) = start(Some(kept.clone()));
-    let told: Vec<News> = (0..4).map(|_| news.recv_timeout(PATIENCE).unwrap()).collect();
+    let told: Vec<News> = (0..4)
+        .map(|_| news.recv_timeout(PATIENCE).unwrap())
+        .collect();
     let (News::Reports(reports), News::Underway(again)) = (&told[1], &told[2]) else {
         panic!("{told:?}");
     };

@@ -75,7 +75,11 @@ pub(super) fn with_opened_scenes(app: &App) -> Result<(), &'static str> {
 }
 
 pub(super) fn pause_or_resume(app: &App) -> &'static str {
-    if app.is_going() { "pause" } else { "resume" }
+    match app.active_run() {
+        Some(run) if app.screen == Screen::Run && run.is_done() => "go on",
+        _ if app.is_going() => "pause",
+        _ => "resume",
+    }
 }
 
 pub(super) fn gallery(app: &App) -> &'static str {

@@ -68,10 +68,7 @@ fn progress(shown: &Shown<'_>, theme: &Theme, area: Rect, buffer: &mut Buffer) {
         Span::raw(format!("{:>digits$}", report.step)),
         muted(&steps.map_or(String::new(), |steps| format!("/{steps}"))),
     ])];
-    parts.push(Line::from(vec![
-        muted("t "),
-        Span::raw(format!("{t:.3e}")),
-    ]));
+    parts.push(Line::from(vec![muted("t "), Span::raw(format!("{t:.3e}"))]));
     if let Some(underway) = underway {
         parts.push(Line::from(vec![
             muted("within step "),

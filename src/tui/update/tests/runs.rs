@@ -85,7 +85,12 @@ fn a_hard_first_step_is_shown_and_asked_about() {
     say(&mut rig, News::Underway(underway));
     assert_eq!(rig.run(2).underway, Some(underway));
     let told = underway.to_string();
-    for words in ["step 1 takes long", "t = 2.600e-8 of 1.000e-6", "84 parts", "= 1.5e-11"] {
+    for words in [
+        "step 1 takes long",
+        "t = 2.600e-8 of 1.000e-6",
+        "84 parts",
+        "= 1.5e-11",
+    ] {
         assert!(told.contains(words), "{told}");
     }
     rig.keys("q");
@@ -114,9 +119,15 @@ fn keys_that_a_run_at_its_end_cannot_follow_ask_whether_it_goes_on() {
         assert_eq!(rig.app.overlay, Some(question.clone()), "{key:?}");
         rig.press(KeyCode::Esc);
         rig.settle();
-        assert_eq!((rig.run(2).report.step, status(&rig, 2)), (1000, Status::Done));
+        assert_eq!(
+            (rig.run(2).report.step, status(&rig, 2)),
+            (1000, Status::Done)
+        );
         assert_eq!(rig.run(2).anchoring, Some(AnchoringKind::Homeotropic));
-        assert_eq!(rig.app.slots[2].anchoring(), Some(AnchoringKind::Homeotropic));
+        assert_eq!(
+            rig.app.slots[2].anchoring(),
+            Some(AnchoringKind::Homeotropic)
+        );
         assert!(rig.run(2).history.marks.is_empty() && rig.app.remark.is_none());
 
         rig.keys(key);
@@ -125,7 +136,10 @@ fn keys_that_a_run_at_its_end_cannot_follow_ask_whether_it_goes_on() {
         rig.settle();
         assert_eq!(rig.run(2).steps(), Some(2000));
         if key == "n" {
-            assert_eq!((rig.run(2).report.step, status(&rig, 2)), (1001, Status::Paused));
+            assert_eq!(
+                (rig.run(2).report.step, status(&rig, 2)),
+                (1001, Status::Paused)
+            );
             rig.keys(" ");
         } else {
             assert_eq!(status(&rig, 2), Status::Running);
@@ -136,7 +150,10 @@ fn keys_that_a_run_at_its_end_cannot_follow_ask_whether_it_goes_on() {
         };
         assert_eq!(rig.run(2).history.marks, marks);
         rig.work(2000);
-        assert_eq!((rig.run(2).report.step, status(&rig, 2)), (2000, Status::Done));
+        assert_eq!(
+            (rig.run(2).report.step, status(&rig, 2)),
+            (2000, Status::Done)
+        );
         // Once more, and anew to the end that the scene has.
         rig.keys(" y");
         rig.settle();
