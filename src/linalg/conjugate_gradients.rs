@@ -29,6 +29,11 @@ impl ConjugateGradients {
         }
     }
 
+    /// b − A x of the last solve, by the method's own recurrence.
+    pub fn residual(&self) -> &[f64] {
+        &self.residual
+    }
+
     /// Solves A x = b for a symmetric positive definite A, from the guess in `x`, until
     /// ‖b − A x‖ ≤ `tolerance`·‖b‖ in the norm of the preconditioner's inverse, where
     /// `inverse_diagonal` holds 1/A_ii.

@@ -31,6 +31,13 @@ pub struct NamedValue {
     pub value: f64,
 }
 
+impl NamedValue {
+    /// Whether it is a term of the ledger for the work that comes from outside.
+    pub fn is_work(&self) -> bool {
+        self.name.ends_with("_work")
+    }
+}
+
 /// Terms by name, each the sum of what the patches have added.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Terms(Vec<NamedValue>);
@@ -114,6 +121,7 @@ impl std::ops::Add for DirectorReach {
 /// |---|---|---|
 /// | `integral` | | φ, ω, d (φ alone for the sake of `set_integrals`) |
 /// | `add_director_force` | φ, d | |
+/// | `work` | φ, d | d |
 /// | `begin_membrane` | φ | d |
 /// | `add_membrane_force`, `add_membrane_linearisation` | φ | φ, ω |
 /// | `add_dissipation` | φ, ω, d | φ, ω, d |
@@ -202,6 +210,17 @@ pub trait Effect: Send + std::fmt::Debug {
 
     /// Told that an iterate lies by this part of the correction further; 0: an iteration begins.
     fn follow_correction(&mut self, _part: f64) {}
+
+    /// Whether it does work from outside, beyond its energy.
+    fn does_work(&self) -> bool {
+        false
+    }
+
+    /// The patch's share of the work that it has done from outside on the director in substep 1, if it
+    /// [`does_work`](Self::does_work).
+    fn work(&mut self, _patch: &Patch<'_>, _old: &Sample, _new: &Sample) -> f64 {
+        0.0
+    }
 
     /// Adds the terms of the numerical dissipation, each Δt·ND ≥ 0 (times Δt, so that nothing is
     /// divided by a small number); and minus the work that comes from outside, of either sign.

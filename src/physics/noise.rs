@@ -9,7 +9,8 @@
 //! **What the energy law means then.** Noise has no energy; it does work. The ledger gets the term
 //! `noise_work` = −∫ ξ·(d − dⁿ), minus the work done on the director, and with it closes to rounding as
 //! before: the sum is zero, every ND is ≥ 0, but E may rise, by no more than that work. Without the noise
-//! the law is (3.26).
+//! the law is (3.26). The work of a step is about 2T for every value of d inside, however short the step,
+//! and may be far larger than the energy: it is part of the scale S of the law.
 //!
 //! **Reproducible.** A random number is a function of the seed, the time at which the step begins, the
 //! point and the component; no generator runs along with the simulation. So a run gives the same bits
@@ -130,15 +131,14 @@ impl Effect for Noise {
         });
     }
 
-    fn add_dissipation(
-        &mut self,
-        patch: &Patch<'_>,
-        old: &Sample,
-        new: &Sample,
-        terms: &mut Terms,
-    ) {
+    fn does_work(&self) -> bool {
+        true
+    }
+
+    /// ∫ ξ·(d − dⁿ).
+    fn work(&mut self, patch: &Patch<'_>, old: &Sample, new: &Sample) -> f64 {
         let (Some(old_director), Some(new_director)) = (&old.director, &new.director) else {
-            return;
+            return 0.0;
         };
         let mut density = std::mem::take(&mut self.density);
         density.clear();
@@ -146,11 +146,21 @@ impl Effect for Noise {
         let [old_x, old_y] = &old_director.values;
         let [new_x, new_y] = &new_director.values;
         self.at_points(patch, &old.phi, |point, [x, y]| {
-            density[point] =
-                -(x * (new_x[point] - old_x[point]) + y * (new_y[point] - old_y[point]));
+            density[point] = x * (new_x[point] - old_x[point]) + y * (new_y[point] - old_y[point]);
         });
-        terms.add("noise_work", patch.integrate(&density));
+        let work = patch.integrate(&density);
         self.density = density;
+        work
+    }
+
+    fn add_dissipation(
+        &mut self,
+        patch: &Patch<'_>,
+        old: &Sample,
+        new: &Sample,
+        terms: &mut Terms,
+    ) {
+        terms.add("noise_work", -self.work(patch, old, new));
     }
 }
 

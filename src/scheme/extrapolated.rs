@@ -304,9 +304,9 @@ impl Scheme {
         trial.now.dt = Some(dt);
         watch(Phase::Ledger);
         // But for the work that is done on it from outside.
-        let worked = |term: &&NamedValue| term.name.ends_with("_work");
-        let ledger = trial.combined_report.ledger.iter().filter(worked);
-        let done: f64 = ledger.map(|term| term.value).sum();
+        let ledger = trial.combined_report.ledger.iter();
+        let works = ledger.filter(|term| term.is_work());
+        let done: f64 = works.map(|term| term.value).sum();
         let falls = trial.combined_report.total_energy + done <= self.report.total_energy;
         trial.waiting = Some(Waiting {
             dt,

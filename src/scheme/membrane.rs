@@ -86,7 +86,7 @@ pub(super) struct Places<'a> {
     pub(super) dt: f64,
     /// The Δt for which a sparse factor is made where a new one is needed.
     pub(super) factor_dt: f64,
-    /// S, the sum of the absolute energies.
+    /// S, the scale of the energy law.
     pub(super) energy_scale: f64,
     /// Told of every phase that ends.
     pub(super) watch: &'a mut dyn FnMut(Phase),

@@ -340,6 +340,7 @@ impl Scheme {
                 dt,
                 length: self.length,
                 tolerance: director_tolerance(&self.solver),
+                law_tolerance: self.solver.law_tolerance,
                 energy_scale,
             };
             report.director_iterations = step.solve(
@@ -352,17 +353,19 @@ impl Scheme {
             )?;
             watch(Phase::Director);
         }
+        let work = self.work_from_outside();
+        let scale = energy_scale + work.abs();
         self.membrane.begin(
-            space,
+            &self.space,
             &mut self.effects,
             &mut self.samples,
             &self.state.phi,
             self.next.director.as_ref(),
         );
-        let mut work = self.climb(dt, energy_scale, report, watch)?;
-        let mut closed = self.close_books(dt, report);
-        let rise = report.total_energy - self.report.total_energy;
-        if closed.is_ok() && rise > RISE * energy_scale {
+        let mut effort = self.climb(dt, scale, report, watch)?;
+        let mut closed = self.close_books(dt, work, report);
+        let rise = report.total_energy - self.report.total_energy - work;
+        if closed.is_ok() && rise > RISE * scale {
             // Near a state of rest even a residual within the tolerance is more than what dissipates.
             let limits = self.limits(Iteration::Newton);
             let factor_dt = self.factor_dt();
@@ -374,19 +377,19 @@ impl Scheme {
                 to: &mut self.next,
                 dt,
                 factor_dt,
-                energy_scale,
+                energy_scale: scale,
                 watch,
             };
-            self.membrane.refine(&mut places, limits, &mut work)?;
-            closed = self.close_books(dt, report);
+            self.membrane.refine(&mut places, limits, &mut effort)?;
+            closed = self.close_books(dt, work, report);
         }
         if let Stopping::ChangesToCome(known) = &mut self.stopping {
-            *known = work.contraction;
+            *known = effort.contraction;
         }
-        report.newton = work.newton;
-        report.krylov = work.krylov;
-        report.damping = work.damping;
-        report.algebraic_error = work.error;
+        report.newton = effort.newton;
+        report.krylov = effort.krylov;
+        report.damping = effort.damping;
+        report.algebraic_error = effort.error;
         watch(Phase::Ledger);
         closed
     }
@@ -506,8 +509,31 @@ impl Scheme {
         );
     }
 
-    /// The energies of the new state and every term of (3.26); refuses a step whose law is broken.
-    fn close_books(&mut self, dt: f64, report: &mut StepReport) -> Result<(), StepError> {
+    /// The work that effects have done from outside on the director in substep 1.
+    fn work_from_outside(&mut self) -> f64 {
+        if !self.effects.iter().any(|effect| effect.does_work()) {
+            return 0.0;
+        }
+        let Samples { old, new } = &mut self.samples;
+        let mut sum = 0.0;
+        for patch in self.space.patches() {
+            fill(old, &patch, &self.state);
+            fill(new, &patch, &self.next);
+            for effect in self.effects.iter_mut().filter(|effect| effect.does_work()) {
+                sum += effect.work(&patch, old, new);
+            }
+        }
+        sum
+    }
+
+    /// The energies of the new state and every term of (3.26), given the work from outside; refuses a step whose
+    /// law is broken.
+    fn close_books(
+        &mut self,
+        dt: f64,
+        work: f64,
+        report: &mut StepReport,
+    ) -> Result<(), StepError> {
         let State {
             phi,
             omega,
@@ -549,7 +575,8 @@ impl Scheme {
             });
         }
         ledger.extend_from_slice(self.terms.values());
-        let scale = energy_scale(&report.energies).max(energy_scale(&self.report.energies));
+        let energies = energy_scale(&report.energies).max(energy_scale(&self.report.energies));
+        let scale = energies + work.abs();
         let sum: f64 = ledger.iter().map(|term| term.value).sum();
         report.law_residual = if scale > 0.0 { sum / scale } else { sum };
         if let Some(place) = self.next.first_not_finite() {
@@ -574,13 +601,13 @@ impl Scheme {
     }
 }
 
-/// The relative residual to which substep 1 is solved. It is relative to the force, whose work is a
-/// small part of the energy, so the energy law misses by far less than its tolerance.
+/// The relative residual to which substep 1 is solved, at least. It is relative to the force, whose work is in
+/// general a small part of the energy, so the energy law misses by far less than its tolerance.
 fn director_tolerance(solver: &Solver) -> f64 {
     solver.law_tolerance.clamp(1e-14, 1e-8)
 }
 
-/// S: the sum of the absolute energies.
+/// The sum of the absolute energies. With the absolute work from outside it is S, the scale of the law.
 fn energy_scale(energies: &[NamedValue]) -> f64 {
     energies
         .iter()

@@ -72,6 +72,7 @@ impl Phases {
                     dt: self.dt,
                     length: self.dt,
                     tolerance: director_tolerance(solver),
+                    law_tolerance: solver.law_tolerance,
                     energy_scale: energy_scale(&report.energies),
                 };
                 let old = &mut samples.old;

@@ -45,7 +45,7 @@ pub(super) struct Criterion {
     pub(super) largest_eigenvalue: f64,
     /// A bound of |d|.
     pub(super) length: f64,
-    /// S.
+    /// The sum of the absolute energies.
     pub(super) energy_scale: f64,
     /// γ_nem Δt.
     pub(super) inertia: f64,

@@ -44,7 +44,7 @@ pub struct StepReport {
     pub surface_area: f64,
     /// Every term of (3.26) times Δt.
     pub ledger: Vec<NamedValue>,
-    /// Δt·(left side of 3.26)/S, S the sum of the absolute energies.
+    /// Δt·(left side of 3.26)/S, S the sum of the absolute energies and of the work from outside.
     pub law_residual: f64,
     /// Iterations of substep 2.
     pub newton: u32,

@@ -107,9 +107,17 @@ impl Report {
     /// By how much the energy rose in the step beyond the work that was done on it from outside, which
     /// the energy law forbids; `None` without a ledger. A switched energy is another one, and no rise.
     pub fn unexplained_rise(&self) -> Option<f64> {
-        let counts = |name: &str| name == "dE" || name.ends_with("_work");
-        let terms = self.ledger.iter().filter(|term| counts(term.name));
+        let counts = |term: &&NamedValue| term.name == "dE" || term.is_work();
+        let terms = self.ledger.iter().filter(counts);
         (!self.ledger.is_empty()).then(|| terms.map(|term| term.value).sum())
+    }
+
+    /// S, the scale of the energy law: the sum of the absolute energies, and the absolute work that was done
+    /// from outside.
+    pub fn law_scale(&self) -> f64 {
+        let energies: f64 = self.energies.iter().map(|it| it.value.abs()).sum();
+        let works = self.ledger.iter().filter(|term| term.is_work());
+        energies + works.map(|term| term.value).sum::<f64>().abs()
     }
 
     pub(super) fn take(&mut self, step: &StepReport) {

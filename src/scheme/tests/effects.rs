@@ -164,6 +164,7 @@ fn substep_1_leaves_out_what_does_not_matter() {
             dt,
             length: dt,
             tolerance: 1e-14,
+            law_tolerance: 1e-8,
             energy_scale,
         };
         let mobility = 0.5;

@@ -164,7 +164,7 @@ fn take(run: &mut Run, report: Report, law_tolerance: f64) {
         run.unsaved = true;
         let change = report.total_energy - run.report.total_energy;
         let rise = report.unexplained_rise().unwrap_or(change);
-        let rising = rise > law_tolerance * energy_scale(&run.report).max(energy_scale(&report));
+        let rising = rise > law_tolerance * run.report.law_scale().max(report.law_scale());
         if rising && !run.rising {
             run.notify(Notice {
                 severity: Severity::Warning,
@@ -184,13 +184,4 @@ fn anchored(run: &mut Run, kind: AnchoringKind, report: Report) {
     run.rising = false;
     run.unsaved |= report.step > 0;
     run.report = report;
-}
-
-/// S: the sum of the absolute energies.
-fn energy_scale(report: &Report) -> f64 {
-    report
-        .energies
-        .iter()
-        .map(|energy| energy.value.abs())
-        .sum()
 }
