@@ -4,6 +4,7 @@ mod app;
 pub mod canvas;
 pub mod colour_map;
 pub mod curve;
+mod decoder;
 mod editing;
 mod farewell;
 pub mod figures;
