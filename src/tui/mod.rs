@@ -18,6 +18,7 @@ mod keeping;
 pub mod keys;
 pub mod layout;
 pub mod message;
+mod modes;
 pub mod numbers;
 mod opening;
 mod output;
