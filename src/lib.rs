@@ -12,6 +12,7 @@ pub mod physics;
 pub mod record;
 pub mod scene;
 pub mod scheme;
+mod signals;
 pub mod simulation;
 pub mod study;
 pub mod tui;

@@ -1,7 +1,7 @@
 //! The real binary: its exit statuses, its messages and the files it leaves.
 
-#[path = "common/hangup.rs"]
-mod hangup;
+#[path = "common/ignored.rs"]
+mod ignored;
 
 use std::fs;
 use std::path::Path;
@@ -523,7 +523,9 @@ fn a_folder_that_cannot_be_made_is_refused() {
 #[cfg(unix)]
 mod signals {
     use super::*;
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    use signal_hook::consts::{
+        SIGALRM, SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU,
+    };
     use std::process::Child;
 
     /// A run that would take days, once it has made a step.
@@ -590,14 +592,26 @@ mod signals {
 
     #[test]
     fn end_a_run_cleanly() {
-        for (signal, name) in [(SIGINT, "Ctrl-C"), (SIGTERM, "SIGTERM"), (SIGHUP, "SIGHUP")] {
-            if signal == SIGHUP && hangup::is_ignored() {
+        for (signal, name, times) in [
+            (SIGINT, "Ctrl-C", 1),
+            (SIGTERM, "SIGTERM", 1),
+            (SIGHUP, "SIGHUP", 1),
+            (SIGQUIT, "SIGQUIT", 1),
+            // Batch systems warn with these; the last comes again every second.
+            (SIGUSR1, "SIGUSR1", 2),
+            (SIGUSR2, "SIGUSR2", 2),
+            (SIGALRM, "SIGALRM", 1),
+            (SIGXCPU, "SIGXCPU", 3),
+        ] {
+            if ignored::is_ignored(signal) {
                 continue;
             }
             let folder = folder_with_scene();
             let path = folder.path();
             let child = long_run(path, command(path, &ARGUMENTS));
-            send(&child, signal);
+            for _ in 0..times {
+                send(&child, signal);
+            }
             let output = child.wait_with_output().expect("it ends");
             assert_eq!(
                 output.status.code(),
@@ -622,6 +636,33 @@ mod signals {
                 .and_then(|line| line.split(',').next());
             assert_eq!(last, Some(run["steps"].to_string().as_str()));
         }
+    }
+
+    #[test]
+    fn what_the_parent_ignores_stays_ignored() {
+        let folder = folder_with_scene();
+        let path = folder.path();
+        let mut shell = Command::new("sh");
+        shell
+            .current_dir(path)
+            .args(["-c", "trap '' INT USR1; exec \"$0\" \"$@\""])
+            .arg(env!("CARGO_BIN_EXE_vesica"))
+            .args(ARGUMENTS)
+            .stdin(Stdio::null());
+        let child = long_run(path, shell);
+        send(&child, SIGINT);
+        send(&child, SIGUSR1);
+        let rows =
+            || fs::read_to_string(path.join("a/history.csv")).map(|text| text.lines().count());
+        let before = rows().expect("it is there");
+        let deadline = Instant::now() + Duration::from_secs(60);
+        while !rows().is_ok_and(|rows| rows > before + 3) {
+            assert!(Instant::now() < deadline, "it does not go on");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        send(&child, SIGTERM);
+        let output = child.wait_with_output().expect("it ends");
+        assert_eq!(output.status.code(), Some(128 + SIGTERM));
     }
 
     #[cfg(target_os = "linux")]

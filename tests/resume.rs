@@ -2,8 +2,8 @@
 
 #![cfg(unix)]
 
-#[path = "common/hangup.rs"]
-mod hangup;
+#[path = "common/ignored.rs"]
+mod ignored;
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -236,8 +236,15 @@ fn a_run_that_a_signal_ends_goes_on_in_its_folder() {
     let folder = folder_with_scene();
     let path = folder.path();
     vesica(path, &["run", "small.toml", "--out", "whole"], 0);
-    for (signal, status) in [("-INT", 130), ("-TERM", 143), ("-HUP", 129)] {
-        if signal == "-HUP" && hangup::is_ignored() {
+    for (signal, status) in [
+        ("-INT", 130),
+        ("-TERM", 143),
+        ("-HUP", 129),
+        ("-USR1", 138),
+        ("-USR2", 140),
+        ("-XCPU", 152),
+    ] {
+        if ignored::is_ignored(status - 128) {
             continue;
         }
         let run = path.join("runs/small");
@@ -263,6 +270,34 @@ fn a_run_that_a_signal_ends_goes_on_in_its_folder() {
         let seconds = summary(&run)["seconds"].as_f64().expect("a number");
         assert!(seconds > wall, "{seconds} after {wall}");
     }
+}
+
+#[test]
+fn a_run_whose_process_is_gone_is_known_and_ended() {
+    let folder = folder_with_scene();
+    let path = folder.path();
+    vesica(
+        path,
+        &["run", "small.toml", "--out", "a", "--steps", "20"],
+        0,
+    );
+    let run = path.join("a");
+    // As if it had been killed before its last word.
+    let file = run.join("run.json");
+    let text = fs::read_to_string(&file).expect("run.json");
+    let killed = text.replace("\"status\": \"done\"", "\"status\": \"running\"");
+    assert_ne!(killed, text);
+    fs::write(&file, killed).expect("it can be written");
+    fs::remove_file(run.join("final.vtu")).expect("it was there");
+    let told = vesica(path, &["run", "a", "--resume", "--steps", "20"], 0);
+    assert!(told.contains("the run in a was killed"), "{told}");
+    assert_eq!(summary(&run)["status"], "done");
+    assert!(run.join("final.vtu").is_file());
+    let told = vesica(path, &["run", "a", "--resume", "--steps", "20"], 0);
+    assert!(
+        !told.contains("killed") && told.contains("nothing to do"),
+        "{told}"
+    );
 }
 
 #[test]

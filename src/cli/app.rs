@@ -31,6 +31,9 @@ pub(super) struct Arguments {
     color: Color,
 }
 
+/// What TERM says where nobody knows of a terminal that it can place text, as within an editor's shell.
+const INCAPABLE: [&str; 4] = ["", "dumb", "none", "unknown"];
+
 /// How many colours to use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Color {
@@ -73,6 +76,10 @@ pub(super) fn open(arguments: Arguments) -> Result<(), CliError> {
         if !is_terminal {
             return Err(CliError::NoTerminal { stream, scene });
         }
+    }
+    let name = std::env::var("TERM").unwrap_or_default();
+    if INCAPABLE.contains(&name.as_str()) {
+        return Err(CliError::IncapableTerminal { name, scene });
     }
     let ending = tui::run(Options {
         slots,

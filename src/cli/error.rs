@@ -63,6 +63,19 @@ pub(super) enum CliError {
         /// What it was to open.
         scene: OsString,
     },
+    /// The app cannot be drawn on this terminal.
+    #[error(
+        "the terminal cannot show the app: TERM {}; name the terminal, as in TERM=xterm-256color, or simulate \
+         the scene without it: vesica run {}",
+        if name.is_empty() { "is not set".to_owned() } else { format!("is '{name}'") },
+        scene.display()
+    )]
+    IncapableTerminal {
+        /// What TERM says.
+        name: String,
+        /// What it was to open.
+        scene: OsString,
+    },
     /// The app could not start or go on.
     #[error(transparent)]
     App(#[from] AppError),
@@ -234,6 +247,7 @@ impl CliError {
             | CliError::Folder(_)
             | CliError::Resume(CheckpointError::None { .. } | CheckpointError::Foreign { .. })
             | CliError::NoTerminal { .. }
+            | CliError::IncapableTerminal { .. }
             | CliError::Check { .. }
             | CliError::Foreseen(_)
             | CliError::Accuracy(StudyError::Budget { .. })

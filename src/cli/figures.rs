@@ -4,7 +4,7 @@ use super::error::CliError;
 use super::output;
 use super::progress::Progress;
 use super::run::{Stop, simulate, some_step};
-use super::signals::{EndSignal, Signal};
+use super::signals::EndSignal;
 use crate::figure::{
     Director, Existing, FigureOptions, LARGEST_WIDTH, LEAST_WIDTH, RunData, Snapshot, check_free,
     save_set,
@@ -14,6 +14,7 @@ use crate::record::{
     read_run,
 };
 use crate::scene::{Scene, preset};
+use crate::signals::EndingSignal;
 use crate::simulation::{Simulation, SimulationError, free_memory, memory_needed};
 use indicatif::MultiProgress;
 use std::ffi::{OsStr, OsString};
@@ -95,7 +96,7 @@ pub(super) fn figures(arguments: &Arguments) -> Result<(), CliError> {
         Outcome::Stopped(signal) => Some(*signal),
         _ => None,
     });
-    if let Some(Signal { name, number }) = stopped {
+    if let Some(EndingSignal { name, number, .. }) = stopped {
         return Err(CliError::FiguresInterrupted {
             signal: name,
             number,
@@ -290,7 +291,7 @@ fn jobs(sources: &[Source], folder: &Path, force: bool) -> Result<Vec<Job>, CliE
 /// How a run went.
 enum Outcome {
     Done,
-    Stopped(Signal),
+    Stopped(EndingSignal),
     Failed(String),
 }
 

@@ -5,12 +5,13 @@ use super::numbers;
 use super::output;
 use super::progress::Progress;
 use super::set_up::{Outcome, set_up};
-use super::signals::{EndSignal, Signal};
+use super::signals::EndSignal;
 use crate::record::{
     Brief, Ending, EventRecord, Found, IfOccupied, Preparation, RecordError, Recorder, Resumption,
     RunFolder, RunSummary, Schedule, Settings, load_scene, step_count,
 };
 use crate::scene::{Scene, Time, preset};
+use crate::signals::EndingSignal;
 use crate::simulation::{Simulation, SimulationError, Underway, check_memory};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
@@ -141,7 +142,18 @@ fn take_up(
         None => format!("t = {}", Brief(schedule.end)),
     };
     let folder = resumption.folder().display().to_string();
-    if schedule.is_over(step, t) {
+    let was_killed = resumption.was_killed();
+    if was_killed && !arguments.quiet {
+        output::note(format_args!(
+            "the run in {folder} was killed: its run.json says \"running\", but no process has the folder"
+        ));
+    }
+    // The record of a run that was killed at its very end is yet to be ended.
+    let is_beyond = match schedule.steps {
+        Some(steps) => step > steps,
+        None => t > schedule.end * (1.0 + 1e-9),
+    };
+    if schedule.is_over(step, t) && (is_beyond || !was_killed) {
         if !arguments.quiet {
             output::note(format_args!(
                 "the run in {folder} is at step {step} already, t = {}, and the end is {end}: nothing to \
@@ -202,7 +214,7 @@ fn record(
             }
             Err(CliError::Run { error, whereabouts })
         }
-        Stop::Signal(Signal { name, number }) => {
+        Stop::Signal(EndingSignal { name, number, .. }) => {
             let summary = finished.map_err(unrecorded)?;
             let within = summary.underway.filter(|underway| underway.refused > 0);
             Err(CliError::Interrupted {
@@ -229,7 +241,7 @@ fn record(
 /// Why the loop over the steps ended.
 pub(super) enum Stop {
     Done,
-    Signal(Signal),
+    Signal(EndingSignal),
     Failed(SimulationError),
 }
 

@@ -2,10 +2,10 @@
 
 use super::atomic::clean;
 use super::checkpoint::{CheckpointError, Content, Keeper, Problem, RUN};
-use super::folder::{FIELDS, FINAL, SERIES, a_file_of, remove, remove_snapshots};
+use super::folder::{FIELDS, FINAL, SERIES, SUMMARY, a_file_of, remove, remove_snapshots};
 use super::history::{FoundTables, Tables};
 use super::scene_file::{identity, write_scene};
-use super::summary::EventRecord;
+use super::summary::{EventRecord, Status};
 use super::{RecordError, Recorder, RunFolder, RunSummary, Settings, vtu};
 use crate::scene::Scene;
 use crate::simulation::{Memory, Simulation};
@@ -134,6 +134,15 @@ impl Resumption {
     /// Where the run is.
     pub fn folder(&self) -> &Path {
         self.folder.path()
+    }
+
+    /// Whether the process that ran it has gone without a word: `run.json` says "running", but nobody holds
+    /// the folder's lock.
+    pub fn was_killed(&self) -> bool {
+        let text = fs::read_to_string(self.folder().join(SUMMARY)).unwrap_or_default();
+        let summary: Result<serde_json::Value, _> = serde_json::from_str(&text);
+        let running = serde_json::to_value(Status::Running).ok();
+        summary.is_ok_and(|summary| summary.get("status") == running.as_ref())
     }
 
     /// What the run goes on from, if it can be used.

@@ -10,7 +10,7 @@
 
 use std::io::{self, Write};
 use std::os::fd::AsFd;
-use std::sync::mpsc::{self, Sender, SyncSender};
+use std::sync::mpsc::{self, Receiver, Sender, SyncSender};
 use std::time::Duration;
 
 use rustix::event::{PollFd, PollFlags, poll};
@@ -72,17 +72,26 @@ impl Output {
         let _ = self.jobs.send(Job::Frame(frame));
     }
 
+    /// Writes bytes after what is under way; the answer comes when they are out.
+    ///
+    /// # Errors
+    /// `BrokenPipe` where the thread has gone.
+    pub fn begin(&self, bytes: &[u8]) -> io::Result<Receiver<io::Result<()>>> {
+        let (done, wait) = mpsc::sync_channel(1);
+        self.jobs
+            .send(Job::Awaited(bytes.to_owned(), done))
+            .map_err(|_| io::Error::from(io::ErrorKind::BrokenPipe))?;
+        Ok(wait)
+    }
+
     /// Writes bytes after what is under way, and waits for it no longer than `patience`: a dead
     /// link is not to hold up the end of the process.
     ///
     /// # Errors
     /// The system's; `TimedOut` where patience ran out.
     pub fn write_within(&self, bytes: &[u8], patience: Duration) -> io::Result<()> {
-        let (done, wait) = mpsc::sync_channel(1);
-        self.jobs
-            .send(Job::Awaited(bytes.to_owned(), done))
-            .map_err(|_| io::Error::from(io::ErrorKind::BrokenPipe))?;
-        wait.recv_timeout(patience)
+        self.begin(bytes)?
+            .recv_timeout(patience)
             .unwrap_or_else(|_| Err(io::ErrorKind::TimedOut.into()))
     }
 }
@@ -115,7 +124,6 @@ mod tests {
     use std::fs::File;
     use std::io::Read;
     use std::os::unix::net::UnixStream;
-    use std::sync::mpsc::Receiver;
 
     const LIMIT: Duration = Duration::from_secs(20);
 

@@ -38,6 +38,9 @@ const LAST_SAVE: Duration = Duration::from_millis(1200);
 /// How long the steps in hand may hold up an end that a person asked for.
 const LAST_STEP: Duration = Duration::from_secs(3);
 
+/// How long the terminal may take to be put back at the end before it is helped.
+const RESTORED: Duration = Duration::from_millis(1300);
+
 /// What the app is started with.
 #[derive(Debug)]
 pub struct Options {
@@ -506,14 +509,16 @@ impl Session {
     }
 
     /// Ends: the terminal is given back first, so that nobody waits before a dead screen; then what
-    /// is being saved is waited for, within reason.
+    /// is being saved is waited for, within reason. A link that stalls has that time, too.
     fn end(mut self) -> Result<Ending, AppError> {
         let ending = self.app.ending.clone().unwrap_or(Ending::Quit);
         for worker in self.workers.values() {
             worker.tell(Command::End);
         }
         self.input = None;
-        self.terminal.give_away();
+        let restored = Instant::now() + RESTORED;
+        let modes = self.terminal.modes();
+        modes.begin_to_restore();
         match self.app.saving_next.take() {
             Some(state::Save::View(picture, slot)) => self.save_view(picture, slot)?,
             Some(state::Save::Set { slot, .. }) => self.save_set(slot)?,
@@ -549,6 +554,7 @@ impl Session {
         while !self.workers.values().all(Worker::has_ended) && Instant::now() < until {
             std::thread::sleep(Duration::from_millis(5));
         }
+        modes.settle(restored);
         self.terminal
             .leave_behind(&farewell::line(&self.app, &self.saved));
         // A step of a large run may take seconds: its thread ends with the process.

@@ -9,29 +9,28 @@ use std::fs::File;
 use std::io;
 use std::panic::{self, PanicHookInfo};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Sender;
 use std::thread;
 use std::time::Duration;
 
-use crossterm::cursor::{Hide, Show};
-use crossterm::event::{DisableBracketedPaste, DisableMouseCapture, EnableBracketedPaste};
+use crossterm::cursor::Hide;
+use crossterm::event::EnableBracketedPaste;
 use crossterm::queue;
-use crossterm::style::{Attribute, SetAttribute};
-use crossterm::terminal::{
-    Clear, ClearType, EndSynchronizedUpdate, EnterAlternateScreen, LeaveAlternateScreen,
-    disable_raw_mode, enable_raw_mode,
-};
+use crossterm::terminal::{Clear, ClearType};
 use ratatui::Frame;
 
 use super::incoming::Incoming;
+use super::modes::{Modes, sequence};
 use super::output::{FRAME_BYTES, Output};
 use super::surface::{Bytes, Surface, Synchronized};
 
-/// How long a terminal may take to be put back before the process ends without.
-const PATIENCE: Duration = Duration::from_secs(1);
+/// How long the last line may take. There is room for it, unless the terminal is gone.
+const LAST_WORDS: Duration = Duration::from_millis(100);
 /// What a terminal has that does not tell its size.
 const USUAL_SIZE: (u16, u16) = (80, 24);
+/// The most columns and rows that are drawn on: more than the largest screens have in the smallest letters.
+/// What some programs claim, 65535 of each, would take more memory than there is.
+const MOST: (u16, u16) = (1600, 600);
 
 /// The terminal as the app uses it.
 pub(super) struct Terminal {
@@ -47,64 +46,6 @@ pub(super) struct Terminal {
 
 type Hook = dyn Fn(&PanicHookInfo<'_>) + Send + Sync;
 
-/// What is changed in the terminal, and the way to put it back from anywhere.
-#[derive(Debug)]
-pub(super) struct Modes {
-    output: Output,
-    changed: AtomicBool,
-}
-
-impl Modes {
-    /// Takes the terminal over, if it is not.
-    fn enter(&self) -> io::Result<()> {
-        if self.changed.swap(true, Ordering::AcqRel) {
-            return Ok(());
-        }
-        let entered = enable_raw_mode().and_then(|()| {
-            let bytes = sequence(|bytes| {
-                queue!(
-                    bytes,
-                    EnterAlternateScreen,
-                    DisableMouseCapture,
-                    EnableBracketedPaste,
-                    Hide,
-                    Clear(ClearType::All)
-                )
-            });
-            self.output.write_within(&bytes, PATIENCE)
-        });
-        if entered.is_err() {
-            self.restore();
-        }
-        entered
-    }
-
-    /// Puts everything back, if it was not yet.
-    pub fn restore(&self) {
-        if !self.changed.swap(false, Ordering::AcqRel) {
-            return;
-        }
-        // A frame may have been cut off in its middle.
-        let bytes = sequence(|bytes| {
-            queue!(
-                bytes,
-                EndSynchronizedUpdate,
-                SetAttribute(Attribute::Reset),
-                DisableBracketedPaste,
-                LeaveAlternateScreen,
-                Show
-            )
-        });
-        // A terminal that is gone needs nothing back.
-        let written = self.output.write_within(&bytes, PATIENCE);
-        if written.is_err_and(|error| error.kind() == io::ErrorKind::BrokenPipe) {
-            // The writer itself has gone, by a mistake of its own.
-            let _ = rustix::io::write(rustix::stdio::stdout(), &bytes);
-        }
-        let _ = disable_raw_mode();
-    }
-}
-
 impl Terminal {
     /// Takes over the terminal that the standard input and output are.
     ///
@@ -113,10 +54,7 @@ impl Terminal {
     pub fn open(incoming: Sender<Incoming>) -> io::Result<Self> {
         // Past the standard library's buffer, which ends at every line.
         let file = File::from(rustix::stdio::stdout().try_clone_to_owned()?);
-        let modes = Arc::new(Modes {
-            output: Output::start(file, incoming)?,
-            changed: AtomicBool::new(false),
-        });
+        let modes = Arc::new(Modes::new(Output::start(file, incoming)?));
         let bytes = Bytes::default();
         let frames = ratatui::Terminal::new(Surface::new(bytes.clone(), size()))?;
         let hook = guard_panics(Arc::clone(&modes));
@@ -138,7 +76,7 @@ impl Terminal {
         if !self.is_ours() {
             // Nobody is there to be told that it could not be said.
             let line = format!("{line}\n");
-            let _ = self.modes.output.write_within(line.as_bytes(), PATIENCE);
+            let _ = self.modes.output.write_within(line.as_bytes(), LAST_WORDS);
         }
     }
 
@@ -149,7 +87,7 @@ impl Terminal {
 
     /// Whether the app has the terminal, and not an editor or a shell.
     pub fn is_ours(&self) -> bool {
-        self.modes.changed.load(Ordering::Acquire)
+        self.modes.are_changed()
     }
 
     /// Whether a frame can be drawn: the one before is out.
@@ -207,8 +145,7 @@ impl Terminal {
     pub fn take_back(&mut self) -> io::Result<()> {
         if self.is_ours() {
             // The process was stopped by force, and somebody else may have used the terminal.
-            disable_raw_mode()?;
-            enable_raw_mode()?;
+            self.modes.make_raw()?;
             let bytes = sequence(|bytes| queue!(bytes, EnableBracketedPaste, Hide));
             self.unsent.extend_from_slice(&bytes);
         } else {
@@ -237,9 +174,13 @@ impl Drop for Terminal {
 /// Columns and rows of the terminal.
 pub(super) fn size() -> (u16, u16) {
     match rustix::termios::tcgetwinsize(rustix::stdio::stdout()) {
-        Ok(size) if size.ws_col > 0 && size.ws_row > 0 => (size.ws_col, size.ws_row),
+        Ok(size) if size.ws_col > 0 && size.ws_row > 0 => bounded((size.ws_col, size.ws_row)),
         _ => USUAL_SIZE,
     }
+}
+
+fn bounded((columns, rows): (u16, u16)) -> (u16, u16) {
+    (columns.min(MOST.0), rows.min(MOST.1))
 }
 
 /// From here on a panic of the current thread restores the terminal before it speaks, and a panic
@@ -252,19 +193,11 @@ fn guard_panics(modes: Arc<Modes>) -> Arc<Hook> {
         if thread::current().id() == owner {
             modes.restore();
             before(info);
-        } else if !modes.changed.load(Ordering::Acquire) {
+        } else if !modes.are_changed() {
             before(info);
         }
     }));
     hook
-}
-
-/// The bytes of commands.
-fn sequence(commands: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    // Writing to memory cannot fail.
-    let _ = commands(&mut bytes);
-    bytes
 }
 
 #[cfg(test)]
@@ -281,6 +214,7 @@ mod tests {
     /// one, to run that test alone.
     fn in_a_terminal(test: &str) -> String {
         let pair = native_pty_system().openpty(PtySize::default()).unwrap();
+        let modes = pair.master.get_termios().unwrap();
         let mut command = CommandBuilder::new(std::env::current_exe().unwrap());
         command.args(["--exact", test, "--nocapture", "--test-threads=1"]);
         command.env(INSIDE, "1");
@@ -295,7 +229,9 @@ mod tests {
             .unwrap()
             .read_to_end(&mut written);
         child.wait().unwrap();
-        String::from_utf8_lossy(&written).into_owned()
+        let written = String::from_utf8_lossy(&written).into_owned();
+        assert_eq!(pair.master.get_termios().unwrap(), modes, "{written}");
+        written
     }
 
     fn is_inside() -> bool {
@@ -342,6 +278,32 @@ mod tests {
         // Restored first, then said; and the worker's was not said over the screen.
         assert!(!screen.contains("words of"), "{written}");
         assert!(!written.contains("words of a worker"), "{written}");
+    }
+
+    #[test]
+    fn memory_that_is_refused_leaves_the_terminal_as_it_was() {
+        if is_inside() {
+            let (mut terminal, news) = open();
+            draw(&mut terminal, &news, "still-here");
+            let worker = || std::alloc::handle_alloc_error(std::alloc::Layout::new::<u64>());
+            let _ = thread::spawn(worker).join();
+            return;
+        }
+        let written = in_a_terminal(
+            "tui::terminal::tests::memory_that_is_refused_leaves_the_terminal_as_it_was",
+        );
+        assert_eq!(written.matches(LEAVE).count(), 1, "{written}");
+        let (_, after) = written.split_once(LEAVE).unwrap();
+        assert!(after.contains("\x1b[?25h"), "{written}");
+        assert!(after.contains("memory was refused"), "{written}");
+        assert!(!after.contains("passed"), "{written}");
+    }
+
+    #[test]
+    fn an_immense_terminal_is_used_in_part() {
+        assert_eq!(bounded((u16::MAX, u16::MAX)), MOST);
+        assert_eq!(bounded((640, u16::MAX)), (640, MOST.1));
+        assert_eq!(bounded((1, 1)), (1, 1));
     }
 
     #[test]

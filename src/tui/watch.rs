@@ -12,18 +12,22 @@ use std::time::{Duration, Instant};
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
-use signal_hook::consts::{SIGCONT, SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGTSTP, SIGWINCH};
+use signal_hook::consts::{SIGCONT, SIGHUP, SIGINT, SIGQUIT, SIGTSTP, SIGWINCH};
 use signal_hook::iterator::backend::{Handle, SignalDelivery};
 use signal_hook::iterator::exfiltrator::SignalOnly;
 
 use super::incoming::{Incoming, spawn};
 use super::message::Message;
-use super::terminal::Modes;
+use super::modes::Modes;
+use crate::signals::{ending, survive_file_size_limit};
 
-const SIGNALS: [i32; 7] = [SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGTSTP, SIGCONT, SIGWINCH];
+/// Those that concern the terminal alone.
+const OF_TERMINAL: [i32; 3] = [SIGTSTP, SIGCONT, SIGWINCH];
 
 /// How long the app may take to end by itself once it was told to.
-const PATIENCE: Duration = Duration::from_millis(1700);
+const PATIENCE: Duration = Duration::from_millis(1600);
+/// How long the terminal may take to be put back after that.
+const LAST_PATIENCE: Duration = Duration::from_millis(100);
 
 /// The watching thread. Dropping it ends it.
 #[derive(Debug)]
@@ -32,19 +36,23 @@ pub(super) struct Watch {
 }
 
 impl Watch {
-    /// Starts to watch. Where the app does not end in time after the terminal has gone or SIGTERM
-    /// has come, the thread ends the process, with the terminal restored by `modes`.
+    /// Starts to watch. Where the app does not end in time after the terminal has gone or a signal
+    /// that nobody types has come, the thread ends the process, with the terminal restored by `modes`.
     ///
     /// # Errors
     /// The system gives no handler, socket or thread.
     pub fn start(incoming: Sender<Incoming>, modes: Arc<Modes>) -> io::Result<Self> {
         let (read, write) = UnixStream::pair()?;
-        let mut signals = SignalDelivery::with_pipe(read, write, SignalOnly, SIGNALS)?;
+        let ending = ending().into_iter().map(|signal| signal.number);
+        let watched: Vec<i32> = ending.chain(OF_TERMINAL).collect();
+        let mut signals = SignalDelivery::with_pipe(read, write, SignalOnly, watched)?;
+        survive_file_size_limit()?;
         let handle = signals.handle();
         let sink = incoming.clone();
         spawn("signals", incoming, move || {
             if let Some(signal) = watch(&mut signals, &sink) {
-                modes.restore();
+                modes.begin_to_restore();
+                modes.settle(Instant::now() + LAST_PATIENCE);
                 std::process::exit(128 + signal);
             }
         })?;
@@ -99,7 +107,8 @@ fn watch(
             };
             // If the loop has ended, so will the process.
             let _ = sink.send(incoming);
-            if matches!(signal, SIGHUP | SIGTERM) {
+            let is_typed = matches!(signal, SIGINT | SIGQUIT);
+            if !is_typed && !OF_TERMINAL.contains(&signal) {
                 doom.get_or_insert((Instant::now() + PATIENCE, signal));
             }
         }

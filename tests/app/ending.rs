@@ -1,10 +1,11 @@
 //! How the app ends, and that the terminal is then as it was (points 9, 10, 11, 15, 16).
 
-use super::pty::{ENTER, LEAVE, LIMIT, Pty, child_named, send};
+use super::pty::{ENTER, FRAME, LEAVE, LIMIT, Pty, child_named, send};
 use super::{VESICA, folder, pause, running, step, wait_running};
 use nix::sys::signal::Signal;
 use std::process::{Command, Stdio};
 use std::time::Duration;
+use tempfile::TempDir;
 
 /// How long the process may outlive its terminal.
 const OUTLIVE: Duration = Duration::from_secs(2);
@@ -68,6 +69,10 @@ fn signals_restore_the_terminal_and_save_what_there_is() {
         (Signal::SIGTERM, 15),
         (Signal::SIGINT, 2),
         (Signal::SIGHUP, 1),
+        (Signal::SIGUSR1, 10),
+        (Signal::SIGUSR2, 12),
+        (Signal::SIGXCPU, 24),
+        (Signal::SIGALRM, 14),
     ] {
         let folder = folder();
         let mut app = running(&folder, (80, 24));
@@ -165,19 +170,85 @@ fn a_terminal_that_goes_away_ends_the_process() {
     }
 }
 
-#[test]
-fn a_link_that_takes_nothing_more_does_not_hold_up_the_end() {
-    let folder = folder();
-    let mut app = running(&folder, (300, 100));
+/// The app in a terminal that takes no more bytes, for it is full of frames.
+fn stalled(folder: &TempDir) -> Pty {
+    let app = running(folder, (300, 100));
     app.hold(true);
-    // Full frames, until the terminal is full of them.
     for n in 0..12 {
         app.resize(299 + n % 2, 100);
         std::thread::sleep(Duration::from_millis(150));
     }
+    app
+}
+
+#[test]
+fn a_link_that_takes_nothing_more_does_not_hold_up_the_end() {
+    let folder = folder();
+    let mut app = stalled(&folder);
     app.signal(Signal::SIGTERM);
     assert_eq!(app.exit_status(OUTLIVE), 143);
     assert!(folder.path().join("saved/small-set/history.csv").is_file());
+    // What the terminal reads when the app has ended puts it back.
+    app.hold(false);
+    app.assert_restored(143);
+}
+
+#[test]
+fn a_link_that_stalls_for_a_second_at_the_end_restores_the_terminal() {
+    for (keys, status) in [(None, 143), (Some("qy"), 0)] {
+        let folder = folder();
+        let mut app = stalled(&folder);
+        match keys {
+            None => app.signal(Signal::SIGTERM),
+            Some(keys) => app.type_keys(keys),
+        }
+        std::thread::sleep(Duration::from_millis(1250));
+        app.hold(false);
+        app.assert_restored(status);
+        let seen = app.seen();
+        assert_eq!((seen.times(ENTER), seen.times(LEAVE)), (1, 1), "{keys:?}");
+    }
+}
+
+#[test]
+fn a_terminal_that_claims_to_be_immense_is_drawn_on_in_part() {
+    let folder = folder();
+    let mut app = running(&folder, (100, 30));
+    let frames = app.seen().times(FRAME);
+    app.claim_size(u16::MAX, u16::MAX);
+    app.wait("frames", |seen| seen.times(FRAME) > frames + 1);
+    app.claim_size(u16::MAX, 1);
+    app.claim_size(100, 30);
+    app.wait("the usual frame", |seen| {
+        seen.shows("running") && seen.shows("quit")
+    });
+    app.type_keys("qy");
+    app.assert_restored(0);
+}
+
+#[test]
+fn a_terminal_that_can_place_no_text_is_refused_as_a_pipe_is() {
+    let folder = folder();
+    let unset = format!("unset TERM; exec {VESICA} small.toml");
+    for (term, program) in [
+        ("dumb", &[VESICA, "small.toml"][..]),
+        ("none", &[VESICA, "small.toml"]),
+        ("", &[VESICA, "small.toml"]),
+        ("dumb", &[VESICA, "small.toml", "--color", "none"]),
+        ("xterm", &["sh", "-c", &unset]),
+    ] {
+        let mut app = Pty::start((80, 24), folder.path(), program, &[("TERM", term)]);
+        assert_eq!(app.exit_status(LIMIT), 2, "{term}");
+        app.wait_text("vesica run small.toml");
+        assert!(app.seen().shows("TERM is"), "{}", app.seen().text());
+        assert_eq!(app.seen().times(b"\x1b"), 0, "{term}");
+    }
+    // Whoever wants no colours is no such terminal.
+    let program = [VESICA, "small.toml"];
+    let mut app = Pty::start((100, 30), folder.path(), &program, &[("NO_COLOR", "1")]);
+    wait_running(&app);
+    app.type_keys("qy");
+    app.assert_restored(0);
 }
 
 #[test]

@@ -5,6 +5,7 @@
 #![cfg(target_os = "linux")]
 
 mod ending;
+mod input;
 mod lasting;
 mod pty;
 mod screen;

@@ -184,6 +184,11 @@ impl Pty {
             .terminal
             .screen_mut()
             .set_size(nonzero(rows), nonzero(columns));
+        self.claim_size(columns, rows);
+    }
+
+    /// The terminal says that it has this size.
+    pub fn claim_size(&self, columns: u16, rows: u16) {
         let master = self.master.as_ref().expect("the terminal is there");
         master.resize(size(columns, rows)).expect("another size");
     }

@@ -1,0 +1,373 @@
+//! Keys and pasted texts in the bytes that a terminal sends.
+//!
+//! Not all that a terminal sends was typed: it also answers questions, perhaps those of a program that has
+//! ended, and it sends what is pasted. Such bytes must never count as keys, however many there are, wherever
+//! a slow link cuts them, and however long it pauses. So the decoder is the state machine of the control
+//! sequences (ECMA-48): what belongs to a sequence is decided by its bytes alone, and only what is kept of
+//! it is bounded.
+//!
+//! Time decides two things, for bytes cannot. Escape is a key where nothing follows it for [`LONE`]; if the
+//! rest of a sequence follows after all, within [`LATE`], it is still one. And where a string or a paste is
+//! not ended for [`LATE`] that is reported, with the key that leaves it: Ctrl-C. (CAN, SUB and Escape end a
+//! string too; in a paste they are text.)
+
+use rustix::event::Timespec;
+use terminput::Event;
+use terminput_crossterm::to_crossterm;
+
+use super::incoming::Incoming;
+use super::message::Message;
+
+/// How long the rest of a sequence may take before Escape counts as the key: links cut sequences in two.
+const LONE: Timespec = Timespec {
+    tv_sec: 0,
+    tv_nsec: 40_000_000,
+};
+/// How long the rest may take after that and still be the rest; and how long a string or a paste may pause
+/// without a word to the user.
+const LATE: Timespec = Timespec {
+    tv_sec: 3,
+    tv_nsec: 0,
+};
+
+/// A key's sequence is shorter than this.
+const LONGEST_KEY: usize = 64;
+/// Of a pasted text so many bytes are kept: it goes into a line for a path, and this is the longest path.
+const LONGEST_TEXT: usize = 4096;
+
+const PASTE_BEGIN: &[u8] = b"\x1b[200~";
+const PASTE_END: &[u8] = b"\x1b[201~";
+
+const ETX: u8 = 0x03;
+const BEL: u8 = 0x07;
+const CAN: u8 = 0x18;
+const SUB: u8 = 0x1a;
+const ESC: u8 = 0x1b;
+/// String terminator, as one byte.
+const ST: u8 = 0x9c;
+
+const UNENDED_STRING: &str = "the terminal began an answer and has not ended it: until then nothing counts \
+                              as a key; Ctrl-C ends it";
+const UNENDED_PASTE: &str = "the terminal began a paste and has not ended it: until then nothing counts as \
+                             a key; Ctrl-C ends it";
+
+/// Takes keys out of a stream of bytes.
+#[derive(Debug, Default)]
+pub(super) struct Decoder {
+    state: State,
+    /// The character or sequence that has begun, or the pasted text: what is kept of it.
+    pending: Vec<u8>,
+}
+
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+enum State {
+    /// Between keys.
+    #[default]
+    Ground,
+    /// In a character, of which so many bytes are to come.
+    Character(u8),
+    /// Behind ESC: the key, or the begin of a sequence.
+    Escape,
+    /// Behind an ESC that counted as the key a short time ago.
+    LateEscape,
+    /// In a key's sequence that begins with SS3, as in `ESC O A`.
+    SingleShift,
+    /// In a control sequence, as in `ESC [ 1 ; 5 C`.
+    ControlSequence,
+    /// So many bytes are to come that follow a control sequence and belong to it.
+    Appendix(u8),
+    /// In a control string: OSC, DCS, SOS, PM or APC.
+    String {
+        /// Whether it is an OSC, which BEL ends, too.
+        is_osc: bool,
+        /// So many bytes are to come of a character in it.
+        continuation: u8,
+        /// Whether it was reported that it does not end.
+        is_reported: bool,
+    },
+    /// Behind an ESC in a control string: its end, or the begin of something else.
+    StringEscape,
+    /// In a pasted text.
+    Paste {
+        /// So many bytes of [`PASTE_END`] have come.
+        matched: usize,
+        /// Whether it was reported that it does not end.
+        is_reported: bool,
+    },
+}
+
+impl Decoder {
+    /// Takes bytes, and reports the keys and texts that they complete.
+    pub fn take(&mut self, bytes: &[u8], sink: &mut dyn FnMut(Incoming)) {
+        for &byte in bytes {
+            self.state = self.next(byte, sink);
+        }
+    }
+
+    /// How long to wait for the next byte before [`lose_patience`](Self::lose_patience).
+    pub fn patience(&self) -> Option<Timespec> {
+        match self.state {
+            State::Escape => Some(LONE),
+            State::LateEscape => Some(LATE),
+            State::String { is_reported, .. } | State::Paste { is_reported, .. } => {
+                (!is_reported).then_some(LATE)
+            }
+            State::Ground
+            | State::Character(_)
+            | State::SingleShift
+            | State::ControlSequence
+            | State::Appendix(_)
+            | State::StringEscape => None,
+        }
+    }
+
+    /// No byte came for so long.
+    pub fn lose_patience(&mut self, sink: &mut dyn FnMut(Incoming)) {
+        match &mut self.state {
+            State::Escape => {
+                self.report_key(sink);
+                self.state = State::LateEscape;
+            }
+            State::LateEscape => self.state = State::Ground,
+            State::String { is_reported, .. } => {
+                *is_reported = true;
+                sink(Incoming::Message(Message::Remark(UNENDED_STRING.into())));
+            }
+            State::Paste { is_reported, .. } => {
+                *is_reported = true;
+                sink(Incoming::Message(Message::Remark(UNENDED_PASTE.into())));
+            }
+            _ => {}
+        }
+    }
+
+    /// The state after a byte.
+    fn next(&mut self, byte: u8, sink: &mut dyn FnMut(Incoming)) -> State {
+        match self.state {
+            State::Ground => self.begin(byte, sink),
+            State::Character(left) => match byte {
+                0x80..=0xbf if left > 1 => self.keep(byte, State::Character(left - 1)),
+                0x80..=0xbf => self.end_key(byte, sink),
+                _ => self.begin(byte, sink),
+            },
+            State::Escape => match (introduced(byte), byte) {
+                (Some(state), _) => self.keep(byte, state),
+                // The first was a key.
+                (None, ESC) => {
+                    self.report_key(sink);
+                    self.begin(byte, sink)
+                }
+                // The end of a string that was left before.
+                (None, b'\\') => State::Ground,
+                (None, 0x80..) => match self.begin(byte, sink) {
+                    State::Character(left) => {
+                        self.pending.insert(0, ESC);
+                        State::Character(left)
+                    }
+                    other => other,
+                },
+                // With Alt.
+                (None, _) => self.end_key(byte, sink),
+            },
+            State::LateEscape => match introduced(byte) {
+                Some(state) => {
+                    self.pending.clear();
+                    self.pending.extend([ESC, byte]);
+                    state
+                }
+                None => self.begin(byte, sink),
+            },
+            State::SingleShift => match byte {
+                b' '..=b'?' => self.keep(byte, State::SingleShift),
+                b'@'..=b'~' => self.end_key(byte, sink),
+                CAN | SUB | ETX => State::Ground,
+                _ => self.begin(byte, sink),
+            },
+            State::ControlSequence => match byte {
+                b' '..=b'?' => self.keep(byte, State::ControlSequence),
+                b'@'..=b'~' => self.end_control_sequence(byte, sink),
+                CAN | SUB | ETX => State::Ground,
+                _ => self.begin(byte, sink),
+            },
+            State::Appendix(left) => match byte {
+                0..b' ' => self.begin(byte, sink),
+                _ if left > 1 => State::Appendix(left - 1),
+                _ => State::Ground,
+            },
+            State::String {
+                is_osc,
+                continuation,
+                is_reported,
+            } => {
+                let inside = |continuation| State::String {
+                    is_osc,
+                    continuation,
+                    is_reported,
+                };
+                match byte {
+                    0x80..=0xbf if continuation > 0 => inside(continuation - 1),
+                    ESC => State::StringEscape,
+                    ST | CAN | SUB | ETX => State::Ground,
+                    BEL if is_osc => State::Ground,
+                    _ => inside(continuations(byte).unwrap_or(0)),
+                }
+            }
+            State::StringEscape => match (introduced(byte), byte) {
+                (_, ESC) => self.begin(byte, sink),
+                (Some(state), _) => {
+                    self.pending.clear();
+                    self.pending.extend([ESC, byte]);
+                    state
+                }
+                // The string's end; or a key with Alt, which may as well be a piece of the string.
+                (None, _) => State::Ground,
+            },
+            State::Paste {
+                matched,
+                is_reported,
+            } => self.paste(byte, matched, is_reported, sink),
+        }
+    }
+
+    /// The state after the first byte of something.
+    fn begin(&mut self, byte: u8, sink: &mut dyn FnMut(Incoming)) -> State {
+        self.pending.clear();
+        match byte {
+            ESC => self.keep(ESC, State::Escape),
+            0..0x80 => self.end_key(byte, sink),
+            // The introducers that are ESC and a byte may be one byte, which UTF-8 has within characters only.
+            0x80..=0x9f => match introduced(byte - 0x40) {
+                Some(state) => {
+                    self.pending.extend([ESC, byte - 0x40]);
+                    state
+                }
+                None => State::Ground,
+            },
+            _ => match continuations(byte) {
+                Some(left) => self.keep(byte, State::Character(left)),
+                None => State::Ground,
+            },
+        }
+    }
+
+    fn keep(&mut self, byte: u8, state: State) -> State {
+        if self.pending.len() < LONGEST_KEY {
+            self.pending.push(byte);
+        }
+        state
+    }
+
+    /// The last byte of what may be a key.
+    fn end_key(&mut self, byte: u8, sink: &mut dyn FnMut(Incoming)) -> State {
+        self.keep(byte, State::Ground);
+        self.report_key(sink);
+        State::Ground
+    }
+
+    /// The last byte of a control sequence.
+    fn end_control_sequence(&mut self, byte: u8, sink: &mut dyn FnMut(Incoming)) -> State {
+        self.keep(byte, State::Ground);
+        if self.pending == PASTE_BEGIN {
+            self.pending.clear();
+            return State::Paste {
+                matched: 0,
+                is_reported: false,
+            };
+        }
+        match &self.pending[2..] {
+            // The mouse of old: button, column, row. The function keys of the Linux console: one letter.
+            b"M" => return State::Appendix(3),
+            b"[" => return State::Appendix(1),
+            _ => {}
+        }
+        // Those of keys have nothing but numbers before their last byte. What begins with one of <=>? is an
+        // answer or the mouse, what ends otherwise too: R is the cursor's place before it is F3.
+        let numbers = &self.pending[2..self.pending.len() - 1];
+        let is_key = numbers
+            .iter()
+            .all(|byte| matches!(byte, b'0'..=b'9' | b';' | b':'))
+            && matches!(
+                byte,
+                b'A'..=b'D' | b'F' | b'H' | b'P' | b'Q' | b'S' | b'Z' | b'~' | b'u'
+            );
+        if is_key && self.pending.len() < LONGEST_KEY {
+            self.report_key(sink);
+        }
+        State::Ground
+    }
+
+    /// The state after a byte of a pasted text.
+    fn paste(
+        &mut self,
+        byte: u8,
+        matched: usize,
+        is_reported: bool,
+        sink: &mut dyn FnMut(Incoming),
+    ) -> State {
+        // A person who reads that the paste does not end.
+        if is_reported && byte == ETX {
+            return State::Ground;
+        }
+        if byte == PASTE_END[matched] {
+            if matched + 1 < PASTE_END.len() {
+                return State::Paste {
+                    matched: matched + 1,
+                    is_reported,
+                };
+            }
+            let text = String::from_utf8_lossy(&self.pending).into_owned();
+            sink(Incoming::Pasted(text));
+            return State::Ground;
+        }
+        // Text that began like the end; ESC stands in the end but once.
+        let begun = &PASTE_END[..matched];
+        let matched = usize::from(byte == ESC);
+        let text = begun.iter().chain((matched == 0).then_some(&byte));
+        let room = LONGEST_TEXT - self.pending.len();
+        self.pending.extend(text.take(room));
+        State::Paste {
+            matched,
+            is_reported: false,
+        }
+    }
+
+    /// Reports what is pending, if it is a key.
+    fn report_key(&mut self, sink: &mut dyn FnMut(Incoming)) {
+        use crossterm::event::{Event::Key, KeyCode, KeyEventKind};
+        if let Ok(Some(event)) = Event::parse_from(&self.pending)
+            && let Ok(Key(key)) = to_crossterm(event)
+            && key.kind != KeyEventKind::Release
+            && !matches!(key.code, KeyCode::Char(letter) if letter.is_control())
+        {
+            sink(Incoming::Message(Message::Key(key)));
+        }
+        self.pending.clear();
+    }
+}
+
+/// The state after ESC and this byte, where they begin a sequence.
+fn introduced(byte: u8) -> Option<State> {
+    match byte {
+        b'O' => Some(State::SingleShift),
+        b'[' => Some(State::ControlSequence),
+        b'P' | b'X' | b']' | b'^' | b'_' => Some(State::String {
+            is_osc: byte == b']',
+            continuation: 0,
+            is_reported: false,
+        }),
+        _ => None,
+    }
+}
+
+/// How many bytes follow the first one of a character in UTF-8, if it is one and they are any.
+fn continuations(byte: u8) -> Option<u8> {
+    match byte {
+        0xc2..=0xdf => Some(1),
+        0xe0..=0xef => Some(2),
+        0xf0..=0xf4 => Some(3),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests;

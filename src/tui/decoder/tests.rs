@@ -1,0 +1,360 @@
+//! What terminals send, whole and in pieces.
+
+use super::*;
+use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
+use proptest::prelude::*;
+
+/// What was reported of some bytes.
+#[derive(Debug, Clone, PartialEq)]
+enum Reported {
+    Key(KeyEvent),
+    Text(String),
+    Remark,
+}
+
+fn report(decode: impl FnOnce(&mut dyn FnMut(Incoming))) -> Vec<Reported> {
+    let mut reported = Vec::new();
+    decode(&mut |incoming| {
+        reported.push(match incoming {
+            Incoming::Message(Message::Key(key)) => Reported::Key(key),
+            Incoming::Message(Message::Remark(_)) => Reported::Remark,
+            Incoming::Pasted(text) => Reported::Text(text),
+            other => panic!("{other:?}"),
+        });
+    });
+    reported
+}
+
+/// What is reported of pieces, after each of which a time passes that makes Escape a key.
+fn of_pieces<'a>(pieces: impl IntoIterator<Item = &'a [u8]>) -> Vec<Reported> {
+    let mut decoder = Decoder::default();
+    report(|sink| {
+        for piece in pieces {
+            decoder.take(piece, sink);
+            if decoder.patience() == Some(LONE) {
+                decoder.lose_patience(sink);
+            }
+        }
+    })
+}
+
+fn code(code: KeyCode) -> Reported {
+    Reported::Key(code.into())
+}
+
+fn letter(letter: char) -> Reported {
+    code(KeyCode::Char(letter))
+}
+
+fn codes(bytes: &[u8]) -> Vec<KeyCode> {
+    let mut decoder = Decoder::default();
+    let reported = report(|sink| decoder.take(bytes, sink));
+    let code = |reported| match reported {
+        Reported::Key(key) => key.code,
+        other => panic!("{other:?}"),
+    };
+    reported.into_iter().map(code).collect()
+}
+
+#[test]
+fn keys_of_all_kinds_are_known() {
+    use KeyCode::{
+        BackTab, Backspace, Char, Delete, End, Enter, F, Home, Left, PageUp, Right, Tab,
+    };
+    assert_eq!(codes(b"a "), [Char('a'), Char(' ')]);
+    assert_eq!(codes("Gφ€😀".as_bytes()), ['G', 'φ', '€', '😀'].map(Char));
+    assert_eq!(codes(b"\x1b[D\x1bOC\x1b[1;2D"), [Left, Right, Left]);
+    assert_eq!(codes(b"\x1b[H\x1b[F\x1b[4~"), [Home, End, End]);
+    assert_eq!(codes(b"\x1b[3~\x1b[5;5~"), [Delete, PageUp]);
+    assert_eq!(codes(b"\x1bOP\x1b[15~\x1b[1;2Q"), [F(1), F(5), F(2)]);
+    // Of terminals that are set to eight bits.
+    assert_eq!(codes(b"\x9bD\x8fC"), [Left, Right]);
+    assert_eq!(codes(b"\r\t\x7f\x1b[Z"), [Enter, Tab, Backspace, BackTab]);
+    // The kitty protocol: a key that is pressed, and one that is let go.
+    assert_eq!(codes(b"\x1b[97;1u\x1b[97;1:3u"), [Char('a')]);
+    let mut decoder = Decoder::default();
+    let with = |modifiers, letter| Reported::Key(KeyEvent::new(Char(letter), modifiers));
+    assert_eq!(
+        report(|sink| decoder.take("\x1a\x03\x1br\x1bé".as_bytes(), sink)),
+        [
+            with(KeyModifiers::CONTROL, 'z'),
+            with(KeyModifiers::CONTROL, 'c'),
+            with(KeyModifiers::ALT, 'r'),
+            with(KeyModifiers::ALT, 'é'),
+        ]
+    );
+}
+
+#[test]
+fn a_key_may_come_in_pieces_and_escape_alone_is_one() {
+    let mut decoder = Decoder::default();
+    for piece in [&b"\x1b"[..], b"[", b"1;5"] {
+        assert_eq!(report(|sink| decoder.take(piece, sink)), []);
+    }
+    let right = KeyEvent::new(KeyCode::Right, KeyModifiers::CONTROL);
+    assert_eq!(
+        report(|sink| decoder.take(b"C", sink)),
+        [Reported::Key(right)]
+    );
+    assert_eq!(decoder.patience(), None);
+
+    assert_eq!(report(|sink| decoder.take(b"\x1b", sink)), []);
+    assert_eq!(decoder.patience(), Some(LONE));
+    let escape = [code(KeyCode::Esc)];
+    assert_eq!(report(|sink| decoder.lose_patience(sink)), escape);
+    // For a while it may be a sequence after all, and then no more.
+    assert_eq!(decoder.patience(), Some(LATE));
+    assert_eq!(report(|sink| decoder.lose_patience(sink)), []);
+    assert_eq!(decoder.patience(), None);
+    let bracket = [letter('[')];
+    assert_eq!(report(|sink| decoder.take(b"[", sink)), bracket);
+
+    assert_eq!(codes(b"\x1b\x1b[D"), [KeyCode::Esc, KeyCode::Left]);
+    assert_eq!(
+        of_pieces([&b"\x1b"[..], b"y"]),
+        [code(KeyCode::Esc), letter('y')]
+    );
+}
+
+/// What terminals send by themselves.
+const ANSWERS: [&[u8]; 36] = [
+    // Colours, the clipboard, a title: OSC, ended by ST, BEL and the ST of eight bits.
+    b"\x1b]11;rgb:1e1e/1e1e/2e2e\x1b\\",
+    b"\x1b]11;rgb:aaaa/aaaa/aaaa\x07",
+    b"\x1b]11;rgb:1234/1234/1234\x9c",
+    b"\x9d11;rgb:1234/1234/1234\x9c",
+    b"\x1b]4;1;rgb:cdcd/0000/0000\x1b\\",
+    b"\x1b]52;c;cXllMTIzNA==\x1b\\",
+    b"\x1b]lnext q\x1b\\",
+    // A check mark, which has the byte of ST in it.
+    "\x1b]l✜ qe\x1b\\".as_bytes(),
+    // Names and settings: DCS.
+    b"\x1bP>|XTerm(370)\x1b\\",
+    b"\x1bP1+r544e=787465726d\x1b\\",
+    b"\x1bP!|00000000\x1b\\",
+    b"\x1bP1$r0;1 q\x1b\\",
+    b"\x90>|foot(1.2.3)\x9c",
+    // Of DCS and the others BEL is a part.
+    b"\x1bPq12\x0734e\x1b\\",
+    // Graphics: APC. PM and SOS have no use.
+    b"\x1b_Gi=31;OK\x1b\\",
+    b"\x9fGi=31;ENOENT:q\x9c",
+    b"\x1b^private q\x1b\\",
+    b"\x1bXany string 1234 \t q\x1b\\",
+    b"\x98any string\x9c",
+    // Device attributes, status, modes, the cursor's place, sizes.
+    b"\x1b[?62;1;2;4c",
+    b"\x1b[>41;320;0c",
+    b"\x1b[=1;2c",
+    b"\x9b>1;4000;12c",
+    b"\x1b[0n",
+    b"\x1b[?997;1n",
+    b"\x1b[?2026;2$y",
+    b"\x1b[24;80R",
+    b"\x1b[?24;80;1R",
+    b"\x1b[8;24;80t",
+    b"\x1b[?1u",
+    b"\x1b[?1;0;256S",
+    // The mouse, and the focus.
+    b"\x1b[<0;10;10M",
+    b"\x1b[<35;1;2m",
+    b"\x1b[M qe",
+    b"\x1b[I",
+    // Longer than any key.
+    b"\x1b[1;1111111111111111111111111111111111111111111111111111111111111111111111111111A",
+];
+
+/// What is reported of an answer where it is cut, and of a key behind it.
+fn assert_no_key(answer: &[u8], cuts: &[usize], expected: &[Reported]) {
+    let mut pieces = Vec::new();
+    let mut from = 0;
+    for &cut in cuts.iter().chain([&answer.len()]) {
+        pieces.push(&answer[from..cut]);
+        from = cut;
+    }
+    pieces.push(b"z");
+    let mut right = Vec::new();
+    // Only time tells an Escape that is cut off from the key.
+    if cuts.contains(&1) && answer[0] == ESC {
+        right.push(code(KeyCode::Esc));
+    }
+    right.extend_from_slice(expected);
+    right.push(letter('z'));
+    let words = String::from_utf8_lossy(answer);
+    assert_eq!(of_pieces(pieces), right, "{words:?} cut at {cuts:?}");
+}
+
+#[test]
+fn no_byte_of_an_answer_is_a_key_wherever_it_is_cut() {
+    for answer in ANSWERS {
+        assert_no_key(answer, &[], &[]);
+        for first in 1..answer.len() {
+            assert_no_key(answer, &[first], &[]);
+            for second in first + 1..answer.len() {
+                assert_no_key(answer, &[first, second], &[]);
+            }
+        }
+        let everywhere: Vec<usize> = (1..answer.len()).collect();
+        assert_no_key(answer, &everywhere, &[]);
+    }
+}
+
+#[test]
+fn no_byte_of_a_paste_is_a_key_wherever_it_is_cut() {
+    let pastes: [&[u8]; 4] = [
+        b"\x1b[200~q\ny\x1b[201~",
+        b"\x9b200~\x03\x1b[20\x1b\x1b[D\x1b]11;\x07\x1b[201~",
+        b"\x1b[200~\x1b[200~2\x1b[201~",
+        "\x1b[200~φ✜\u{9c}\x1b[201~".as_bytes(),
+    ];
+    let texts = [
+        "q\ny",
+        "\x03\x1b[20\x1b\x1b[D\x1b]11;\x07",
+        "\x1b[200~2",
+        "φ✜\u{9c}",
+    ];
+    for (paste, text) in pastes.into_iter().zip(texts) {
+        let expected = [Reported::Text(text.to_owned())];
+        assert_no_key(paste, &[], &expected);
+        for first in 1..paste.len() {
+            assert_no_key(paste, &[first], &expected);
+            for second in first + 1..paste.len() {
+                assert_no_key(paste, &[first, second], &expected);
+            }
+        }
+        let everywhere: Vec<usize> = (1..paste.len()).collect();
+        assert_no_key(paste, &everywhere, &expected);
+    }
+}
+
+#[test]
+fn a_paste_of_any_length_is_swallowed_and_its_begin_kept() {
+    let mut paste = PASTE_BEGIN.to_vec();
+    paste.extend(std::iter::repeat_n(b'2', 3 << 20));
+    paste.extend_from_slice(PASTE_END);
+    paste.push(b'z');
+    let text = Reported::Text("2".repeat(LONGEST_TEXT));
+    assert_eq!(of_pieces([&paste[..]]), [text, letter('z')]);
+}
+
+#[test]
+fn what_does_not_end_is_reported_once_and_can_be_left() {
+    let begins: [&[u8]; 6] = [
+        b"\x1b]11;",
+        b"\x1bP",
+        b"\x1b_q",
+        b"\x1b^",
+        b"\x1bX",
+        b"\x9d",
+    ];
+    for begin in begins {
+        for way_out in [&b"\x03"[..], b"\x18", b"\x1a", b"\x1bq"] {
+            let mut decoder = Decoder::default();
+            assert_eq!(report(|sink| decoder.take(begin, sink)), []);
+            assert_eq!(decoder.patience(), Some(LATE));
+            let remark = [Reported::Remark];
+            assert_eq!(report(|sink| decoder.lose_patience(sink)), remark);
+            assert_eq!(decoder.patience(), None);
+            assert_eq!(report(|sink| decoder.take(b"qqq", sink)), []);
+            assert_eq!(report(|sink| decoder.take(way_out, sink)), []);
+            let key = report(|sink| decoder.take(b"q", sink));
+            assert_eq!(key, [letter('q')], "{begin:?} {way_out:?}");
+        }
+        let mut decoder = Decoder::default();
+        let arrow = report(|sink| decoder.take(&[begin, b"\x1b[A"].concat(), sink));
+        assert_eq!(arrow, [code(KeyCode::Up)], "{begin:?}");
+    }
+
+    let mut decoder = Decoder::default();
+    // In the midst of a paste it is text.
+    let paste = b"\x1b[200~a\x03q";
+    assert_eq!(report(|sink| decoder.take(paste, sink)), []);
+    let remark = [Reported::Remark];
+    assert_eq!(report(|sink| decoder.lose_patience(sink)), remark);
+    assert_eq!(report(|sink| decoder.take(b"\x03", sink)), []);
+    assert_eq!(report(|sink| decoder.take(b"q", sink)), [letter('q')]);
+    for begin in [&b"\x1b["[..], b"\x1b[1;2", b"\x1bO", b"\x1b[M"] {
+        for way_out in [&b"\x03"[..], b"\x18", b"\x1a"] {
+            let mut decoder = Decoder::default();
+            let _ = report(|sink| decoder.take(&[begin, way_out].concat(), sink));
+            assert_eq!(report(|sink| decoder.take(b"q", sink)), [letter('q')]);
+        }
+    }
+}
+
+#[test]
+fn nonsense_does_not_hide_what_follows() {
+    let nonsense: [&[u8]; 7] = [
+        b"\xff\xfe",
+        b"\xc3",
+        b"\xf0\x9f",
+        b"\x80\x85\x9c\xa0\xc0",
+        b"\x1b[999;;;\xff",
+        b"\x1bOz",
+        b"\x1b[[A",
+    ];
+    for bytes in nonsense {
+        assert_eq!(of_pieces([bytes, b"q"]), [letter('q')], "{bytes:?}");
+    }
+}
+
+/// A piece of what a terminal may send, and what is to be reported of it.
+fn piece() -> impl Strategy<Value = (Vec<u8>, Vec<Reported>)> {
+    let answer = prop::sample::select(&ANSWERS[..]).prop_map(|answer| (answer.to_vec(), vec![]));
+    let typed = prop::sample::select(&['q', '2', 'e', ']', '[', 'O', 'P', 'φ', '✜'][..])
+        .prop_map(|typed| (typed.to_string().into_bytes(), vec![letter(typed)]));
+    let arrow = Just((b"\x1b[A".to_vec(), vec![code(KeyCode::Up)]));
+    let text = prop::collection::vec(any::<u8>(), 0..40).prop_map(|text| {
+        let text = String::from_utf8_lossy(&text).replace("\x1b[201~", "");
+        let paste = format!("\x1b[200~{text}\x1b[201~").into_bytes();
+        (paste, vec![Reported::Text(text)])
+    });
+    prop_oneof![answer, typed, arrow, text]
+}
+
+proptest! {
+    #[test]
+    fn in_any_stream_keys_are_what_was_typed(
+        pieces in prop::collection::vec(piece(), 0..12),
+        cuts in prop::collection::vec(any::<prop::sample::Index>(), 0..6),
+    ) {
+        let (bytes, reported): (Vec<_>, Vec<_>) = pieces.into_iter().unzip();
+        let (bytes, expected) = (bytes.concat(), reported.concat());
+        let mut cuts: Vec<usize> = cuts.iter().map(|cut| cut.index(bytes.len() + 1)).collect();
+        cuts.sort_unstable();
+        let mut decoder = Decoder::default();
+        let reported = report(|sink| {
+            let mut from = 0;
+            for cut in cuts.into_iter().chain([bytes.len()]) {
+                decoder.take(&bytes[from..cut], sink);
+                from = cut;
+            }
+        });
+        prop_assert_eq!(reported, expected);
+    }
+
+    #[test]
+    fn any_bytes_and_pauses_can_be_left(
+        pieces in prop::collection::vec((prop::collection::vec(any::<u8>(), 0..20), 0_u8..3), 0..8),
+    ) {
+        let mut decoder = Decoder::default();
+        report(|sink| {
+            for (piece, pauses) in &pieces {
+                decoder.take(piece, sink);
+                for _ in 0..*pauses {
+                    decoder.lose_patience(sink);
+                }
+            }
+        });
+        // As a person would: waits for a word, presses Ctrl-C, and again.
+        let last = report(|sink| {
+            for _ in 0..2 {
+                decoder.lose_patience(sink);
+                decoder.lose_patience(sink);
+                decoder.take(b"\x03", sink);
+            }
+            decoder.take(b"q", sink);
+        });
+        prop_assert_eq!(last.last(), Some(&letter('q')));
+    }
+}
