@@ -4,9 +4,10 @@ use super::error::CliError;
 use super::numbers;
 use super::output;
 use super::run::some_step;
-use super::signals::{EndSignal, Signal};
+use super::signals::EndSignal;
 use crate::figure::{FigureOptions, save_study};
 use crate::record::load_scene;
+use crate::signals::EndingSignal;
 use crate::study::{
     Budget, Choice, ErrorSize, FinishedRun, FinishedRuns, Point, Study, StudyError, chart, study,
 };
@@ -92,7 +93,7 @@ pub(super) fn accuracy(arguments: &Arguments) -> Result<(), CliError> {
     bar.finish_and_clear();
     let ended = signal.received();
     let result = match (result, ended) {
-        (Err(StudyError::Ended), Some(Signal { name, number })) => {
+        (Err(StudyError::Ended), Some(EndingSignal { name, number, .. })) => {
             return Err(CliError::StudyEnded {
                 signal: name,
                 number,
@@ -129,7 +130,7 @@ pub(super) fn accuracy(arguments: &Arguments) -> Result<(), CliError> {
     }
     match ended {
         None => Ok(()),
-        Some(Signal { name, number }) => Err(CliError::AccuracyInterrupted {
+        Some(EndingSignal { name, number, .. }) => Err(CliError::AccuracyInterrupted {
             signal: name,
             number,
             files,

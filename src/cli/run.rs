@@ -181,7 +181,7 @@ fn take_up(
     record(simulation, recorder, signal, arguments.quiet)
 }
 
-fn ended_in_set_up(Signal { name, number }: Signal, folder: PathBuf) -> CliError {
+fn ended_in_set_up(EndingSignal { name, number, .. }: EndingSignal, folder: PathBuf) -> CliError {
     CliError::SetUpInterrupted {
         signal: name,
         number,

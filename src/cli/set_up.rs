@@ -2,8 +2,9 @@
 //! doing, and a person sees what that is.
 
 use super::error::CliError;
-use super::signals::{EndSignal, Signal};
+use super::signals::EndSignal;
 use crate::scene::Scene;
+use crate::signals::EndingSignal;
 use crate::simulation::{SetUp, Simulation, SimulationError};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::panic::resume_unwind;
@@ -24,7 +25,7 @@ pub(super) enum Outcome {
     /// It is done.
     Ready(Box<Simulation>),
     /// It was ended by a signal.
-    Signal(Signal),
+    Signal(EndingSignal),
     /// It failed.
     Failed(SimulationError),
 }
