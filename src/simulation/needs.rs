@@ -109,7 +109,9 @@ pub fn check_memory(scene: &Scene) -> Result<(), SimulationError> {
 }
 
 fn refuse(scene: &Scene, free: Option<FreeMemory>) -> Result<(), SimulationError> {
-    let needed = memory_needed(scene);
+    let margin = free.map_or(1.0, |free| free.bound.margin());
+    // Saturates.
+    let needed = (margin * memory_needed(scene) as f64) as u64;
     match free {
         Some(free) if needed > free.bytes => {
             let (mesh, remedy) = match &scene.mesh {
@@ -227,6 +229,12 @@ mod tests {
             assert!(error.contains(part), "no {part} in {error}");
         }
         assert_eq!(refuse(&large, None), Ok(()));
+        // What is ended at once beyond its bound has some room.
+        let within = |bound| {
+            let bytes = 11 * (memory_needed(&large) / 10);
+            refuse(&large, Some(FreeMemory { bytes, bound }))
+        };
+        assert!(within(MemoryBound::Group).is_ok() && within(MemoryBound::AddressSpace).is_err());
         let small = scene(&["mesh.cells=8"]);
         assert_eq!(refuse(&small, free(10_000_000)), Ok(()));
         assert!(refuse(&small, free(1_000_000)).is_err());
