@@ -243,10 +243,11 @@ fn put_back_at_aborts() {
             // SAFETY: a `sigaction` may be all zeros, and the handler does only what one may do.
             unsafe {
                 let mut action: libc::sigaction = std::mem::zeroed();
-                let handler: extern "C" fn(i32) = aborted;
+                let handler: extern "C" fn(i32, *const libc::siginfo_t, *const libc::c_void) =
+                    aborted;
                 action.sa_sigaction = handler as libc::sighandler_t;
                 // A stack that is full has no room for it.
-                action.sa_flags = libc::SA_ONSTACK;
+                action.sa_flags = libc::SA_ONSTACK | libc::SA_SIGINFO;
                 let mut before = std::mem::zeroed();
                 (libc::sigaction(signal, &raw const action, &raw mut before) == 0).then_some(before)
             }
@@ -256,7 +257,7 @@ fn put_back_at_aborts() {
 
 /// Puts the terminal back, and has done what would have been done otherwise. It may take no lock and no
 /// memory.
-extern "C" fn aborted(signal: i32) {
+extern "C" fn aborted(signal: i32, info: *const libc::siginfo_t, _context: *const libc::c_void) {
     if let Some(before) = take_before() {
         before.modes_back();
         // SAFETY: plain system calls. The link must not hold up the end.
@@ -277,12 +278,14 @@ extern "C" fn aborted(signal: i32) {
             libc::fcntl(libc::STDOUT_FILENO, libc::F_SETFL, flags);
         }
     }
+    // The handler before takes a fault for one that comes again when it returns. One that was sent does not.
+    // SAFETY: the system gives the information.
+    let is_sent = unsafe { info.as_ref() }.is_some_and(|info| info.si_code <= 0);
     let place = ABORTS.iter().position(|abort| *abort == signal);
-    let handlers = HANDLERS.get();
-    let handler = place.and_then(|place| handlers?.get(place)?.as_ref());
+    let before = place.and_then(|place| HANDLERS.get()?.get(place)?.as_ref());
     // SAFETY: plain system calls; the action is one that the system gave.
     unsafe {
-        match handler {
+        match before.filter(|_| !is_sent) {
             Some(action) => {
                 libc::sigaction(signal, action, ptr::null_mut());
             }
