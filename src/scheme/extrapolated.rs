@@ -35,7 +35,7 @@
 //! all parts of it: else the results would belong to different equations. The work of noise may raise
 //! the energy; the combination is then compared with E(yⁿ) and that work.
 
-use super::{Phase, Scheme, State, StepError, StepReport, Stopping, energy_scale, sweep};
+use super::{Phase, Scheme, State, StepError, StepReport, Stopping, sweep};
 use crate::linalg::vector;
 use crate::physics::{NamedValue, potentials};
 use serde::{Deserialize, Serialize};
@@ -331,7 +331,7 @@ impl Scheme {
             if let Some(director) = &mut self.director {
                 director.start_from_given(parts > 1 || trial.last.dt.is_some());
             }
-            let energy_scale = energy_scale(&self.report.energies);
+            let energy_scale = self.energy_scale(&self.report.energies);
             let mut report = std::mem::take(&mut self.next_report);
             let outcome = self.try_step(piece, energy_scale, &mut report, watch);
             self.next_report = report;
