@@ -195,12 +195,13 @@ impl Simulation {
     /// # Errors
     /// `Step`: not even the smallest step was solved, or accurate enough.
     pub fn advance(&mut self) -> Result<&Report, SimulationError> {
-        self.advance_unless(&mut |_| false)?;
+        while !self.advance_unless(&mut |_| false)? {}
         Ok(&self.report)
     }
 
     /// [`advance`](Self::advance), which asks `leave` before each further attempt at a step that takes
-    /// more than one; whether the step was taken. One that was left goes on with the next call where
+    /// more than one; whether the step was taken. It is also left where an event is to be told at once. One that
+    /// was left goes on with the next call where
     /// it was, also after [`remember`](Self::remember) and [`recall`](Self::recall), and becomes bit for
     /// bit what it had become otherwise. Until then the report's t says how far the state is, its step
     /// is the last whole one.
@@ -288,6 +289,7 @@ impl Simulation {
         // Of the parts that were solved before the step was left.
         let mut earlier = left.filter(|left| left.ladder.parts > 0);
         let mut is_begun = false;
+        let mut has_news = false;
         loop {
             let piece = dt * division.piece();
             let underway = Underway {
@@ -298,7 +300,7 @@ impl Simulation {
                 parts: taken.ladder.parts,
                 refused: taken.ladder.refused,
             };
-            if is_begun && leave(&underway) {
+            if has_news || is_begun && leave(&underway) {
                 taken.left = Some(match earlier {
                     Some(earlier) => taken.leave(earlier),
                     None => taken.leave(Left::of(&self.report)),
@@ -360,6 +362,12 @@ impl Simulation {
                             source: reason,
                         });
                     }
+                    let lengths = [piece, dt * division.piece()];
+                    if let Some(kind) = EventKind::of_short_steps(lengths, dt, &reason) {
+                        let t = self.report.t;
+                        self.events.push(Event { step, t, kind });
+                        has_news = true;
+                    }
                     taken.divided = Some(reason.to_string());
                 }
             }
@@ -387,7 +395,7 @@ impl Simulation {
             work = left.work;
             taken.go_on(&left);
         }
-        let mut is_begun = false;
+        let (mut is_begun, mut has_news) = (false, false);
         let was_fast = !self.scheme.uses_factor();
         let longest = controller.attempt(t, landing).dt;
         loop {
@@ -400,7 +408,7 @@ impl Simulation {
                 parts: 0,
                 refused: taken.ladder.refused,
             };
-            if is_begun && leave(&underway) {
+            if has_news || is_begun && leave(&underway) {
                 self.pacing = Pacing::Chosen(controller);
                 taken.left = Some(taken.leave(Left {
                     work,
@@ -442,6 +450,12 @@ impl Simulation {
                 Err(reason) => (controller.fail(attempt.dt), reason),
             };
             taken.ladder.refuse();
+            let lengths = [attempt.dt, controller.attempt(t, landing).dt];
+            let asked = self.scene.time.step;
+            if let Some(kind) = EventKind::of_short_steps(lengths, asked, &reason) {
+                self.events.push(Event { step, t, kind });
+                has_news = true;
+            }
             if !again {
                 return Err(SimulationError::Step {
                     step,

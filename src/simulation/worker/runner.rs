@@ -233,7 +233,12 @@ impl<Sink: Fn(Message)> Runner<Sink> {
         };
         if !is_whole {
             self.show(simulation);
-            return Ok(());
+            self.tell_events(simulation);
+            // It goes on where it was left only to tell of something.
+            return match self.waiting {
+                Some(_) => Ok(()),
+                None => self.step(simulation, schedule),
+            };
         }
         if self.mailbox.is_empty() {
             self.show(simulation);
@@ -245,13 +250,17 @@ impl<Sink: Fn(Message)> Runner<Sink> {
     /// The report, the events and, where one is due, the snapshot of the state that was reached.
     fn tell_step(&mut self, simulation: &mut Simulation, schedule: &Schedule) {
         self.teller.gather(simulation.report());
-        for event in simulation.drain_events() {
-            self.teller.tell(News::Event(event));
-        }
+        self.tell_events(simulation);
         let report = simulation.report();
         if schedule.snapshot_due(report.step, report.t) {
             let picture = Arc::new(self.picture(simulation).to_picture());
             self.teller.tell(News::Snapshot(picture));
+        }
+    }
+
+    fn tell_events(&mut self, simulation: &mut Simulation) {
+        for event in simulation.drain_events() {
+            self.teller.tell(News::Event(event));
         }
     }
 
