@@ -3,8 +3,8 @@
 
 mod common;
 
-use common::{SMALL, TIGHT, energy_scale, named, scene, scheme};
-use vesica::scheme::StepReport;
+use common::{SMALL, TIGHT, energy_scale, mesh, named, scene, scheme};
+use vesica::scheme::{Scheme, StepReport};
 
 const STEPS: usize = 3;
 
@@ -135,6 +135,56 @@ fn noise_does_work_that_the_law_needs() {
     let report = scheme.step(1e-6).expect("a solved step");
     let work = named(&report.ledger, "noise_work");
     assert!(work < -1e-6 * energy_scale(report), "{work:e}");
+}
+
+/// In a step noise does about 2T of work for every value of the director, however short the step. Where that is a
+/// thousand times the energy, the law closes over both, in parts of a step too, and no Δt is too short for it.
+#[test]
+fn the_law_closes_where_noise_works_far_more_than_there_is_energy() {
+    let text = "
+        mesh.cells = 10
+        vesicle = { shape = 'circle', radius = 0.25 }
+        membrane = { interface_width = 0.1 }
+        nematic = { weight = 10, mobility = 0.5, penalty = 0.3 }
+        noise = { strength = 1e-6, seed = 3 }
+    ";
+    for quadrature in ["solver.quadrature=consistent", "solver.quadrature=lumped"] {
+        let scene = scene(text, &[quadrature]);
+        let mesh = mesh(&scene);
+        let nodes = mesh.nodes().len();
+        for (dt, chains) in [(4e-6, 1), (4e-8, 1), (4e-10, 1), (4e-6, 3), (4e-10, 2)] {
+            let inside = vec![1.0; nodes];
+            let director = [vec![0.0; nodes], vec![1.0; nodes]];
+            let mut scheme =
+                Scheme::new(&scene, mesh.clone(), inside, Some(director)).expect("a scheme");
+            let mut most = 0.0_f64;
+            for step in 1..=6 {
+                let place = format!("{quadrature}, {chains} chains of {dt:e}, step {step}");
+                let before = scheme.report().total_energy;
+                let outcome = match chains {
+                    1 => scheme.step(dt).map(|_| ()),
+                    _ => scheme
+                        .try_extrapolated(dt, chains, true, &mut |_| ())
+                        .map(|_| ()),
+                };
+                outcome.unwrap_or_else(|error| panic!("{place}: {error}"));
+                if chains > 1 {
+                    scheme.accept_extrapolated();
+                }
+                let report = scheme.report();
+                let given = -named(&report.ledger, "noise_work");
+                let scale = energy_scale(report) + given.abs();
+                assert!(report.law_residual.abs() <= 1e-8, "{place}");
+                let rise = report.total_energy - before;
+                assert!(
+                    rise <= given + 1e-8 * scale,
+                    "{place}: {rise:e}, given {given:e}"
+                );
+                most = most.max(given / energy_scale(report));
+            }
+            assert!(dt > 1e-7 || most > 300.0, "{quadrature} {dt:e}: {most:e}");
+        }
+    }
 }
 
 /// The energy jumps when a field is switched on, and no step is held to account for it.

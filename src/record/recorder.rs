@@ -294,6 +294,7 @@ impl Recorder {
         simulation: &mut Simulation,
         computing: Duration,
     ) -> Result<(), RecordError> {
+        let known = self.summary.events.len();
         self.take_events(simulation);
         self.summary.seconds = seconds(computing);
         self.summary.underway = simulation.underway();
@@ -301,6 +302,8 @@ impl Recorder {
         let written = self.flush().and(self.write_unwritten(simulation.mesh()));
         let saved = match self.checkpoint_is_due() {
             true => self.checkpoint(simulation).and(self.summarise()),
+            // Told at once, for the step may take hours.
+            false if self.summary.events.len() > known => self.summarise(),
             false => Ok(()),
         };
         let outcome = written.and(saved);
@@ -452,6 +455,24 @@ mod tests {
         }
         recorder.finish(&mut simulation, ending).unwrap();
         serde_json::from_str(&fs::read_to_string(folder.path().join("run.json")).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn what_is_told_within_a_step_is_in_the_summary_at_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("run");
+        let mut scene = scene("[area]\npenalty = 1e-8");
+        (scene.time.step, scene.time.end) = (1e-2, 1.0);
+        let claimed = RunFolder::at(&path, IfOccupied::Refuse).unwrap();
+        let preparation = Preparation::begin(claimed, &scene, Settings::default()).unwrap();
+        let mut simulation = Simulation::new(&scene).unwrap();
+        let mut recorder = preparation.start(&simulation, Duration::ZERO).unwrap();
+        assert!(!simulation.advance_unless(&mut |_| false).unwrap());
+        recorder
+            .within_step(&mut simulation, Duration::ZERO)
+            .unwrap();
+        let run = fs::read_to_string(path.join("run.json")).unwrap();
+        assert!(run.contains("short-steps"), "{run}");
     }
 
     fn names(folder: &Path) -> Vec<String> {

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::StepError;
 use super::faults::{self, Place};
 use super::region::{Criterion, Region};
+use super::rounding;
 use crate::fem::{MassForm, Space};
 use crate::linalg::{ConjugateGradients, LinalgError, LinearOperator, SparseMatrix, vector};
 use crate::physics::{DirectorForm, Effects, Sample};
@@ -281,6 +282,9 @@ impl DirectorStep {
         work.system.keep(&mut work.solution);
         let iterations = work.solve(demand).map_err(StepError::Director)?;
         self.increment.fill(0.0);
+        if demand.is_faint && work.is_at_rest() {
+            return Ok(iterations);
+        }
         for axis in 0..2 {
             let steps = &work.solution[axis * nodes..][..nodes];
             let increment = &mut self.increment[axis * space.nodes()..][..space.nodes()];
@@ -336,6 +340,8 @@ pub(super) struct Demand {
     pub(super) tolerance: f64,
     /// solver.law_tolerance.
     pub(super) law_tolerance: f64,
+    /// Whether the energies are no more than what the energy law can be told of: the director may be at rest.
+    pub(super) is_faint: bool,
     /// The sum of the absolute energies.
     pub(super) energy_scale: f64,
 }
@@ -374,6 +380,13 @@ impl Work {
             }
             tolerance = (TIGHTER * tolerance).max(TIGHTEST);
         }
+    }
+
+    /// Whether δ is no more than what rounding makes of a director at rest.
+    fn is_at_rest(&self) -> bool {
+        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, it| most.max(it.abs()));
+        let [x, y] = &self.director;
+        largest(&self.solution) <= rounding::CHANGE * largest(x).max(largest(y)).max(1.0)
     }
 
     /// The matrix, and minus the force at dⁿ.

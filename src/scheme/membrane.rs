@@ -13,10 +13,11 @@ mod linear;
 use crate::fem::{MassInverse, Space};
 use crate::linalg::{LinalgError, LinearOperator, vector};
 use crate::physics::{Effects, MembraneForce, Sample};
-use crate::scene::{Iteration, LinearMethod};
+use crate::scene::{Iteration, LinearMethod, Membrane};
 
 use super::faults;
 use super::linearised::Linearised;
+use super::rounding::{self, Least};
 use super::transform::ReducedOperator;
 use super::{Phase, State, StepError};
 
@@ -34,6 +35,8 @@ const MASS_ACCURACY: f64 = 1e-4;
 pub(super) struct MembraneStep {
     /// γ_ben.
     mobility: f64,
+    /// What ω, μ and the energy are at least where they say something.
+    least: Least,
     /// Relative accuracy of the solves with the mass matrix.
     mass_tolerance: f64,
     /// Nodes where φ is given (clamped boundary).
@@ -86,6 +89,8 @@ pub(super) struct Places<'a> {
     pub(super) dt: f64,
     /// The Δt for which a sparse factor is made where a new one is needed.
     pub(super) factor_dt: f64,
+    /// Whether the state hardly bends, and may be at rest.
+    pub(super) is_faint: bool,
     /// S, the scale of the energy law.
     pub(super) energy_scale: f64,
     /// Told of every phase that ends.
@@ -105,7 +110,7 @@ impl MembraneStep {
     /// For a space; `method` says how the linear systems are to be solved, where it can be.
     pub(super) fn new(
         space: &Space,
-        mobility: f64,
+        membrane: &Membrane,
         law_tolerance: f64,
         clamped: bool,
         method: LinearMethod,
@@ -120,7 +125,8 @@ impl MembraneStep {
         let vector = || vec![0.0; size];
         let linear = LinearSolver::of(space, method, clamped, &fixed)?;
         Ok(Self {
-            mobility,
+            mobility: membrane.mobility,
+            least: Least::new(space, membrane.interface_width, law_tolerance),
             mass_tolerance: (MASS_ACCURACY * law_tolerance).clamp(1e-15, 1e-10),
             clamped,
             linear,
@@ -147,6 +153,11 @@ impl MembraneStep {
     /// γ_ben.
     pub(super) fn mobility(&self) -> f64 {
         self.mobility
+    }
+
+    /// The least energy that the law can be told of.
+    pub(super) fn least_energy(&self) -> f64 {
+        self.least.energy
     }
 
     /// Prepares the effects for substep 2 from φⁿ with the new director.

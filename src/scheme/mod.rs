@@ -15,6 +15,7 @@ mod memory;
 #[doc(hidden)]
 pub mod phases;
 mod region;
+mod rounding;
 mod shifted;
 mod state;
 #[cfg(test)]
@@ -107,7 +108,7 @@ impl Scheme {
         let clamped = scene.boundary == Boundary::Clamped;
         let membrane = MembraneStep::new(
             &space,
-            scene.membrane.mobility,
+            &scene.membrane,
             scene.solver.law_tolerance,
             clamped,
             scene.solver.linear,
@@ -233,6 +234,12 @@ impl Scheme {
         self.anchoring
     }
 
+    /// S without work: the sum of the absolute energies, but at least what the law can be told of.
+    fn energy_scale(&self, energies: &[NamedValue]) -> f64 {
+        let sum: f64 = energies.iter().map(|energy| energy.value.abs()).sum();
+        sum.max(self.membrane.least_energy())
+    }
+
     /// The effects.
     pub fn effects_mut(&mut self) -> &mut Effects {
         &mut self.effects
@@ -256,7 +263,7 @@ impl Scheme {
         watch: &mut dyn FnMut(Phase),
     ) -> Result<&StepReport, StepError> {
         self.set_interval(dt);
-        let energy_scale = energy_scale(&self.report.energies);
+        let energy_scale = self.energy_scale(&self.report.energies);
         (self.length, self.parts) = (dt, 1);
         self.stopping = Stopping::LastChange;
         self.history.extrapolate(self.t + dt, &mut self.next);
@@ -341,6 +348,7 @@ impl Scheme {
                 length: self.length,
                 tolerance: director_tolerance(&self.solver),
                 law_tolerance: self.solver.law_tolerance,
+                is_faint: energy_scale <= self.membrane.least_energy(),
                 energy_scale,
             };
             report.director_iterations = step.solve(
@@ -378,6 +386,7 @@ impl Scheme {
                 dt,
                 factor_dt,
                 energy_scale: scale,
+                is_faint: false,
                 watch,
             };
             self.membrane.refine(&mut places, limits, &mut effort)?;
@@ -392,6 +401,14 @@ impl Scheme {
         report.algebraic_error = effort.error;
         watch(Phase::Ledger);
         closed
+    }
+
+    /// Whether the membrane of the state hardly bends, as one that is at rest in φ = ±1: by no more than what the
+    /// energy law can be told of.
+    fn bends_faintly(&self) -> bool {
+        // Bending comes first.
+        let bending = self.report.energies.first();
+        bending.is_some_and(|energy| energy.value <= self.membrane.least_energy())
     }
 
     /// The Δt in the middle between that of the whole step and that of the shortest parts.
@@ -429,6 +446,7 @@ impl Scheme {
         };
         let (limits, newton) = (self.limits(iteration), self.limits(Iteration::Newton));
         let factor_dt = self.factor_dt();
+        let is_faint = self.bends_faintly();
         let mut places = Places {
             space: &self.space,
             effects: &mut self.effects,
@@ -438,6 +456,7 @@ impl Scheme {
             dt,
             factor_dt,
             energy_scale,
+            is_faint,
             watch,
         };
         report.fallback = None;
@@ -555,6 +574,8 @@ impl Scheme {
             Some(&mut self.terms),
         );
         report.phase_integral = space.integrate_nodal(&self.next.phi);
+        let scales = [&report.energies, &self.report.energies].map(|it| self.energy_scale(it));
+        let scale = scales[0].max(scales[1]) + work.abs();
         let ledger = &mut report.ledger;
         ledger.clear();
         let change = report.total_energy - self.report.total_energy;
@@ -575,10 +596,8 @@ impl Scheme {
             });
         }
         ledger.extend_from_slice(self.terms.values());
-        let energies = energy_scale(&report.energies).max(energy_scale(&self.report.energies));
-        let scale = energies + work.abs();
         let sum: f64 = ledger.iter().map(|term| term.value).sum();
-        report.law_residual = if scale > 0.0 { sum / scale } else { sum };
+        report.law_residual = sum / scale;
         if let Some(place) = self.next.first_not_finite() {
             return Err(StepError::NotFinite {
                 place,
@@ -605,15 +624,6 @@ impl Scheme {
 /// general a small part of the energy, so the energy law misses by far less than its tolerance.
 fn director_tolerance(solver: &Solver) -> f64 {
     solver.law_tolerance.clamp(1e-14, 1e-8)
-}
-
-/// The sum of the absolute energies. With the absolute work from outside it is S, the scale of the law.
-fn energy_scale(energies: &[NamedValue]) -> f64 {
-    energies
-        .iter()
-        .map(|energy| energy.value.abs())
-        .sum::<f64>()
-        .max(f64::MIN_POSITIVE)
 }
 
 /// The energies and B of the new state, and the numerical dissipation from the old one to it.

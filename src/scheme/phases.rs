@@ -6,7 +6,7 @@ use crate::scene::Iteration;
 
 use super::director::Demand;
 use super::membrane::{MembraneStep, Places};
-use super::{Scheme, StepError, director_tolerance, energy_scale};
+use super::{Scheme, StepError, director_tolerance};
 
 /// A scheme that stands at the guess of its next step.
 #[derive(Debug)]
@@ -55,6 +55,7 @@ impl Phases {
     /// # Errors
     /// `Director`: the conjugate gradients failed.
     pub fn director(&mut self) -> Result<u32, StepError> {
+        let energy_scale = self.scheme.energy_scale(&self.scheme.report.energies);
         let Scheme {
             space,
             effects,
@@ -63,7 +64,6 @@ impl Phases {
             samples,
             director,
             solver,
-            report,
             ..
         } = &mut self.scheme;
         match (director, &state.director, &mut next.director) {
@@ -73,7 +73,8 @@ impl Phases {
                     length: self.dt,
                     tolerance: director_tolerance(solver),
                     law_tolerance: solver.law_tolerance,
-                    energy_scale: energy_scale(&report.energies),
+                    is_faint: false,
+                    energy_scale,
                 };
                 let old = &mut samples.old;
                 let from = (&state.phi[..], from);
@@ -127,6 +128,7 @@ impl Phases {
 
     fn at_guess<R>(&mut self, phase: impl FnOnce(&mut MembraneStep, &mut Places<'_>) -> R) -> R {
         let scheme = &mut self.scheme;
+        let energy_scale = scheme.energy_scale(&scheme.report.energies);
         let mut places = Places {
             space: &scheme.space,
             effects: &mut scheme.effects,
@@ -135,7 +137,8 @@ impl Phases {
             to: &mut scheme.next,
             dt: self.dt,
             factor_dt: self.dt,
-            energy_scale: energy_scale(&scheme.report.energies),
+            is_faint: false,
+            energy_scale,
             watch: &mut |_| (),
         };
         phase(&mut scheme.membrane, &mut places)

@@ -16,6 +16,9 @@ pub struct Event {
     pub kind: EventKind,
 }
 
+/// A Δt below this part of time.step is told of at once.
+const SHORT: f64 = 1e-6;
+
 /// What happened.
 #[derive(Debug, Clone, PartialEq)]
 pub enum EventKind {
@@ -42,6 +45,15 @@ pub enum EventKind {
         /// Why the last of the longer ones failed.
         reason: String,
     },
+    /// Within the step Δt has fallen below a millionth of time.step: told at once, for the step may take hours.
+    ShortSteps {
+        /// The Δt that is tried next.
+        dt: f64,
+        /// time.step.
+        asked: f64,
+        /// Why the last of the longer ones failed.
+        reason: String,
+    },
     /// Newton's method had to be damped in this step, after one in which it had not; how it went on is in
     /// the column `damping` of the ledger.
     Damped {
@@ -63,6 +75,20 @@ pub enum EventKind {
 }
 
 impl EventKind {
+    /// That the steps have become short, if they have just become so: where Δt was `before` and is `dt` next.
+    pub(super) fn of_short_steps(
+        [before, dt]: [f64; 2],
+        asked: f64,
+        reason: &StepError,
+    ) -> Option<Self> {
+        let limit = SHORT * asked;
+        (before >= limit && dt < limit).then(|| Self::ShortSteps {
+            dt,
+            asked,
+            reason: reason.to_string(),
+        })
+    }
+
     /// A fixed name, for programs.
     pub fn name(&self) -> &'static str {
         match self {
@@ -71,6 +97,7 @@ impl EventKind {
             Self::ReturnedToTransform => "returned-to-transform",
             Self::NewtonTookOver { .. } => "newton-took-over",
             Self::StepDivided { .. } => "step-divided",
+            Self::ShortSteps { .. } => "short-steps",
             Self::Damped { .. } => "newton-damped",
             Self::ReachedWall => "reached-wall",
             Self::FieldSwitched { .. } => "field-switched",
@@ -97,6 +124,13 @@ impl fmt::Display for EventKind {
             EventKind::StepDivided { smallest, reason } => write!(
                 f,
                 "the step was divided, down to \u{394}t = {smallest:.1e}, since a longer one failed: {reason}"
+            ),
+            EventKind::ShortSteps { dt, asked, reason } => write!(
+                f,
+                "\u{394}t has fallen to {dt:.1e} within this step, less than a millionth of time.step = {asked:.1e}: \
+                 it may take very long. Better conditions are more cells at the membrane (mesh.cells, \
+                 membrane.interface_width), softer parameters (a larger area.penalty, smaller weights, a \
+                 spontaneous curvature without jumps), or a smoother initial state. The longer steps failed: {reason}"
             ),
             EventKind::Damped { factor } => write!(
                 f,

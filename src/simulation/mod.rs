@@ -250,12 +250,13 @@ impl Simulation {
     /// # Errors
     /// `Step`: not even the smallest step was solved, or accurate enough.
     pub fn advance(&mut self) -> Result<&Report, SimulationError> {
-        self.advance_unless(&mut |_| false)?;
+        while !self.advance_unless(&mut |_| false)? {}
         Ok(&self.report)
     }
 
     /// [`advance`](Self::advance), which asks `leave` before each further attempt at a step that takes
-    /// more than one; whether the step was taken. One that was left goes on with the next call where
+    /// more than one; whether the step was taken. It is also left where an event is to be told at once. One that
+    /// was left goes on with the next call where
     /// it was, also after [`remember`](Self::remember) and [`recall`](Self::recall), and becomes bit for
     /// bit what it had become otherwise. Until then the report's t says how far the state is, its step
     /// is the last whole one.
@@ -341,6 +342,7 @@ impl Simulation {
         // Of the parts that were solved before the step was left.
         let mut earlier = left.filter(|left| left.ladder.parts > 0);
         let mut is_begun = false;
+        let mut has_news = false;
         loop {
             let piece = dt * division.piece();
             let underway = Underway {
@@ -351,7 +353,7 @@ impl Simulation {
                 parts: taken.ladder.parts,
                 refused: taken.ladder.refused,
             };
-            if is_begun && leave(&underway) {
+            if has_news || is_begun && leave(&underway) {
                 taken.left = Some(match earlier {
                     Some(earlier) => taken.leave(underway, earlier),
                     None => taken.leave(underway, Left::of(&self.report)),
@@ -420,6 +422,12 @@ impl Simulation {
                             source: reason,
                         });
                     }
+                    let lengths = [piece, dt * division.piece()];
+                    if let Some(kind) = EventKind::of_short_steps(lengths, dt, &reason) {
+                        let t = self.report.t;
+                        self.events.push(Event { step, t, kind });
+                        has_news = true;
+                    }
                     taken.divided = Some(reason.to_string());
                 }
             }
@@ -443,7 +451,7 @@ impl Simulation {
         let (chains, combine) = (order.chains(), order != Order::First);
         let mut taken = Taken::begin(left.as_ref(), !self.scheme.uses_factor());
         let mut work = left.map_or([0; 3], |left| left.work);
-        let mut is_begun = false;
+        let (mut is_begun, mut has_news) = (false, false);
         let longest = controller.attempt(t, landing).dt;
         loop {
             let attempt = controller.attempt(t, landing);
@@ -455,7 +463,7 @@ impl Simulation {
                 parts: 0,
                 refused: taken.ladder.refused,
             };
-            if is_begun && leave(&underway) {
+            if has_news || is_begun && leave(&underway) {
                 self.pacing = Pacing::Chosen(controller);
                 let sums = Left {
                     work,
@@ -498,6 +506,12 @@ impl Simulation {
                 Err(reason) => (controller.fail(attempt.dt), reason),
             };
             taken.ladder.refuse();
+            let lengths = [attempt.dt, controller.attempt(t, landing).dt];
+            let asked = self.scene.time.step;
+            if let Some(kind) = EventKind::of_short_steps(lengths, asked, &reason) {
+                self.events.push(Event { step, t, kind });
+                has_news = true;
+            }
             if !again {
                 return Err(SimulationError::Step {
                     step,

@@ -502,6 +502,44 @@ fn a_step_that_is_left_goes_on_as_if_nothing_had_happened() {
     }
 }
 
+/// A step whose parts have become a millionth of it is left to tell of that, once, and goes on.
+#[test]
+fn steps_that_become_short_are_told_within_the_step() {
+    let hard: [&[&str]; 2] = [
+        &["area.penalty=1e-8", "time.step=1e-2", "time.end=1"],
+        &["time={ tolerance = 1e-300, step = 1e-2, end = 1 }"],
+    ];
+    let told = |simulation: &mut Simulation| -> Vec<Event> {
+        let mut events = simulation.drain_events();
+        events.retain(|event| matches!(event.kind, EventKind::ShortSteps { .. }));
+        events
+    };
+    for settings in hard {
+        let mut simulation = Simulation::new(&small(settings)).unwrap();
+        assert!(!simulation.advance_unless(&mut |_| false).unwrap());
+        let events = told(&mut simulation);
+        let [Event { step: 1, kind, .. }] = &events[..] else {
+            panic!("{settings:?}: {events:?}");
+        };
+        assert!(
+            matches!(*kind, EventKind::ShortSteps { dt, asked: 1e-2, .. } if dt < 1e-8),
+            "{kind:?}"
+        );
+        assert!(kind.to_string().contains("time.step = 1.0e-2"), "{kind}");
+        assert_eq!(simulation.report().step, 0);
+        let mut attempts = 0;
+        let mut leave = |_: &Underway| {
+            attempts += 1;
+            attempts > 3
+        };
+        assert!(!simulation.advance_unless(&mut leave).unwrap());
+        assert_eq!(told(&mut simulation), [], "{settings:?}");
+    }
+    let mut simulation = Simulation::new(&small(&["time.step=1e-4", "time.end=1"])).unwrap();
+    assert!(simulation.advance_unless(&mut |_| false).unwrap());
+    assert_eq!(told(&mut simulation), []);
+}
+
 /// Every rung is an event, the damping too: when it begins.
 #[test]
 fn a_damped_step_is_an_event() {

@@ -7,10 +7,12 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod nematic;
+mod noise;
 mod well;
 
 use common::{SMALL, TIGHT, energy_scale, named, scene, scheme};
 use nematic::Nematic;
+use noise::Booked;
 use vesica::fem::Space;
 use vesica::physics::potentials::{
     double_well_secant, double_well_secant_slope, double_well_slope, unit_length_penalty,
@@ -188,5 +190,30 @@ fn the_untruncated_potential_feeds_energy() {
             Nematic::new(scene, space, 1.0, untruncated, untruncated_slope)
         }));
         assert!(greatest < -1e-9, "{quadrature}: {greatest:e}");
+    }
+}
+
+/// Noise of which the books have a part of the work, as it is or with this factor.
+#[test]
+fn noise_whose_work_is_not_in_the_books_breaks_the_law() {
+    for quadrature in QUADRATURES {
+        for share in [1.0, 0.99, 1.01, 0.0] {
+            let settings = [&TIGHT[..], &[quadrature]].concat();
+            let mut scheme = scheme(&scene(SMALL, &settings));
+            scheme.effects_mut().add(Booked::new(share));
+            let outcome = scheme
+                .step(1e-6)
+                .map(|report| report.law_residual.abs() <= 1e-12);
+            match outcome {
+                Ok(closes) => assert!(closes && share == 1.0, "{quadrature} {share}"),
+                Err(StepError::LawBroken { residual, .. }) => {
+                    assert!(
+                        share != 1.0 && residual.abs() > 1e-6,
+                        "{share} {residual:e}"
+                    );
+                }
+                Err(error) => panic!("{quadrature} {share}: {error}"),
+            }
+        }
     }
 }

@@ -22,7 +22,7 @@
 use crate::linalg::vector;
 use crate::scene::Iteration;
 
-use super::{MembraneStep, Phase, Places, StepError};
+use super::{MembraneStep, Phase, Places, State, StepError, rounding};
 
 /// Which change must be within the tolerance.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -186,6 +186,12 @@ impl MembraneStep {
                 .filter(|(_, fixed)| **fixed)
                 .for_each(|((to, from), _)| *to = *from);
         }
+        if places.is_faint
+            && let Some(krylov) = self.stays(places, limits)
+        {
+            work.krylov = krylov;
+            return Ok(work);
+        }
         self.conserve_guess(places);
         for effect in places.effects.iter_mut() {
             effect.follow_correction(0.0);
@@ -224,14 +230,13 @@ impl MembraneStep {
             };
             work.error = to_come;
             let judged = match limits.stopping {
-                Stopping::LastChange => changes.into_iter().fold(0.0, f64::max),
-                Stopping::ChangesToCome(_) => to_come,
+                Stopping::LastChange => changes,
+                Stopping::ChangesToCome(_) => [to_come; 3],
             };
+            let settled = self.is_settled(places, judged, limits);
             let law = self.law_defect(places);
             (places.watch)(Phase::Residual);
-            let converged =
-                judged <= limits.tolerance && law.abs() <= SHARE_OF_LAW * limits.law_tolerance;
-            if converged {
+            if settled && law.abs() <= SHARE_OF_LAW * limits.law_tolerance {
                 return Ok(work);
             }
             keep_linearised = undamped && serves_again(fell, law, limits);
@@ -350,6 +355,9 @@ impl MembraneStep {
             let mut smaller = 0.5 * damping;
             match outcome {
                 Ok(new) if new <= enough.max(floor) => return Ok(advance(new)),
+                Ok(new) if damping == 1.0 && self.is_solved(places, limits) => {
+                    return Ok(advance(new));
+                }
                 Ok(new) => {
                     self.correction.clone_from(&self.linear.increment);
                     let trial = self.solve_linearised(places, 0.1 * new);
@@ -419,6 +427,87 @@ impl MembraneStep {
             *change = (vector::weighted_square(&self.scratch, weights) / size).sqrt();
         }
         changes
+    }
+
+    /// Whether the iterate is a solution to the tolerances, though its residual is not smaller than that of the last
+    /// one: rounding does not let it be.
+    fn is_solved(&mut self, places: &Places<'_>, limits: Limits) -> bool {
+        let changes = self.changes(places);
+        self.is_settled(places, changes, limits)
+            && self.law_defect(places).abs() <= SHARE_OF_LAW * limits.law_tolerance
+    }
+
+    /// Whether every field has changed by no more than the tolerance, or φ by no more than rounding: ω and μ follow
+    /// from φ, and where they are zero but for rounding their relative changes never end.
+    fn is_settled(&mut self, places: &Places<'_>, changes: [f64; 3], limits: Limits) -> bool {
+        if changes.into_iter().all(|change| change <= limits.tolerance) {
+            return true;
+        }
+        let pairs = places.to.phi.iter().zip(&self.last[0]);
+        let step = self.scratch.iter_mut().zip(pairs);
+        step.for_each(|(difference, (now, last))| *difference = now - last);
+        let weights = places.space.nodal_weights();
+        vector::weighted_square(&self.scratch, weights).sqrt() <= self.rounding_of_phase(places)
+    }
+
+    /// The L2 norm of a change of φ that is no more than rounding.
+    fn rounding_of_phase(&self, places: &Places<'_>) -> f64 {
+        let weights = places.space.nodal_weights();
+        // φ is 1 or −1 where nothing is.
+        let size = vector::weighted_square(&places.from.phi, weights).max(vector::sum(weights));
+        rounding::CHANGE * size.sqrt()
+    }
+
+    /// Whether φⁿ is at rest: whether Newton's correction there is no more than rounding. Then φ and ω are left in
+    /// `to` as they were, and the μ without a force, which is constant; returns the Krylov iterations.
+    ///
+    /// The energy law could not be told of such a step: all its terms are rounding, and with a long Δt its
+    /// dissipation is more than the energy.
+    fn stays(&mut self, places: &mut Places<'_>, limits: Limits) -> Option<u32> {
+        for effect in places.effects.iter_mut() {
+            effect.follow_correction(0.0);
+        }
+        places.restart();
+        let norm = self.evaluate(places, 0).ok()?;
+        (places.watch)(Phase::Residual);
+        let rounding = self.rounding_of_phase(places);
+        // Where even an explicit step is no more than that, the correction is none either.
+        let krylov = if norm <= rounding {
+            0
+        } else {
+            self.linearise(places, Iteration::Newton);
+            (places.watch)(Phase::Linearisation);
+            let goal = self.linear_goal(places, limits, norm);
+            let krylov = self.solve_linearised(places, goal).ok()?;
+            (places.watch)(Phase::Krylov);
+            if self.length_of_correction(places, 0.0) > rounding {
+                return None;
+            }
+            krylov
+        };
+        let State { omega, mu, .. } = &mut *places.to;
+        omega.copy_from_slice(&places.from.omega);
+        if self.clamped {
+            // What its equation makes of it where there is one.
+            self.scratch.fill(0.0);
+            self.mass_inverse.solve(
+                places.space,
+                &self.residual[1],
+                &mut self.scratch,
+                self.mass_tolerance,
+            );
+            vector::add_scaled(mu, 1.0, &self.scratch);
+        }
+        let free = places.space.nodal_weights().iter().zip(&self.fixed);
+        let free = free.map(|(weight, fixed)| if *fixed { 0.0 } else { *weight });
+        let (mut sum, mut size) = (0.0, 0.0);
+        for (weight, mu) in free.zip(&*mu) {
+            sum += weight * mu;
+            size += weight;
+        }
+        let mean = sum / size;
+        mu.fill(mean);
+        Some(krylov)
     }
 
     /// (r₁ᵀμ + r₂ᵀ(φ − φⁿ))/S: by how much the energy law will miss.

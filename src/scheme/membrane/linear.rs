@@ -347,15 +347,14 @@ impl MembraneStep {
             Path::Factor { preconditioner } => {
                 let (r2, r3) = rest.split_at_mut(size);
                 let weights = space.nodal_weights();
-                let size_of = |field: &[f64]| {
-                    vector::weighted_square(field, weights)
-                        .sqrt()
-                        .max(f64::MIN_POSITIVE)
+                let size_of = |field: &[f64], least: f64| {
+                    vector::weighted_square(field, weights).sqrt().max(least)
                 };
+                let [mu, omega] = [self.least.mu, self.least.omega];
                 let row_scales = [
                     1.0,
-                    SHARE_OF_MU / size_of(&places.to.mu),
-                    SHARE_OF_OMEGA / (width * size_of(&places.to.omega)),
+                    SHARE_OF_MU / size_of(&places.to.mu, mu),
+                    SHARE_OF_OMEGA / (width * size_of(&places.to.omega, omega)),
                 ];
                 let rows = r2.iter_mut().zip(&self.residual[1]).zip(&self.root_weights);
                 rows.for_each(|((b, r), root)| *b = -row_scales[1] * r / root);

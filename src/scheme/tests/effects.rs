@@ -159,12 +159,13 @@ fn substep_1_leaves_out_what_does_not_matter() {
         // Neighbours that differ: wherever anything acts there is something to do.
         let random = "nematic.initial={ kind = 'random', seed = 3, length = 1.2 }";
         let mut scheme = scheme(&scene(&[quadrature, random]));
-        let energy_scale = energy_scale(&scheme.report.energies);
+        let energy_scale = scheme.energy_scale(&scheme.report.energies);
         let demand = Demand {
             dt,
             length: dt,
             tolerance: 1e-14,
             law_tolerance: 1e-8,
+            is_faint: false,
             energy_scale,
         };
         let mobility = 0.5;
@@ -242,7 +243,7 @@ fn the_region_follows_the_vesicle() {
         reach: scheme.effects.director_reach(),
         largest_eigenvalue: space.stiffness().eigenvalue_bound(space.nodal_weights()),
         length: 1.0,
-        energy_scale: energy_scale(&scheme.report.energies),
+        energy_scale: scheme.energy_scale(&scheme.report.energies),
         inertia: 0.5 * DT,
         coupled: false,
     };

@@ -311,6 +311,7 @@ impl<Sink: Fn(Message)> Runner<Sink> {
             }
         };
         if !is_whole {
+            self.tell_events(simulation);
             if let Some(underway) = simulation.underway()
                 && self.step_in_hand.is_due(underway.step)
             {
@@ -329,13 +330,17 @@ impl<Sink: Fn(Message)> Runner<Sink> {
     /// The report, the events and, where one is due, the snapshot of the state that was reached.
     fn tell_step(&mut self, simulation: &mut Simulation, schedule: &Schedule) {
         self.teller.gather(simulation.last_whole().0);
-        for event in simulation.drain_events() {
-            self.teller.tell(News::Event(event));
-        }
+        self.tell_events(simulation);
         let (report, _) = simulation.last_whole();
         if schedule.snapshot_due(report.step, report.t) {
             let picture = Arc::new(self.picture(simulation).to_picture());
             self.teller.tell(News::Snapshot(picture));
+        }
+    }
+
+    fn tell_events(&mut self, simulation: &mut Simulation) {
+        for event in simulation.drain_events() {
+            self.teller.tell(News::Event(event));
         }
     }
 

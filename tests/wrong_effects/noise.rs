@@ -1,0 +1,69 @@
+//! Noise with a part of its work in the books.
+
+use vesica::fem::Patch;
+use vesica::physics::{DirectorForm, DirectorReach, Effect, Interval, Noise, Sample, Terms};
+use vesica::scene;
+
+/// Noise of which the books have this share of the work: 1 is right.
+#[derive(Debug)]
+pub struct Booked {
+    noise: Noise,
+    share: f64,
+}
+
+impl Booked {
+    pub fn new(share: f64) -> Self {
+        let settings = scene::Noise {
+            strength: 0.1,
+            seed: 5,
+        };
+        Self {
+            noise: Noise::new(&settings, 0.5),
+            share,
+        }
+    }
+}
+
+impl Effect for Booked {
+    fn name(&self) -> &'static str {
+        "noise"
+    }
+
+    fn has_energy(&self) -> bool {
+        false
+    }
+
+    fn integral(&mut self, _: &Patch<'_>, _: &Sample) -> f64 {
+        0.0
+    }
+
+    fn set_interval(&mut self, interval: Interval) -> bool {
+        self.noise.set_interval(interval)
+    }
+
+    fn director_reach(&self) -> Option<DirectorReach> {
+        self.noise.director_reach()
+    }
+
+    fn add_director_force(&mut self, patch: &Patch<'_>, old: &Sample, form: &mut DirectorForm) {
+        self.noise.add_director_force(patch, old, form);
+    }
+
+    fn does_work(&self) -> bool {
+        true
+    }
+
+    fn work(&mut self, patch: &Patch<'_>, old: &Sample, new: &Sample) -> f64 {
+        self.share * self.noise.work(patch, old, new)
+    }
+
+    fn add_dissipation(
+        &mut self,
+        patch: &Patch<'_>,
+        old: &Sample,
+        new: &Sample,
+        terms: &mut Terms,
+    ) {
+        terms.add("noise_work", -self.work(patch, old, new));
+    }
+}
