@@ -256,10 +256,9 @@ impl Simulation {
 
     /// [`advance`](Self::advance), which asks `leave` before each further attempt at a step that takes
     /// more than one; whether the step was taken. It is also left where an event is to be told at once. One that
-    /// was left goes on with the next call where
-    /// it was, also after [`remember`](Self::remember) and [`recall`](Self::recall), and becomes bit for
-    /// bit what it had become otherwise. Until then the report's t says how far the state is, its step
-    /// is the last whole one.
+    /// was left goes on with the next call where it was, also after [`remember`](Self::remember) and
+    /// [`recall`](Self::recall), and becomes bit for bit what it had become otherwise. Until then the report's t
+    /// says how far the state is, its step is the last whole one.
     ///
     /// # Errors
     /// Those of [`advance`](Self::advance).

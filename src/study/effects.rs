@@ -8,7 +8,7 @@
 use std::time::Duration;
 
 use crate::scene::{ScalarField, Scene};
-use crate::simulation::{Phase, Simulation, SimulationError};
+use crate::simulation::{Phase, Simulation, SimulationError, Underway};
 
 use super::memory::held;
 
@@ -226,11 +226,18 @@ impl Run {
         go_on: &mut dyn FnMut() -> bool,
     ) -> Result<bool, SimulationError> {
         let before = held();
-        let is_taken = self.simulation.advance_unless(&mut |_| !go_on())?;
-        self.memory += held() - before;
-        if !is_taken {
-            return Ok(false);
+        let mut is_ended = false;
+        let mut leave = |_: &Underway| {
+            is_ended = !go_on();
+            is_ended
+        };
+        // It is also left for events, which nobody reads here.
+        while !self.simulation.advance_unless(&mut leave)? {
+            if is_ended {
+                return Ok(false);
+            }
         }
+        self.memory += held() - before;
         let report = self.simulation.report();
         if counts {
             self.steps.push(report.costs.total());

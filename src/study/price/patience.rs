@@ -41,13 +41,17 @@ impl<'a> Patience<'a> {
     /// # Errors
     /// Those of [`Simulation::advance`].
     pub(super) fn step(&mut self, simulation: &mut Simulation) -> Result<bool, SimulationError> {
-        if self.is_out() {
-            return Ok(false);
+        // It is also left for events, which nobody reads here.
+        while !self.is_out() {
+            let is_whole = simulation.advance_unless(&mut |underway| {
+                self.left = Some(*underway);
+                self.is_out()
+            })?;
+            if is_whole {
+                return Ok(true);
+            }
         }
-        simulation.advance_unless(&mut |underway| {
-            self.left = Some(*underway);
-            self.is_out()
-        })
+        Ok(false)
     }
 
     /// What is to be said of a first step that was not solved.
