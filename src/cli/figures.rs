@@ -10,7 +10,8 @@ use crate::figure::{
     save_set,
 };
 use crate::record::{
-    IfOccupied, Preparation, RecordError, RecordedRun, RunFolder, Settings, load_scene, read_run,
+    IfOccupied, Preparation, RecordError, RecordedRun, RunFolder, Settings, clean, load_scene,
+    read_run,
 };
 use crate::scene::{Scene, preset};
 use crate::simulation::Simulation;
@@ -234,6 +235,7 @@ fn folder(arguments: &Arguments, sources: &[Source]) -> Result<PathBuf, CliError
         let runs: Vec<(&str, &Scene)> = sources.iter().map(|s| (s.name(), s.scene())).collect();
         check_free(&runs, &folder)?;
     }
+    clean(&folder);
     Ok(folder)
 }
 

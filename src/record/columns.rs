@@ -3,7 +3,6 @@
 use super::read::{ReadError, read_table};
 use super::{HISTORY_COLUMNS, Number};
 use crate::simulation::Report;
-use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
 use std::fmt::Write;
 use std::path::Path;
@@ -12,7 +11,7 @@ use std::path::Path;
 const SHAPE: [&str; 3] = ["length", "waist", "width"];
 
 /// Columns of scalars, each with a value a row; NaN where there is none.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Columns {
     columns: Vec<(String, Vec<f64>)>,
     rows: usize,
@@ -113,29 +112,11 @@ impl Columns {
         }
     }
 
-    /// Whether every column has a value a row: what comes from a file may not.
-    pub(super) fn is_whole(&self) -> bool {
-        let whole = |(_, values): &(String, Vec<f64>)| values.len() == self.rows;
-        self.columns.iter().all(whole)
-    }
-
     /// Keeps the first rows only.
     pub fn truncate(&mut self, rows: usize) {
         self.rows = self.rows.min(rows);
         for (_, values) in &mut self.columns {
             values.truncate(rows);
-        }
-    }
-
-    /// Keeps the rows up to a step. Where there is none of the step itself there is one with nothing
-    /// else in it.
-    pub(super) fn end_at(&mut self, step: u64) {
-        let steps = self.column("step").unwrap_or_default();
-        let rows = steps.partition_point(|other| *other <= step as f64);
-        let is_there = rows > 0 && steps[rows - 1] == step as f64;
-        self.truncate(rows);
-        if !is_there {
-            self.append(vec![("step".to_owned(), step as f64)]);
         }
     }
 
@@ -166,32 +147,14 @@ impl Columns {
 
     /// As CSV. Numbers read back exactly; what is no number is an empty cell.
     pub fn to_csv(&self) -> String {
-        self.csv(&self.names().collect::<Vec<_>>())
-    }
-
-    /// The text of `history.csv`: the columns that every run has, then those of further effects.
-    pub(super) fn to_history(&self) -> String {
-        let mut names = HISTORY_COLUMNS.to_vec();
-        let further = |name: &&str| name.starts_with("E_") && !HISTORY_COLUMNS.contains(name);
-        names.extend(self.names().filter(further));
-        self.csv(&names)
-    }
-
-    /// The text of `shape.csv`.
-    pub(super) fn to_shape(&self) -> String {
-        self.csv(&["step", "t", SHAPE[0], SHAPE[1], SHAPE[2]])
-    }
-
-    /// Some columns as CSV; one that is not there has empty cells.
-    fn csv(&self, names: &[&str]) -> String {
-        let columns: Vec<_> = names.iter().map(|name| self.column(name)).collect();
+        let names: Vec<&str> = self.names().collect();
         let mut text = names.join(",") + "\n";
         for row in 0..self.rows {
-            for (number, values) in columns.iter().enumerate() {
+            for (number, (_, values)) in self.columns.iter().enumerate() {
                 if number > 0 {
                     text.push(',');
                 }
-                let value = values.map_or(f64::NAN, |values| values[row]);
+                let value = values[row];
                 if !value.is_nan() {
                     // Writing to a String cannot fail.
                     let _ = write!(text, "{}", Number(value));

@@ -6,13 +6,16 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use crate::scene::Scene;
 use crate::study::{Plan, prices, prices_table, run_price};
 
-/// What the run of a scene would take on this machine, in words; `load` gets it where it is not given.
+/// What the run of a scene would take on this machine, in words; `load` gets it where it is not given. Where
+/// that fails the words are the reason's.
 pub(super) fn expected(
     scene: Option<Arc<Scene>>,
-    load: impl FnOnce() -> Option<Arc<Scene>>,
+    load: impl FnOnce() -> Result<Arc<Scene>, String>,
 ) -> String {
-    let Some(scene) = scene.or_else(load) else {
-        return "there is no such scene".to_owned();
+    let scene = match scene.map_or_else(load, Ok) {
+        Ok(scene) => scene,
+        // Its lines follow when it is opened.
+        Err(reason) => return reason.lines().next().unwrap_or_default().to_owned(),
     };
     match run_price(&scene) {
         Ok(price) => price.to_string(),
@@ -49,6 +52,12 @@ mod tests {
         let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
         let text = "mesh.cells = 8\nmembrane.interface_width = 0.1\n[area]";
         Scene::parse(text, "the test", &[], &mut no_files).expect("a scene")
+    }
+
+    #[test]
+    fn a_scene_that_cannot_be_loaded_is_told_with_its_reason() {
+        let load = || Err("wrong.toml: unknown key 'sells'\n  --> line 2".to_owned());
+        assert_eq!(expected(None, load), "wrong.toml: unknown key 'sells'");
     }
 
     #[test]

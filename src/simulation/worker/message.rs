@@ -44,6 +44,8 @@ pub enum Command {
     Anchor(AnchoringKind),
     /// Move the horizon (see [`Orders`]).
     Horizon(Option<f64>),
+    /// Tell the state now. Answered by [`News::State`] where that is ordered at all.
+    Keep,
     /// End the run. Dropping the worker does the same.
     End,
 }
@@ -75,8 +77,8 @@ pub enum News {
     },
     /// One of the evenly spaced states that were ordered.
     Snapshot(Arc<Picture>),
-    /// The state, from which the run can be gone on with: where that was ordered, every so often and
-    /// before the worker ends, unless no step was taken since the last time.
+    /// The state, from which the run can be gone on with: where that was ordered, every so often, when it is
+    /// asked for, and before the worker ends, unless no step was taken since the last time.
     State(Box<Memory>),
     /// The worker stands still, as asked: the answer to every `Pause` and every `Step`, and told at
     /// the start where it was ordered to wait.

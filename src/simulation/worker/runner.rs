@@ -148,6 +148,7 @@ impl<Sink: Fn(Message)> Runner<Sink> {
                 Ok(Command::Resume) => going = true,
                 Ok(Command::Horizon(horizon)) => self.orders.horizon = horizon,
                 Ok(Command::Anchor(kind)) => self.anchor(&mut simulation, kind),
+                Ok(Command::Keep) => self.tell_state(&simulation),
                 Ok(command @ (Command::Pause | Command::Step)) if rest != Some(Rest::Done) => {
                     if command == Command::Step {
                         self.step(&mut simulation, &schedule)?;
@@ -176,13 +177,20 @@ impl<Sink: Fn(Message)> Runner<Sink> {
     /// Tells the state, if that was ordered and steps were taken since.
     fn keep(&mut self, simulation: &Simulation) {
         let step = simulation.report().step;
-        if self.kept.interval.is_none() || self.kept.step == step {
+        if self.kept.step != step {
+            self.tell_state(simulation);
+        }
+    }
+
+    /// Tells the state, if that was ordered.
+    fn tell_state(&mut self, simulation: &Simulation) {
+        if self.kept.interval.is_none() {
             return;
         }
         let mut memory = Box::new(Memory::default());
         simulation.remember(&mut memory);
         self.teller.tell(News::State(memory));
-        self.kept.step = step;
+        self.kept.step = simulation.report().step;
         self.kept.at = Instant::now();
     }
 
@@ -228,6 +236,8 @@ impl<Sink: Fn(Message)> Runner<Sink> {
             Ok(is_whole) => is_whole,
             Err(error) => {
                 self.show(simulation);
+                // The last good one.
+                self.keep(simulation);
                 return Err(error);
             }
         };
