@@ -204,6 +204,8 @@ enum Ending {
     Refused,
     /// A step takes too many attempts.
     Left,
+    /// There is no vesicle in its domain, which is said before any step.
+    Empty,
 }
 
 /// So many attempts at a step are waited for.
@@ -216,7 +218,7 @@ fn take_steps(text: &str) -> Result<Ending, String> {
     let mut simulation = match Simulation::new(&scene) {
         Ok(simulation) => simulation,
         // Outside of the domain, all around it, or between the nodes of the mesh.
-        Err(SimulationError::NoVesicle(_)) => return Ok(()),
+        Err(SimulationError::NoVesicle(_)) => return Ok(Ending::Empty),
         Err(error) => return Err(error.to_string()),
     };
     let volume = simulation.report().phase_integral;
@@ -327,6 +329,9 @@ fn any_scene_is_solved_or_refused_with_reasons() {
     let outcome = TestRunner::new(config()).run(&scene(), |text| {
         let ending =
             take_steps(&text).map_err(|words| TestCaseError::fail(format!("{words}\n{text}")))?;
+        if ending == Ending::Empty {
+            return Ok(());
+        }
         taken.set(taken.get() + 1);
         if ending != Ending::Solved {
             unsolved.set(unsolved.get() + 1);

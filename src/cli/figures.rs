@@ -10,8 +10,8 @@ use crate::figure::{
     save_set,
 };
 use crate::record::{
-    Ending, IfOccupied, Preparation, RecordError, RecordedRun, RunFolder, Settings, load_scene,
-    read_run,
+    Ending, IfOccupied, Preparation, RecordError, RecordedRun, RunFolder, Settings, clean,
+    load_scene, read_run,
 };
 use crate::scene::{Scene, preset};
 use crate::signals::EndingSignal;
@@ -236,6 +236,7 @@ fn folder(arguments: &Arguments, sources: &[Source]) -> Result<PathBuf, CliError
         let runs: Vec<(&str, &Scene)> = sources.iter().map(|s| (s.name(), s.scene())).collect();
         check_free(&runs, &folder)?;
     }
+    clean(&folder);
     Ok(folder)
 }
 

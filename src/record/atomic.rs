@@ -1,11 +1,13 @@
-//! Files that appear whole or not at all.
+//! Files and folders that appear whole or not at all.
 
 use super::RecordError;
+use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// How the name of a file begins and ends that is not whole yet.
+/// How the name of a file or a folder begins and ends that is not whole yet. Whoever writes it holds a
+/// lock on it.
 const PREFIX: &str = ".vesica-";
 const SUFFIX: &str = ".part";
 
@@ -51,21 +53,79 @@ fn keep(path: &Path, before: &Path) -> io::Result<()> {
     if !path.exists() {
         return Ok(());
     }
-    match std::fs::remove_file(before) {
+    match fs::remove_file(before) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
         _ => {}
     }
-    std::fs::hard_link(path, before).or_else(|_| std::fs::rename(path, before))
+    fs::hard_link(path, before).or_else(|_| fs::rename(path, before))
 }
 
-/// Removes what killed processes have left behind in a folder; what cannot be removed stays.
-pub(super) fn clean(folder: &Path) {
-    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
-        let name = entry.file_name();
+/// Makes a folder in `parent` whose name says that it is not whole yet. It is to be locked and filled, and
+/// then renamed.
+///
+/// # Errors
+/// What the system says.
+pub(super) fn folder_beside(parent: &Path) -> io::Result<PathBuf> {
+    let mut builder = builder();
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(fs::Permissions::from_mode(0o777));
+    }
+    builder.tempdir_in(parent).map(|folder| folder.keep())
+}
+
+/// What a process that was killed had left behind.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Leftover {
+    /// The file or the folder.
+    pub path: PathBuf,
+    /// Its size.
+    pub bytes: u64,
+}
+
+/// Removes what killed processes have left behind in a folder, and says what that was. What a process
+/// that lives is writing stays, and what cannot be removed.
+pub(crate) fn clean(folder: &Path) -> Vec<Leftover> {
+    let mut removed = Vec::new();
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let (name, path) = (entry.file_name(), entry.path());
         let name = name.to_string_lossy();
-        if name.starts_with(PREFIX) && name.ends_with(SUFFIX) {
-            let _ = std::fs::remove_file(entry.path());
+        // A link leads to what is not ours.
+        let Ok(metadata) = fs::symlink_metadata(&path) else {
+            continue;
+        };
+        let is_ours = name.starts_with(PREFIX) && name.ends_with(SUFFIX) && !metadata.is_symlink();
+        if !is_ours || !(metadata.is_file() || metadata.is_dir()) {
+            continue;
         }
+        let Ok(file) = File::open(&path) else {
+            continue;
+        };
+        if file.try_lock().is_err() {
+            continue;
+        }
+        let bytes = size(&path);
+        let outcome = match metadata.is_dir() {
+            true => fs::remove_dir_all(&path),
+            false => fs::remove_file(&path),
+        };
+        if outcome.is_ok() {
+            removed.push(Leftover { path, bytes });
+        }
+    }
+    removed
+}
+
+/// The bytes of a file, or of all files in a folder and below.
+pub(crate) fn size(path: &Path) -> u64 {
+    match fs::symlink_metadata(path) {
+        Ok(metadata) if metadata.is_dir() => {
+            let entries = fs::read_dir(path).into_iter().flatten().flatten();
+            entries.map(|entry| size(&entry.path())).sum()
+        }
+        Ok(metadata) => metadata.len(),
+        Err(_) => 0,
     }
 }
 
@@ -84,6 +144,12 @@ pub(crate) fn write_new(
         .map_err(RecordError::write(path))
 }
 
+fn builder() -> tempfile::Builder<'static, 'static> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(PREFIX).suffix(SUFFIX);
+    builder
+}
+
 /// Writes a file beside its place, and to the disk.
 fn write_beside(
     path: &Path,
@@ -94,15 +160,17 @@ fn write_beside(
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(PREFIX).suffix(SUFFIX);
+    let mut builder = builder();
     #[cfg(unix)]
     {
         // As any other new file: what the user's umask allows. A temporary file is private.
         use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
+        builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    let mut writer = BufWriter::with_capacity(1 << 16, builder.tempfile_in(folder)?);
+    let file = builder.tempfile_in(folder)?;
+    // It is a leftover once this process has ended. Where the system has no locks nobody removes it.
+    let _ = file.as_file().try_lock();
+    let mut writer = BufWriter::with_capacity(1 << 16, file);
     content(&mut writer)?;
     let file = writer.into_inner().map_err(|error| error.into_error())?;
     file.as_file().sync_all()?;
@@ -112,7 +180,6 @@ fn write_beside(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::fs;
 
     fn names(folder: &Path) -> Vec<String> {
         let mut names: Vec<_> = fs::read_dir(folder)
@@ -163,6 +230,31 @@ mod tests {
         fs::write(folder.path().join(".vesica-x.part"), "").unwrap();
         clean(folder.path());
         assert_eq!(names(folder.path()), ["a", "b"]);
+    }
+
+    #[test]
+    fn leftovers_of_the_dead_go_and_what_is_being_written_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let dead = folder_beside(folder.path()).unwrap();
+        fs::create_dir(dead.join("fields")).unwrap();
+        fs::write(dead.join("fields/a.vtu"), [0; 1000]).unwrap();
+        let living = folder_beside(folder.path()).unwrap();
+        let lock = File::open(&living).unwrap();
+        lock.try_lock().unwrap();
+        fs::write(folder.path().join("notes.part"), "mine").unwrap();
+        let path = folder.path().join("a");
+        write_whole(&path, |_| {
+            let removed = clean(folder.path());
+            let expected = Leftover {
+                path: dead.clone(),
+                bytes: 1000,
+            };
+            assert_eq!(removed, [expected]);
+            Ok(())
+        })
+        .unwrap();
+        let living = living.file_name().unwrap().to_str().unwrap();
+        assert_eq!(names(folder.path()), [living, "a", "notes.part"]);
     }
 
     #[test]

@@ -62,6 +62,17 @@ pub enum RecordError {
         #[source]
         reason: io::Error,
     },
+    /// A folder could not be renamed.
+    #[error("cannot rename {} to {}: {reason}", path.display(), to.display())]
+    Rename {
+        /// The folder.
+        path: PathBuf,
+        /// Its new name.
+        to: PathBuf,
+        /// What the system says.
+        #[source]
+        reason: io::Error,
+    },
     /// The folder holds a run and nobody said that it may be replaced.
     #[error(
         "{} holds a run already (it has {found}): give another folder with --out, or --force to replace that run",

@@ -1,9 +1,10 @@
 //! The folder of a run.
 
 use super::RecordError;
+use super::atomic::{clean, folder_beside};
 use super::scene_file::{INPUTS, MESH_NAME};
 use crate::scene::NodalKey;
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
 use std::fmt;
 use std::fs::{self, File, TryLockError};
 use std::io;
@@ -90,6 +91,9 @@ impl RunFolder {
     pub fn at(path: &Path, if_occupied: IfOccupied) -> Result<RunFolder, RecordError> {
         make(path)?;
         let lock = lock(path)?;
+        for folder in [path, &path.join(FIELDS)] {
+            clean(folder);
+        }
         let found = a_file_of(path);
         match (found, if_occupied) {
             (None, _) => {}
@@ -136,16 +140,42 @@ impl RunFolder {
         let mut number = 1_u64;
         loop {
             match fs::create_dir(&path) {
-                Ok(()) => return RunFolder::of_run(&path),
-                Err(reason) if reason.kind() == io::ErrorKind::AlreadyExists => {
-                    number += 1;
-                    let mut numbered = name.to_owned();
-                    numbered.push(format!("-{number}"));
-                    path = parent.join(numbered);
-                }
+                Ok(()) => match RunFolder::of_run(&path) {
+                    // Someone was faster, and looks whether it is a run's.
+                    Err(RecordError::InUse { .. }) => {}
+                    folder => return folder,
+                },
+                Err(reason) if reason.kind() == io::ErrorKind::AlreadyExists => {}
                 Err(reason) => return Err(RecordError::make_folder(&path)(reason)),
             }
+            number += 1;
+            path = parent.join(numbered(name, number));
         }
+    }
+
+    /// A new folder in `parent` that is not whole yet, as its name says: [`RunFolder::publish`] gives it
+    /// another. Of a process that was killed it is a leftover.
+    ///
+    /// # Errors
+    /// [`RecordError::MakeFolder`].
+    pub(crate) fn unpublished(parent: &Path) -> Result<RunFolder, RecordError> {
+        make(parent)?;
+        let path = folder_beside(parent).map_err(|reason| RecordError::MakeFolder {
+            path: parent.to_owned(),
+            reason,
+        })?;
+        RunFolder::of_run(&path)
+    }
+
+    /// Renames it, within the folder that it is in, to `name`, or if that is there to `name-2`,
+    /// `name-3`, ….
+    ///
+    /// # Errors
+    /// [`RecordError::Rename`]; it stands where it was.
+    pub(crate) fn publish(mut self, name: &OsStr) -> Result<RunFolder, RecordError> {
+        let parent = self.path.parent().unwrap_or(Path::new(""));
+        self.path = rename_numbered(&self.path, parent, name, 1)?;
+        Ok(self)
     }
 
     /// Where it is.
@@ -189,6 +219,76 @@ impl RunFolder {
     }
 }
 
+/// The name of the folder of a number: that of 1 has none.
+fn numbered(name: &OsStr, number: u64) -> OsString {
+    let mut numbered = name.to_owned();
+    if number > 1 {
+        numbered.push(format!("-{number}"));
+    }
+    numbered
+}
+
+/// The number of the folder `name` (1) or `name-2`, `name-3`, …; none for others.
+pub(super) fn number(folder: &OsStr, name: &OsStr) -> Option<u64> {
+    if folder == name {
+        return Some(1);
+    }
+    let (folder, name) = (folder.to_str()?, name.to_str()?);
+    let number = folder.strip_prefix(name)?.strip_prefix('-')?;
+    number.parse().ok().filter(|number| *number > 1)
+}
+
+/// The folders `parent/name`, `parent/name-2`, …, as far as they are there, in this order.
+pub(super) fn all_numbered(parent: &Path, name: &OsStr) -> Vec<PathBuf> {
+    let mut folders: Vec<(u64, PathBuf)> = fs::read_dir(parent)
+        .into_iter()
+        .flatten()
+        .flatten()
+        .filter_map(|entry| Some((number(&entry.file_name(), name)?, entry.path())))
+        .collect();
+    folders.sort();
+    folders.into_iter().map(|(_, path)| path).collect()
+}
+
+/// Renames a folder to the first of `parent/name`, `parent/name-2`, … that is free, from a number on.
+///
+/// # Errors
+/// [`RecordError::Rename`].
+pub(super) fn rename_numbered(
+    path: &Path,
+    parent: &Path,
+    name: &OsStr,
+    first: u64,
+) -> Result<PathBuf, RecordError> {
+    let mut number = first;
+    loop {
+        let to = parent.join(numbered(name, number));
+        number += 1;
+        if to.symlink_metadata().is_ok() {
+            continue;
+        }
+        match fs::rename(path, &to) {
+            Ok(()) => return Ok(to),
+            // Someone was faster.
+            Err(reason)
+                if [
+                    io::ErrorKind::DirectoryNotEmpty,
+                    io::ErrorKind::AlreadyExists,
+                    io::ErrorKind::NotADirectory,
+                ]
+                .contains(&reason.kind())
+                    && to.symlink_metadata().is_ok() => {}
+            Err(reason) => {
+                return Err(RecordError::Rename {
+                    path: path.to_owned(),
+                    to,
+                    reason,
+                });
+            }
+        }
+    }
+}
+
 /// A file of a run in this folder, if there is one.
 pub(super) fn a_file_of(folder: &Path) -> Option<&'static str> {
     FILES.into_iter().find(|file| folder.join(file).exists())
@@ -217,7 +317,7 @@ pub(crate) fn make(path: &Path) -> Result<(), RecordError> {
 }
 
 /// Removes the files of a run, file by file: what a user put beside them stays.
-fn clear(folder: &Path) -> Result<(), RecordError> {
+pub(super) fn clear(folder: &Path) -> Result<(), RecordError> {
     for file in FILES {
         remove(&folder.join(file))?;
     }
@@ -283,6 +383,30 @@ mod tests {
         fs::remove_dir(runs.join("case3-2")).unwrap();
         let folder = RunFolder::numbered(&runs, OsStr::new("case3")).unwrap();
         assert_eq!(folder.path(), runs.join("case3-2"));
+    }
+
+    #[test]
+    fn the_numbers_of_folders() {
+        let number = |folder| number(OsStr::new(folder), OsStr::new("case3"));
+        assert_eq!(number("case3"), Some(1));
+        assert_eq!(number("case3-2"), Some(2));
+        for other in ["case3-1", "case3-x", "case32", "case3-", "case"] {
+            assert_eq!(number(other), None, "{other}");
+        }
+    }
+
+    #[test]
+    fn a_folder_gets_its_name_when_it_is_whole() {
+        let parent = tempfile::tempdir().unwrap();
+        for expected in ["set", "set-2"] {
+            let folder = RunFolder::unpublished(parent.path()).unwrap();
+            fs::write(folder.path().join("a"), "").unwrap();
+            assert!(!parent.path().join(expected).exists());
+            let folder = folder.publish(OsStr::new("set")).unwrap();
+            assert_eq!(folder.path(), parent.path().join(expected));
+            assert!(folder.path().join("a").is_file());
+        }
+        assert_eq!(fs::read_dir(parent.path()).unwrap().count(), 2);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::RecordError;
 use super::folder::remove;
-use super::table::{Extent, Found, Table};
+use super::table::{Extent, Found, Rows, Table};
 use crate::simulation::{NamedValue, Report};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -69,6 +69,34 @@ pub(super) struct FoundTables {
     law_residual: f64,
 }
 
+/// The rows that the tables have at some moment.
+#[derive(Debug)]
+pub(super) struct TablesRows {
+    history: Rows,
+    shape: Rows,
+    ledger: Option<Rows>,
+}
+
+impl TablesRows {
+    /// Writes them as tables of their own into a folder.
+    ///
+    /// # Errors
+    /// [`RecordError::Write`].
+    pub fn write(self, folder: &Path) -> Result<(), RecordError> {
+        self.history.write(&folder.join(HISTORY))?;
+        self.shape.write(&folder.join(SHAPE))?;
+        self.ledger
+            .map_or(Ok(()), |ledger| ledger.write(&folder.join(LEDGER)))
+    }
+}
+
+impl TablesMemory {
+    /// How many rows there are.
+    pub fn rows(&self) -> u64 {
+        self.history.rows
+    }
+}
+
 impl FoundTables {
     /// What is to be reported of the tables, in words.
     pub fn remarks(&self) -> Vec<String> {
@@ -77,6 +105,18 @@ impl FoundTables {
             .flatten()
             .flat_map(Found::remarks)
             .collect()
+    }
+
+    /// The rows that the tables had then; changes nothing.
+    ///
+    /// # Errors
+    /// [`RecordError::Read`].
+    pub fn rows(&self) -> Result<TablesRows, RecordError> {
+        Ok(TablesRows {
+            history: self.history.rows()?,
+            shape: self.shape.rows()?,
+            ledger: self.ledger.as_ref().map(Found::rows).transpose()?,
+        })
     }
 
     /// Cuts the tables back to where they were.
@@ -134,18 +174,45 @@ impl Tables {
     /// # Errors
     /// [`RecordError::Write`].
     pub fn create(folder: &Path, initial: &Report) -> Result<Tables, RecordError> {
+        let mut tables = Tables::new(folder, initial);
+        tables.flush()?;
+        Ok(tables)
+    }
+
+    /// The tables of a run in `folder`, still without rows and without files.
+    pub fn new(folder: &Path, initial: &Report) -> Tables {
         let mut columns = owned(&HISTORY_COLUMNS);
         columns.extend(missing(&columns, &initial.energies, energy_column));
-        let mut tables = Tables {
+        Tables {
             history: Table::new(folder.join(HISTORY), columns),
             shape: Table::new(folder.join(SHAPE), owned(&SHAPE_COLUMNS)),
             ledger: None,
             ledger_path: folder.join(LEDGER),
             last_row: None,
             law_residual: 0.0,
-        };
-        tables.flush()?;
-        Ok(tables)
+        }
+    }
+
+    /// Goes on with them in another folder; the rows that are in a file stay where they are.
+    pub fn move_to(&mut self, folder: &Path) {
+        self.ledger_path = folder.join(LEDGER);
+        self.history.move_to(folder);
+        self.shape.move_to(folder);
+        if let Some(ledger) = &mut self.ledger {
+            ledger.move_to(folder);
+        }
+    }
+
+    /// The rows up to now, those too that are in no file yet.
+    ///
+    /// # Errors
+    /// [`RecordError`].
+    pub fn rows_now(&mut self) -> Result<TablesRows, RecordError> {
+        Ok(TablesRows {
+            history: self.history.rows_now()?,
+            shape: self.shape.rows_now()?,
+            ledger: self.ledger.as_mut().map(Table::rows_now).transpose()?,
+        })
     }
 
     /// Takes note of a step, whether or not it gets a row.
@@ -162,6 +229,13 @@ impl Tables {
         if self.last_row == Some(report.step) {
             return;
         }
+        self.append_scalars(report, wall);
+        self.append_ledger(report);
+    }
+
+    /// Appends a row but for the ledger, which is about steps: of a state whose energy was measured anew.
+    /// Its step has two rows then.
+    pub fn append_scalars(&mut self, report: &Report, wall: f64) {
         self.last_row = Some(report.step);
 
         let law_residual = std::mem::take(&mut self.law_residual);
@@ -178,8 +252,6 @@ impl Tables {
             outline.map(|outline| outline.waist),
             outline.map(|outline| outline.width),
         ]);
-
-        self.append_ledger(report);
     }
 
     fn append_ledger(&mut self, report: &Report) {

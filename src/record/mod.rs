@@ -44,14 +44,15 @@ mod table_repair;
 mod vtu;
 mod whole;
 
-pub(crate) use atomic::{write_new, write_whole};
+pub use atomic::Leftover;
+pub(crate) use atomic::{clean, write_new, write_whole};
 pub use checkpoint::{CheckpointError, Problem};
 pub use columns::Columns;
 pub use error::RecordError;
 pub(crate) use folder::make as make_folder;
 pub use folder::{IfOccupied, RunFolder, Whereabouts};
 pub use history::HISTORY_COLUMNS;
-pub use kept::{KeptRun, RunKeeper};
+pub use kept::{KeptAt, KeptNote, KeptRows, KeptRun, KeptRuns, RunKeeper, Search};
 pub use number::{Brief, Number};
 pub use read::{
     ReadError, RecordedFields, RecordedRun, StoredFields, WrongArray, read_fields, read_run,

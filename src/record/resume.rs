@@ -2,7 +2,9 @@
 
 use super::atomic::clean;
 use super::checkpoint::{CheckpointError, Content, Keeper, Problem, RUN};
-use super::folder::{FIELDS, FINAL, SERIES, SUMMARY, a_file_of, remove, remove_snapshots};
+use super::folder::{
+    FIELDS, FINAL, SERIES, SUMMARY, a_file_of, all_numbered, remove, remove_snapshots,
+};
 use super::history::{FoundTables, Tables};
 use super::scene_file::{identity, write_scene};
 use super::summary::{EventRecord, Status};
@@ -11,7 +13,7 @@ use crate::scene::Scene;
 use crate::simulation::{Memory, Simulation};
 use std::ffi::OsStr;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Snapshots that are named one by one.
 const NAMED_SNAPSHOTS: usize = 4;
@@ -108,15 +110,8 @@ impl Resumption {
         name: &OsStr,
         scene: &Scene,
     ) -> Result<Found, CheckpointError> {
-        let mut folders: Vec<(u64, PathBuf)> = fs::read_dir(parent)
-            .into_iter()
-            .flatten()
-            .flatten()
-            .filter_map(|entry| Some((number(&entry.file_name(), name)?, entry.path())))
-            .collect();
-        folders.sort();
         let mut foreign = None;
-        for (_, path) in folders.into_iter().rev() {
+        for path in all_numbered(parent, name).into_iter().rev() {
             match Resumption::find(&path, scene) {
                 Ok(Found::Nothing | Found::Abandoned) => {}
                 Err(error @ CheckpointError::Foreign { .. }) => {
@@ -146,9 +141,17 @@ impl Resumption {
     }
 
     /// What the run goes on from, if it can be used.
-    pub(super) fn memory(&self) -> Option<&Memory> {
-        let (_, newest) = self.candidates.first()?;
-        Some(&newest.simulation)
+    pub(super) fn content(&self) -> Option<&Content> {
+        self.candidates.first().map(|(_, newest)| newest)
+    }
+
+    /// What is wrong with checkpoints that are there and cannot be used.
+    pub(super) fn problems(&self) -> &[String] {
+        &self.problems
+    }
+
+    fn memory(&self) -> Option<&Memory> {
+        self.content().map(|content| &content.simulation)
     }
 
     /// The step that the run has come to.
@@ -342,16 +345,6 @@ fn has_rows(folder: &Path) -> bool {
     fs::read_to_string(folder.join("history.csv")).is_ok_and(|text| text.lines().count() > 2)
 }
 
-/// The number of the folder `name` (1) or `name-2`, `name-3`, …; none for others.
-fn number(folder: &OsStr, name: &OsStr) -> Option<u64> {
-    if folder == name {
-        return Some(1);
-    }
-    let (folder, name) = (folder.to_str()?, name.to_str()?);
-    let number = folder.strip_prefix(name)?.strip_prefix('-')?;
-    number.parse().ok().filter(|number| *number > 1)
-}
-
 /// The first line in which two scenes differ, with its table.
 fn difference(there: &str, wanted: &str) -> String {
     let mut table = "";
@@ -487,16 +480,6 @@ mod tests {
         for file in ["history.csv", "ledger.csv", "shape.csv", FINAL] {
             let [wanted, found] = [&whole, &parted].map(|path| fs::read(path.join(file)).unwrap());
             assert!(found == wanted, "{file}");
-        }
-    }
-
-    #[test]
-    fn the_numbers_of_folders() {
-        let number = |folder| number(OsStr::new(folder), OsStr::new("case3"));
-        assert_eq!(number("case3"), Some(1));
-        assert_eq!(number("case3-2"), Some(2));
-        for other in ["case3-1", "case3-x", "case32", "case3-", "case"] {
-            assert_eq!(number(other), None, "{other}");
         }
     }
 

@@ -3,7 +3,7 @@
 use super::folder::SERIES;
 use super::history::Tables;
 use super::scene_file::write_scene;
-use super::{Columns, RecordError, RunFolder, vtu, write_whole};
+use super::{KeptRows, RecordError, RunFolder, vtu};
 use crate::fem::Mesh;
 use crate::scene::Scene;
 use crate::simulation::{Report, State};
@@ -12,8 +12,8 @@ use crate::simulation::{Report, State};
 const STEP_DIGITS: usize = 7;
 
 /// Writes states of a run into a folder: `scene.toml`, the tables, and the fields; of one state as
-/// `state.vtu`, of several in `fields/`, as a run's snapshots. The tables have a row a state, or all rows
-/// of the `history` where that is given. `wall` is not a number: only the run itself knows it.
+/// `state.vtu`, of several in `fields/`, as a run's snapshots. The tables are those of the run where its
+/// rows are given, else they have a row a state, in which `wall` is not a number: only the run knows it.
 ///
 /// # Errors
 /// [`RecordError`] with the file that could not be written. What was written before stays.
@@ -22,28 +22,21 @@ pub fn write_states(
     scene: &Scene,
     mesh: &Mesh,
     states: &[(&Report, &State)],
-    history: Option<&Columns>,
+    rows: Option<KeptRows>,
 ) -> Result<(), RecordError> {
     write_scene(folder.path(), scene)?;
     let Some((first, _)) = states.first() else {
         return Ok(());
     };
-    let mut tables = Tables::create(folder.path(), first)?;
-    for (report, _) in states {
-        tables.observe(report);
-        tables.append(report, f64::NAN);
-    }
-    tables.finish()?;
-    if let Some(history) = history {
-        for (file, text) in [
-            ("history.csv", Some(history.to_history())),
-            ("shape.csv", Some(history.to_shape())),
-            ("ledger.csv", history.to_ledger()),
-        ] {
-            let Some(text) = text else { continue };
-            write_whole(&folder.path().join(file), |out| {
-                out.write_all(text.as_bytes())
-            })?;
+    match rows {
+        Some(rows) => rows.0.write(folder.path())?,
+        None => {
+            let mut tables = Tables::create(folder.path(), first)?;
+            for (report, _) in states {
+                tables.observe(report);
+                tables.append(report, f64::NAN);
+            }
+            tables.finish()?;
         }
     }
     if let [(report, state)] = states {
@@ -64,9 +57,12 @@ pub fn write_states(
 mod tests {
     use super::super::scene_file::tests::scene;
     use super::*;
+    use crate::record::KeptRuns;
+    use crate::scene::AnchoringKind;
     use crate::simulation::Simulation;
     use std::ffi::OsStr;
     use std::fs;
+    use std::sync::Arc;
 
     #[test]
     fn one_state_is_one_file_of_fields_and_several_are_a_series() {
@@ -90,17 +86,14 @@ mod tests {
         assert!(!one.path().join("fields").exists());
 
         let both = RunFolder::numbered(parent.path(), OsStr::new("both")).unwrap();
-        let mut rows = Columns::default();
+        let scene = Arc::new(scene);
+        let mut keeper = KeptRuns::new(&parent.path().join("kept"), "a", &scene).begin();
         for report in [&initial.0, &first, &stepped.0] {
-            rows.push(report);
+            keeper.step(report);
         }
-        // A run that was gone on with tells its last row again, without the ledger.
-        rows.take_back();
-        rows.push(&Report {
-            ledger: Vec::new(),
-            ..stepped.0.clone()
-        });
-        write_states(&both, &scene, simulation.mesh(), &states, Some(&rows)).unwrap();
+        keeper.switch(AnchoringKind::Parallel, &stepped.0);
+        let rows = keeper.rows().unwrap();
+        write_states(&both, &scene, simulation.mesh(), &states, rows).unwrap();
         let fields = both.path().join("fields");
         assert!(fields.join("step-0000000.vtu").is_file());
         assert_eq!(
@@ -110,14 +103,15 @@ mod tests {
         // All rows, in the columns that a run's own table has.
         let read = |folder: &RunFolder| fs::read_to_string(folder.path().join("history.csv"));
         let (whole, single) = (read(&both).unwrap(), read(&one).unwrap());
-        assert_eq!(whole.lines().count(), 4);
+        assert_eq!(whole.lines().count(), 5);
         assert_eq!(whole.lines().next(), single.lines().next());
-        // But for `wall`, the last one.
+        // But for `wall`, the last one, and the residual since the row before.
         let row = |table: &str, row: usize| {
-            let line = table.lines().nth(row).unwrap();
-            line.rsplit_once(',').unwrap().0.to_owned()
+            let cells = table.lines().nth(row).unwrap().split(',');
+            cells.take(10).map(str::to_owned).collect::<Vec<_>>()
         };
         assert_eq!(row(&whole, 3), row(&single, 1));
+        assert_eq!(row(&whole, 4), row(&single, 1));
         // The ledger has every step, as that of a run.
         let read = |folder: &RunFolder| fs::read_to_string(folder.path().join("ledger.csv"));
         let (whole, single) = (read(&both).unwrap(), read(&one).unwrap());

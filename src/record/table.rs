@@ -7,7 +7,7 @@ use crc32fast::Hasher;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, BufRead, BufReader, Write as _};
+use std::io::{self, BufRead, BufReader, Read, Write as _};
 use std::path::{Path, PathBuf};
 
 /// A growing table of numbers.
@@ -62,6 +62,33 @@ enum FoundContent {
     Repaired(Repaired),
     /// It is not there.
     Missing,
+}
+
+/// The rows that a table has at some moment: they can be copied while it goes on growing.
+#[derive(Debug)]
+pub(super) struct Rows {
+    /// The file as it is open at that moment, and how much of it.
+    file: Option<(File, u64)>,
+    /// What follows.
+    text: String,
+}
+
+impl Rows {
+    /// Writes them as a table of their own.
+    ///
+    /// # Errors
+    /// [`RecordError::Write`].
+    pub fn write(self, path: &Path) -> Result<(), RecordError> {
+        write_whole(path, |to| {
+            if let Some((file, length)) = self.file
+                && io::copy(&mut file.take(length), to)? < length
+            {
+                let message = "the table that it is copied from was cut short";
+                return Err(io::Error::new(io::ErrorKind::UnexpectedEof, message));
+            }
+            to.write_all(self.text.as_bytes())
+        })
+    }
 }
 
 impl Table {
@@ -165,8 +192,7 @@ impl Table {
             return Ok(());
         }
         if !self.path.exists() {
-            self.file = None;
-            self.rows = self.pending.lines().count() as u64;
+            self.begin_anew();
             return Err(RecordError::Vanished {
                 path: self.path.clone(),
             });
@@ -204,6 +230,42 @@ impl Table {
             Some(file) => file.sync_all().map_err(RecordError::write(&self.path)),
             None => Ok(()),
         }
+    }
+
+    /// Goes on as a table in another folder, with the rows that are in no file yet.
+    pub fn move_to(&mut self, folder: &Path) {
+        self.begin_anew();
+        if let Some(name) = self.path.file_name() {
+            self.path = folder.join(name);
+        }
+    }
+
+    /// Leaves the file, if there is one: the rows that it has are not those of this table any more.
+    fn begin_anew(&mut self) {
+        self.file = None;
+        (self.length, self.late) = (0, 0);
+        self.rows = self.pending.lines().count() as u64;
+    }
+
+    /// The rows up to now, those too that are in no file yet.
+    ///
+    /// # Errors
+    /// [`RecordError`] where the file cannot be read, or must be written anew for late columns and
+    /// cannot.
+    pub fn rows_now(&mut self) -> Result<Rows, RecordError> {
+        if self.late > 0 {
+            self.flush()?;
+        }
+        if self.file.is_none() {
+            return Ok(Rows {
+                file: None,
+                text: self.columns.join(",") + "\n" + &self.pending,
+            });
+        }
+        Ok(Rows {
+            file: Some((open_for_reading(&self.path)?, self.length)),
+            text: self.pending.clone(),
+        })
     }
 
     /// Replaces the file by a text and opens it for appending.
@@ -271,6 +333,29 @@ impl Found {
         }
         Ok(table)
     }
+
+    /// The rows that are to stay; changes nothing.
+    ///
+    /// # Errors
+    /// [`RecordError::Read`].
+    pub fn rows(&self) -> Result<Rows, RecordError> {
+        let table = |text: String| Rows { file: None, text };
+        Ok(match &self.content {
+            FoundContent::Whole { length } => Rows {
+                file: Some((open_for_reading(&self.path)?, *length)),
+                text: String::new(),
+            },
+            FoundContent::Repaired(repaired) => table(repaired.text.clone()),
+            FoundContent::Missing => table(self.extent.columns.join(",") + "\n"),
+        })
+    }
+}
+
+fn open_for_reading(path: &Path) -> Result<File, RecordError> {
+    File::open(path).map_err(|reason| RecordError::Read {
+        path: path.to_owned(),
+        reason,
+    })
 }
 
 /// The length of what was written, if the file begins with that, bit for bit.
@@ -416,6 +501,40 @@ mod tests {
             checksum: 0,
         };
         assert!(Table::find(path, &other).is_err());
+    }
+
+    #[test]
+    fn the_rows_of_a_moment_are_copied_while_the_table_grows() {
+        let folder = tempfile::tempdir().unwrap();
+        let copy = folder.path().join("copy.csv");
+        let text = || fs::read_to_string(&copy).unwrap();
+        // In no file yet, in the file and not yet, and as columns come.
+        let columns = ["step", "t"].map(str::to_owned).to_vec();
+        let mut table = Table::new(folder.path().join("table.csv"), columns);
+        table.append([Some(0.0), Some(0.0)]);
+        table.rows_now().unwrap().write(&copy).unwrap();
+        assert_eq!(text(), "step,t\n0,0\n");
+        table.flush().unwrap();
+        table.append([Some(1.0), Some(0.5)]);
+        let extent = table.extent();
+        let rows = table.rows_now().unwrap();
+        table.append([Some(2.0), Some(1.0)]);
+        table.add_columns(vec!["late".into()]);
+        table.flush().unwrap();
+        rows.write(&copy).unwrap();
+        assert_eq!(text(), "step,t\n0,0\n1,0.5\n");
+        // Of a table that was found.
+        fs::remove_file(&copy).unwrap();
+        let found = Table::find(table.path.clone(), &extent).unwrap();
+        found.rows().unwrap().write(&copy).unwrap();
+        assert_eq!(text(), "step,t\n0,0\n1,0.5\n");
+        let found = Table::find(table.path.clone(), &table.extent()).unwrap();
+        found.rows().unwrap().write(&copy).unwrap();
+        assert_eq!(text(), "step,t,late\n0,0,\n1,0.5,\n2,1,\n");
+        table.add_columns(vec!["later".into()]);
+        table.append([Some(3.0), None, None, Some(7.0)]);
+        table.rows_now().unwrap().write(&copy).unwrap();
+        assert!(text().ends_with("2,1,,\n3,,,7\n"), "{}", text());
     }
 
     #[cfg(target_os = "linux")]

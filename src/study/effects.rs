@@ -8,7 +8,7 @@
 use std::time::Duration;
 
 use crate::scene::{ScalarField, Scene};
-use crate::simulation::{Phase, Simulation, SimulationError, Underway};
+use crate::simulation::{Phase, Simulation, SimulationError};
 
 use super::memory::held;
 
@@ -227,12 +227,11 @@ impl Run {
     ) -> Result<bool, SimulationError> {
         let before = held();
         let mut is_ended = false;
-        let mut leave = |_: &Underway| {
+        // It is also left for events, which nobody reads here.
+        while !self.simulation.advance_unless(&mut |_| {
             is_ended = !go_on();
             is_ended
-        };
-        // It is also left for events, which nobody reads here.
-        while !self.simulation.advance_unless(&mut leave)? {
+        })? {
             if is_ended {
                 return Ok(false);
             }

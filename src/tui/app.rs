@@ -10,8 +10,8 @@ use super::pace::Pace;
 use super::past::{self, Past};
 use super::reins::Reins;
 use super::state::{
-    App, DirectorStyle, Expectation, Field, Notice, Overlay, Panel, Question, Run, Saving, Screen,
-    Slot, Status, View,
+    App, DirectorStyle, Expectation, Field, Keeping, Notice, Overlay, Panel, Question, Run, Saving,
+    Screen, Slot, Status, View,
 };
 use super::update::SNAPSHOTS;
 use crate::scene::{AnchoringKind, Scene};
@@ -171,6 +171,8 @@ impl Run {
             pace: Pace::default(),
             notices: VecDeque::new(),
             unsaved: false,
+            saved: None,
+            keeping: Keeping::default(),
             rising: false,
         }
     }

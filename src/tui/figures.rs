@@ -6,7 +6,7 @@ use super::colour_map::COLOUR_MAPS;
 use super::saving::{Job, What, save_states};
 use super::state::{DirectorStyle, Field, View};
 use crate::figure::{self, ColourMap, Director, FigureOptions, RunData, Snapshot};
-use crate::record::RunFolder;
+use crate::record::{Columns, RunFolder};
 use crate::simulation::Picture;
 
 /// Saves figures: of a view PNG, SVG, CSV and VTU; of a set all figures of the run up to now, its
@@ -17,12 +17,9 @@ use crate::simulation::Picture;
 /// What could not be written or drawn, and why.
 pub fn save_figures(job: &Job, folder: &RunFolder) -> Result<(), String> {
     save_states(job, folder)?;
-    if job.in_haste {
-        return Ok(());
-    }
     let files = match &job.what {
         What::View(picture, view) => save_view(job, picture, view, folder),
-        What::Set(pictures, history) => {
+        What::Set(pictures, _) => {
             let snapshots = pictures.iter().map(|picture| Snapshot {
                 step: picture.report.step,
                 t: picture.report.t,
@@ -32,7 +29,8 @@ pub fn save_figures(job: &Job, folder: &RunFolder) -> Result<(), String> {
                 name: job.name.clone(),
                 scene: Arc::clone(&job.scene),
                 mesh: Arc::clone(&job.mesh),
-                history: history.rows.clone(),
+                // What has just been written.
+                history: Columns::read(folder.path()).map_err(|error| error.to_string())?,
                 snapshots: snapshots.collect(),
                 switches: job.switches.clone(),
                 command: command(pictures.last().map_or(0, |last| last.report.step), job),

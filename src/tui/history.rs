@@ -1,8 +1,8 @@
-//! Every scalar of a run, from its first step to its last.
+//! Every scalar of a run from its first step to its last, as curves: what they take of memory is bounded. The rows
+//! themselves are on the disk.
 
 use super::series::Series;
-use crate::physics::NamedValue;
-use crate::record::{Columns, KeptRun};
+use crate::record::Columns;
 use crate::scene::AnchoringKind;
 use crate::simulation::Report;
 
@@ -12,7 +12,7 @@ pub struct History {
     /// E_tot.
     pub total_energy: Series,
     /// The energies of the effects that the scene has, by name.
-    pub energies: Vec<(&'static str, Series)>,
+    pub energies: Vec<(String, Series)>,
     /// B.
     pub surface_area: Series,
     /// ∫φ − ∫φ⁰.
@@ -34,52 +34,48 @@ pub struct History {
     pub baseline: Option<f64>,
     /// ∫φ⁰.
     pub phase_integral: Option<f64>,
-    /// Every row of the run, for figures and their data.
-    pub rows: Columns,
 }
 
 impl History {
-    /// The scalars of a run that goes on from a kept one, before its first report, which is that of the
-    /// last kept row and names the energies.
-    pub fn of(kept: &KeptRun, first: &Report) -> Self {
-        let mut rows = kept.rows.clone();
-        rows.take_back();
-        let column = |name: &str| rows.column(name);
-        let steps = column("step").unwrap_or_default().to_vec();
-        let series = |values: Option<&[f64]>, from: f64, change: &dyn Fn(f64) -> f64| {
+    /// The scalars of a run that goes on from a kept one with these rows.
+    pub fn of(rows: &Columns, switches: &[(u64, AnchoringKind)]) -> Self {
+        let steps = rows.column("step").unwrap_or_default();
+        let series = |name: &str, from: f64, change: &dyn Fn(f64) -> f64| {
             let mut series = Series::default();
-            for (step, value) in steps.iter().zip(values.unwrap_or_default()) {
+            for (step, value) in steps.iter().zip(rows.column(name).unwrap_or_default()) {
                 if *step >= from && !value.is_nan() {
                     series.push(*step as u64, change(*value));
                 }
             }
             series
         };
-        let plain = |name: &str| series(column(name), 0.0, &|value| value);
-        let start = column("A").and_then(|values| values.first().copied());
-        let energy = |named: &NamedValue| (named.name, plain(&format!("E_{}", named.name)));
-        let last_switch = kept.switches.last().map_or(0, |(step, _)| *step);
+        let plain = |name: &str| series(name, 0.0, &|value| value);
+        let start = rows.column("A").and_then(|values| values.first().copied());
+        let energies = rows.names().filter_map(|column| {
+            let name = column.strip_prefix("E_").filter(|name| *name != "total")?;
+            rows.known(column)?;
+            Some((name.to_owned(), plain(column)))
+        });
+        let last_switch = switches.last().map_or(0, |(step, _)| *step);
         let after_switch = steps.iter().rposition(|step| *step as u64 == last_switch);
         Self {
             total_energy: plain("E_total"),
-            energies: first.energies.iter().map(energy).collect(),
+            energies: energies.collect(),
             surface_area: plain("B"),
-            phase_drift: series(column("A"), 0.0, &|value| value - start.unwrap_or(value)),
-            law_residual: series(column("law_residual"), 1.0, &f64::abs),
+            phase_drift: series("A", 0.0, &|value| value - start.unwrap_or(value)),
+            law_residual: series("law_residual", 1.0, &f64::abs),
             cost: Series::default(),
             length: plain("length"),
             waist: plain("waist"),
             width: plain("width"),
-            marks: kept.switches.clone(),
-            baseline: after_switch.and_then(|row| Some(column("E_total")?[row])),
+            marks: switches.to_vec(),
+            baseline: after_switch.and_then(|row| Some(rows.column("E_total")?[row])),
             phase_integral: start,
-            rows,
         }
     }
 
     /// Takes the scalars of the next step, or those of step 0.
     pub fn take(&mut self, report: &Report) {
-        self.rows.push(report);
         self.take_energies(report);
         self.baseline.get_or_insert(report.total_energy);
         let step = report.step;
@@ -101,7 +97,6 @@ impl History {
 
     /// Takes a switch of the anchoring: the energies of the unchanged state, measured anew.
     pub fn switch(&mut self, kind: AnchoringKind, report: &Report) {
-        self.rows.push(report);
         self.take_energies(report);
         self.baseline = Some(report.total_energy);
         self.marks.push((report.step, kind));
@@ -119,7 +114,7 @@ impl History {
                 None => {
                     let mut series = Series::default();
                     series.push(report.step, energy.value);
-                    self.energies.push((energy.name, series));
+                    self.energies.push((energy.name.to_owned(), series));
                 }
             }
         }
@@ -156,28 +151,30 @@ mod tests {
         assert_eq!(history.baseline, Some(7.0));
         assert_eq!(history.marks, [(1, AnchoringKind::Parallel)]);
         assert_eq!(history.total_energy.columns(2, 1)[1], Some([4.0, 7.0]));
-        let names: Vec<_> = history.energies.iter().map(|(name, _)| *name).collect();
+        let names: Vec<_> = history
+            .energies
+            .iter()
+            .map(|(name, _)| name.as_str())
+            .collect();
         assert_eq!(names, ["bending", "anchoring"]);
     }
 
     #[test]
     fn the_scalars_of_a_kept_run_are_those_that_it_had() {
         let mut history = History::default();
-        let mut kept = KeptRun::default();
+        let mut rows = Columns::default();
         for step in 0..3000 {
             let report = report(step, &[("bending", 5.0 - step as f64 * 1e-3)]);
             history.take(&report);
-            kept.rows.push(&report);
+            rows.push(&report);
             if step == 7 {
                 history.switch(AnchoringKind::Parallel, &report);
-                kept.rows.push(&report);
-                kept.switches.push((7, AnchoringKind::Parallel));
+                rows.push(&report);
             }
         }
-        // The last row is told again.
-        let last = report(2999, &[("bending", 5.0 - 2.999)]);
-        let mut again = History::of(&kept, &last);
-        again.take(&last);
+        let mut again = History::of(&rows, &[(7, AnchoringKind::Parallel)]);
+        // The last step is told again.
+        again.take(&report(2999, &[("bending", 5.0 - 2.999)]));
         let curves = |history: &History| {
             [
                 &history.total_energy,
@@ -188,7 +185,7 @@ mod tests {
             .map(|series| series.columns(90, 3000))
         };
         assert_eq!(curves(&again), curves(&history));
-        assert_eq!(again.rows, history.rows);
+        assert_eq!(again.energies.len(), history.energies.len());
         assert_eq!(again.marks, history.marks);
         assert_eq!(again.baseline, history.baseline);
         assert_eq!(again.phase_integral, history.phase_integral);

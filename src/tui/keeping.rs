@@ -1,82 +1,194 @@
 //! The runs of the app, kept from one time to the next: what a worker tells is noted down on its own
-//! thread, and written whenever it tells its state.
+//! thread, and written about once a second; its state whenever it tells that.
 
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
-use crate::record::{KeptRun, RunKeeper};
-use crate::scene::Scene;
+use crate::record::{KeptRows, KeptRun, KeptRuns, RecordError, RunKeeper};
 use crate::simulation::News;
 
 use super::saving::PARENT;
-use super::state::Slot;
+use super::state::{History, Keeping, Slot};
 
 /// The folder of the runs that can be gone on with, beside what was saved.
 const UNFINISHED: &str = "unfinished";
 
-/// The kept run of a scene of this name, if anything of it was computed.
-pub(super) fn find(parent: &Path, name: &str, scene: &Scene) -> Option<KeptRun> {
-    let kept = KeptRun::find(&parent.join(UNFINISHED), name, scene)?;
-    kept.memory.is_begun().then_some(kept)
+/// A run of an earlier time.
+#[derive(Debug, Default)]
+pub struct Kept {
+    /// The run.
+    pub run: KeptRun,
+    /// Its scalars up to now.
+    pub curves: History,
+}
+
+/// The kept runs of a slot's scene.
+pub(super) fn runs_of(slot: &Slot) -> KeptRuns {
+    KeptRuns::new(
+        &Path::new(PARENT).join(UNFINISHED),
+        &slot.name,
+        &slot.loaded,
+    )
 }
 
 /// Looks for a run that a slot can go on with: one that the app has kept, or the one that its folder
-/// holds, whichever has come further. Where a folder has none that is to be said.
+/// holds, whichever has come further. What is wrong with any is to be said.
 pub(super) fn look_for(slot: &mut Slot) {
-    let here = find(Path::new(PARENT), &slot.name, &slot.loaded);
-    let folder = slot.folder.as_deref();
-    let there = folder.and_then(|folder| KeptRun::of_folder(folder, &slot.loaded));
-    if let (Some(folder), None, None) = (folder, &here, &there) {
-        slot.remark = Some(format!(
-            "{} has no checkpoint to go on from: the run begins anew",
-            folder.display()
-        ));
+    let runs = runs_of(slot);
+    let mut search = runs.find();
+    if let Some(folder) = &slot.folder {
+        let there = runs.find_in(folder);
+        if search.run.is_none() || there.run.is_some() {
+            search.notes.extend(there.notes);
+        }
+        search.run = search
+            .run
+            .into_iter()
+            .chain(there.run)
+            .max_by(|one, other| one.memory().t().total_cmp(&other.memory().t()));
     }
-    let furthest = [here, there].into_iter().flatten();
-    let furthest = furthest.max_by(|one, other| one.memory.t().total_cmp(&other.memory.t()));
-    slot.kept = furthest.map(Arc::new);
+    let mut words: Vec<String> = search.notes.iter().map(ToString::to_string).collect();
+    slot.kept = search.run.map(|run| {
+        let curves = match run.rows() {
+            Ok(rows) => History::of(&rows, run.switches()),
+            Err(error) => {
+                words.push(format!("the curves up to now are lost: {error}"));
+                History::default()
+            }
+        };
+        Arc::new(Kept { run, curves })
+    });
+    if !words.is_empty() {
+        slot.remark = Some(words.join("\n"));
+    }
 }
+
+/// Begins the logbook of a slot's run, which may go on from a kept one. With it comes what is lost where that
+/// cannot be written any more.
+pub(super) fn begin(slot: &Slot, kept: Option<&Kept>) -> (Logbook, Option<String>) {
+    let runs = runs_of(slot);
+    match kept.map(|kept| runs.go_on(&kept.run)) {
+        Some(Ok(keeper)) => (Logbook::new(keeper), None),
+        Some(Err(error)) => {
+            let words = format!("the rows up to now are lost: {error}");
+            (Logbook::new(runs.begin()), Some(words))
+        }
+        None => (Logbook::new(runs.begin()), None),
+    }
+}
+
+/// Puts kept runs of slots aside, and says where they are.
+pub(super) fn put_aside(slots: &[Slot], kept: &[(usize, Arc<Kept>)]) -> String {
+    let words = kept.iter().filter_map(|(slot, kept)| {
+        let slot = slots.get(*slot)?;
+        let step = kept.run.step();
+        Some(match runs_of(slot).put_aside(&kept.run) {
+            Ok(path) => format!("{} at step {step}: vesica {}", slot.name, path.display()),
+            Err(error) => format!("{} at step {step} stays where it is: {error}", slot.name),
+        })
+    });
+    let words: Vec<String> = words.collect();
+    format!(
+        "put aside, to be gone on with another time: {}",
+        words.join("; ")
+    )
+}
+
+/// The logbook of a run, for its worker's thread and whoever saves.
+pub type SharedLogbook = Arc<Mutex<Logbook>>;
 
 /// What is known of a run, noted down as its worker tells it.
 #[derive(Debug)]
-pub(super) struct Logbook {
-    run: KeptRun,
+pub struct Logbook {
     keeper: RunKeeper,
+    /// The step that it began from.
+    from: Option<u64>,
+    /// Why nothing could be written when it was tried last.
+    failure: Option<String>,
+}
+
+/// What remains to be told of news that were noted down.
+#[derive(Debug, Default)]
+pub(super) struct Noted {
+    /// The news, unless they were for the logbook alone.
+    pub news: Option<News>,
+    /// Whether the run is kept, where that has changed.
+    pub keeping: Option<Keeping>,
+    /// What was kept and has vanished.
+    pub lost: Option<String>,
 }
 
 impl Logbook {
-    /// For the run of a scene as it was loaded, which may go on from a kept one.
-    pub fn new(parent: &Path, name: &str, scene: &Scene, from: Option<&KeptRun>) -> Self {
-        let mut run = from.cloned().unwrap_or_else(|| KeptRun::new(scene));
-        // Its last row is told again.
-        run.rows.take_back();
+    /// For a run that is kept so.
+    pub fn new(keeper: RunKeeper) -> Self {
         Self {
-            run,
-            keeper: RunKeeper::new(&parent.join(UNFINISHED), name, scene),
+            from: keeper.reached(),
+            keeper,
+            failure: None,
         }
     }
 
-    /// Notes news down; gives them back unless they were for this alone.
-    ///
-    /// # Errors
-    /// Why the run could not be kept, in words.
-    pub fn take(&mut self, news: News) -> Result<Option<News>, String> {
+    /// Notes news down.
+    pub(super) fn take(&mut self, news: News) -> Noted {
+        let mut noted = Noted::default();
         match news {
             News::Reports(reports) => {
-                reports.iter().for_each(|report| self.run.rows.push(report));
-                Ok(Some(News::Reports(reports)))
+                reports.iter().for_each(|report| self.keeper.step(report));
+                let before = self.failure.clone();
+                if let Some(outcome) = self.keeper.flush_in_time() {
+                    self.hear(outcome);
+                }
+                if self.failure != before {
+                    noted.keeping = Some(self.keeping());
+                }
+                noted.news = Some(News::Reports(reports));
             }
             News::Anchored { kind, report } => {
-                self.run.rows.push(&report);
-                self.run.switches.push((report.step, kind));
-                Ok(Some(News::Anchored { kind, report }))
+                self.keeper.switch(kind, &report);
+                noted.news = Some(News::Anchored { kind, report });
             }
             News::State(memory) => {
-                self.run.memory = *memory;
-                let kept = self.keeper.keep(&self.run);
-                kept.map(|()| None).map_err(|error| error.to_string())
+                let outcome = self.keeper.keep(*memory);
+                self.hear(outcome);
+                noted.keeping = Some(self.keeping());
             }
-            other => Ok(Some(other)),
+            other => noted.news = Some(other),
         }
+        noted.lost = self.keeper.take_lost().map(|lost| lost.to_string());
+        noted
+    }
+
+    fn hear(&mut self, outcome: Result<(), RecordError>) {
+        self.failure = outcome.err().map(|error| error.to_string());
+    }
+
+    /// Whether the run is kept.
+    pub fn keeping(&self) -> Keeping {
+        match (&self.failure, self.keeper.kept()) {
+            (Some(why), _) => Keeping::Failed(why.clone()),
+            (None, Some(kept)) => Keeping::Kept(kept.clone()),
+            (None, None) => Keeping::Pending,
+        }
+    }
+
+    /// Whether it has steps that it did not begin with.
+    pub fn has_steps(&self) -> bool {
+        self.keeper.reached().unwrap_or(0) > self.from.unwrap_or(0)
+    }
+
+    /// The rows up to now.
+    ///
+    /// # Errors
+    /// They cannot be read.
+    pub fn rows(&mut self) -> Result<Option<KeptRows>, RecordError> {
+        self.keeper.rows()
+    }
+
+    /// Removes all that was kept of the run.
+    ///
+    /// # Errors
+    /// What could not be removed.
+    pub fn discard(&mut self) -> Result<(), RecordError> {
+        self.keeper.discard()
     }
 }

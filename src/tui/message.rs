@@ -6,7 +6,8 @@ use std::time::Duration;
 
 use crossterm::event::KeyEvent;
 
-use super::state::Slot;
+use super::keeping::Kept;
+use super::state::{Keeping, Slot};
 use crate::scene::Scene;
 use crate::simulation::{Command, Message as WorkerMessage, Orders, Picture, RunId};
 
@@ -25,6 +26,8 @@ pub enum Message {
     Fields(Arc<Picture>),
     /// Seconds of computing of a run so far.
     Computing(RunId, Duration),
+    /// Whether the state of a run is kept.
+    Kept(RunId, Keeping),
     /// A scene was loaded from a name, or why not.
     Loaded(Result<Box<Slot>, String>),
     /// The prices of effects as a table, or how far measuring them is, or why they cannot be had.
@@ -50,8 +53,12 @@ pub enum Effect {
     Start(Orders, Arc<Scene>),
     /// Tell a worker something.
     Tell(RunId, Command),
-    /// End a worker and forget it.
+    /// End a worker and forget it; its state stays kept.
     Drop(RunId),
+    /// End a worker, and remove what is kept of it.
+    Discard(RunId),
+    /// Put kept runs of slots aside, under other names, so that new ones take their places.
+    PutAside(Vec<(usize, Arc<Kept>)>),
     /// Load a scene by a preset's name or a path, in the background.
     Load(String),
     /// Measure what each effect of a scene costs, in the background, as long as that is looked at.

@@ -14,7 +14,7 @@ pub mod history;
 mod incoming;
 mod input;
 mod job_control;
-mod keeping;
+pub mod keeping;
 pub mod keys;
 pub mod layout;
 pub mod message;

@@ -7,15 +7,17 @@ use crate::scene::Scene;
 use crate::simulation::memory_needed;
 use crate::study::{Foresight, Plan, prices, prices_table, run_price};
 
-/// What the run of a scene would take on this machine, in words; `load` gets it where it is not given.
-/// `None`: `end` was set.
+/// What the run of a scene would take on this machine, in words; `load` gets it where it is not given. Where
+/// that fails the words are the reason's. `None`: `end` was set.
 pub(super) fn expected(
     scene: Option<Arc<Scene>>,
-    load: impl FnOnce() -> Option<Arc<Scene>>,
+    load: impl FnOnce() -> Result<Arc<Scene>, String>,
     end: &AtomicBool,
 ) -> Option<String> {
-    let Some(scene) = scene.or_else(load) else {
-        return Some("there is no such scene".to_owned());
+    let scene = match scene.map_or_else(load, Ok) {
+        Ok(scene) => scene,
+        // Its lines follow when it is opened.
+        Err(reason) => return Some(reason.lines().next().unwrap_or_default().to_owned()),
     };
     match run_price(&scene, &mut || !end.load(Ordering::Relaxed)) {
         Ok(Foresight::Price(price)) => Some(price.to_string()),
@@ -61,6 +63,13 @@ mod tests {
     }
 
     #[test]
+    fn a_scene_that_cannot_be_loaded_is_told_with_its_reason() {
+        let load = || Err("wrong.toml: unknown key 'sells'\n  --> line 2".to_owned());
+        let words = expected(None, load, &AtomicBool::new(false));
+        assert_eq!(words.as_deref(), Some("wrong.toml: unknown key 'sells'"));
+    }
+
+    #[test]
     fn the_table_comes_last() {
         let mut told = Vec::new();
         measure(&scene(), &AtomicBool::new(false), &mut |text| {
@@ -90,7 +99,8 @@ mod tests {
     #[test]
     fn an_expectation_that_nobody_looks_at_is_given_up() {
         let scene = Some(Arc::new(scene()));
-        let expected = |end| expected(scene.clone(), || None, &AtomicBool::new(end));
+        let load = || Err("not asked for".to_owned());
+        let expected = |end| expected(scene.clone(), load, &AtomicBool::new(end));
         assert_eq!(expected(true), None);
         assert!(expected(false).is_some_and(|words| words.starts_with("about ")));
     }

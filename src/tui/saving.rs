@@ -5,12 +5,13 @@ use std::ffi::OsString;
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::mpsc::{self, Sender};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use super::incoming::{Incoming, panic_words, spawn};
+use super::keeping::SharedLogbook;
 use super::message::Message;
-use super::state::{History, View};
+use super::state::View;
 use crate::fem::Mesh;
 use crate::record::{RunFolder, write_states};
 use crate::scene::{AnchoringKind, Scene};
@@ -30,9 +31,6 @@ pub struct Job {
     pub mesh: Arc<Mesh>,
     /// When the anchoring was switched up to then, and to what.
     pub switches: Vec<(u64, AnchoringKind)>,
-    /// Whether the process is about to be ended, so that there is time for numbers but not for
-    /// pictures, which can be made from them later.
-    pub in_haste: bool,
     /// What.
     pub what: What,
 }
@@ -42,8 +40,8 @@ pub struct Job {
 pub enum What {
     /// One picture, shown in this way.
     View(Arc<Picture>, View),
-    /// Pictures in the order of their steps, and the scalars of the whole run up to now.
-    Set(Vec<Arc<Picture>>, Box<History>),
+    /// Pictures in the order of their steps, and the logbook of the run: it has all scalars.
+    Set(Vec<Arc<Picture>>, SharedLogbook),
 }
 
 impl Job {
@@ -65,15 +63,19 @@ pub type Save = fn(&Job, &RunFolder) -> Result<(), String>;
 /// # Errors
 /// What could not be written, and why.
 pub fn save_states(job: &Job, folder: &RunFolder) -> Result<(), String> {
-    let (pictures, history) = match &job.what {
+    let (pictures, rows) = match &job.what {
         What::View(picture, _) => (std::slice::from_ref(picture), None),
-        What::Set(pictures, history) => (&pictures[..], Some(&history.rows)),
+        What::Set(pictures, logbook) => {
+            let mut logbook = logbook.lock().unwrap_or_else(PoisonError::into_inner);
+            let rows = logbook.rows().map_err(|error| error.to_string())?;
+            (&pictures[..], rows)
+        }
     };
     let states: Vec<_> = pictures
         .iter()
         .map(|picture| (&picture.report, &picture.state))
         .collect();
-    write_states(folder, &job.scene, &job.mesh, &states, history).map_err(|error| error.to_string())
+    write_states(folder, &job.scene, &job.mesh, &states, rows).map_err(|error| error.to_string())
 }
 
 /// The saving thread.
@@ -82,7 +84,12 @@ pub(super) struct Saver {
     jobs: Sender<Job>,
     /// Jobs that were given and not answered.
     pending: usize,
+    /// The folder that is being filled.
+    unfinished: Unfinished,
 }
+
+/// The folder that is being filled, if there is one.
+type Unfinished = Arc<Mutex<Option<PathBuf>>>;
 
 impl Saver {
     /// Starts the thread. Every job gets a folder in `parent`, and is answered by a
@@ -93,14 +100,20 @@ impl Saver {
     pub fn start(save: Save, parent: PathBuf, incoming: Sender<Incoming>) -> io::Result<Self> {
         let (jobs, queue) = mpsc::channel();
         let answers = incoming.clone();
+        let unfinished = Unfinished::default();
+        let shared = Arc::clone(&unfinished);
         spawn("saving", incoming, move || {
             for job in queue {
-                let saved = carry_out(save, &job, &parent);
+                let saved = carry_out(save, &job, &parent, &shared);
                 // If the loop has ended, nobody wants to know.
                 let _ = answers.send(Incoming::Message(Message::Saved(saved)));
             }
         })?;
-        Ok(Self { jobs, pending: 0 })
+        Ok(Self {
+            jobs,
+            pending: 0,
+            unfinished,
+        })
     }
 
     /// Gives the thread a job. The state of the app sees to it that they do not pile up.
@@ -116,26 +129,53 @@ impl Saver {
         self.pending = self.pending.saturating_sub(1);
     }
 
+    /// Removes the half of a job that there is no time for: the process is about to end.
+    pub fn abandon(&self) {
+        let unfinished = self.unfinished.lock();
+        if let Some(path) = &*unfinished.unwrap_or_else(PoisonError::into_inner) {
+            // The thread may still make files; without the folder it cannot.
+            for _ in 0..3 {
+                if std::fs::remove_dir_all(path).is_ok() {
+                    break;
+                }
+            }
+        }
+    }
+
     /// Whether a job is under way.
     pub fn is_busy(&self) -> bool {
         self.pending > 0
     }
 }
 
-/// Makes the folder and saves into it; where that fails nothing of it stays. The folder's path,
-/// whole.
-fn carry_out(save: Save, job: &Job, parent: &Path) -> Result<PathBuf, String> {
-    let folder =
-        RunFolder::numbered(parent, &job.folder_name()).map_err(|error| error.to_string())?;
+/// Makes a folder, saves into it, and gives it its name when it is whole; where anything fails nothing of it
+/// stays. The folder's path, whole.
+fn carry_out(
+    save: Save,
+    job: &Job,
+    parent: &Path,
+    unfinished: &Unfinished,
+) -> Result<PathBuf, String> {
+    let note = |path: Option<PathBuf>| {
+        *unfinished.lock().unwrap_or_else(PoisonError::into_inner) = path;
+    };
+    let folder = RunFolder::unpublished(parent).map_err(|error| error.to_string())?;
+    let path = folder.path().to_owned();
+    note(Some(path.clone()));
     let outcome = catch_unwind(AssertUnwindSafe(|| save(job, &folder))).unwrap_or_else(|panic| {
         let words = panic_words(panic.as_ref());
         Err(format!("saving has a mistake and stopped: {words}"))
     });
-    match outcome {
-        Ok(()) => Ok(std::path::absolute(folder.path()).unwrap_or_else(|_| folder.path().into())),
+    let name = job.folder_name();
+    let published = outcome.and_then(|()| folder.publish(&name).map_err(|error| error.to_string()));
+    note(None);
+    match published {
+        Ok(folder) => {
+            Ok(std::path::absolute(folder.path()).unwrap_or_else(|_| folder.path().into()))
+        }
         Err(words) => {
             // The folder is new, so all in it is the half of what was to be saved.
-            let _ = std::fs::remove_dir_all(folder.path());
+            let _ = std::fs::remove_dir_all(path);
             Err(words)
         }
     }
@@ -143,9 +183,11 @@ fn carry_out(save: Save, job: &Job, parent: &Path) -> Result<PathBuf, String> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::keeping::Logbook;
     use super::*;
+    use crate::record::KeptRuns;
     use crate::scene::{Scene, preset};
-    use crate::simulation::{Report, RunId, Simulation};
+    use crate::simulation::{News, Report, RunId, Simulation};
 
     fn job(step: u64) -> Job {
         let overrides = ["mesh.cells=8", "membrane.interface_width=0.1"].map(str::to_owned);
@@ -161,14 +203,21 @@ mod tests {
             },
             state: simulation.state().clone(),
         };
+        let scene = Arc::new(scene);
+        let kept = KeptRuns::new(Path::new("/nowhere"), "circle", &scene);
+        let mut logbook = Logbook::new(kept.begin());
+        logbook.take(News::Reports(vec![simulation.report().clone()]));
         Job {
             name: "circle".into(),
             mesh: Arc::clone(simulation.mesh()),
-            scene: Arc::new(scene),
+            scene,
             switches: Vec::new(),
-            in_haste: false,
-            what: What::Set(vec![Arc::new(picture)], Box::default()),
+            what: What::Set(vec![Arc::new(picture)], Arc::new(Mutex::new(logbook))),
         }
+    }
+
+    fn carry_out(save: Save, job: &Job, parent: &Path) -> Result<PathBuf, String> {
+        super::carry_out(save, job, parent, &Unfinished::default())
     }
 
     #[test]
@@ -197,6 +246,49 @@ mod tests {
         std::fs::write(&file, "").unwrap();
         let error = carry_out(save_states, &job(0), &file).unwrap_err();
         assert!(error.contains("there is a file of this name"), "{error}");
+    }
+
+    #[test]
+    fn a_folder_has_its_name_when_it_is_whole_and_what_is_abandoned_leaves_nothing() {
+        static PARENT: Mutex<Option<PathBuf>> = Mutex::new(None);
+        let parent = tempfile::tempdir().unwrap();
+        *PARENT.lock().unwrap() = Some(parent.path().to_owned());
+        let looks: Save = |job, folder| {
+            let parent = PARENT.lock().unwrap().clone().unwrap();
+            let names = || {
+                std::fs::read_dir(&parent)
+                    .unwrap()
+                    .map(|entry| entry.unwrap().path())
+            };
+            assert_eq!(names().collect::<Vec<_>>(), [folder.path()]);
+            save_states(job, folder)?;
+            assert!(!parent.join("circle-set").exists());
+            Ok(())
+        };
+        carry_out(looks, &job(0), parent.path()).unwrap();
+        std::fs::remove_dir_all(parent.path().join("circle-set")).unwrap();
+        // It goes on saving when the process ends.
+        let endless: Save = |_, folder| {
+            while std::fs::write(folder.path().join("a"), [0; 1000]).is_ok() {}
+            Err("it has gone".to_owned())
+        };
+        let (incoming, answers) = mpsc::channel();
+        let mut saver = Saver::start(endless, parent.path().into(), incoming).unwrap();
+        saver.give(job(0));
+        let is_begun = || std::fs::read_dir(parent.path()).unwrap().count() == 1;
+        while !is_begun() {
+            std::thread::yield_now();
+        }
+        while saver.unfinished.lock().unwrap().is_none() {
+            std::thread::yield_now();
+        }
+        saver.abandon();
+        let answer = answers.recv_timeout(std::time::Duration::from_secs(20));
+        assert!(
+            matches!(&answer, Ok(Incoming::Message(Message::Saved(Err(words)))) if words == "it has gone"),
+            "{answer:?}"
+        );
+        assert_eq!(std::fs::read_dir(parent.path()).unwrap().count(), 0);
     }
 
     #[test]

@@ -18,7 +18,7 @@ use super::canvas::Canvas;
 use super::farewell;
 use super::incoming::{Incoming, spawn};
 use super::input::Input;
-use super::keeping::{self, Logbook};
+use super::keeping::{self, Logbook, SharedLogbook};
 use super::message::{Effect, Message};
 use super::pacing::{Occasion, Pacing};
 use super::saving::{Job, PARENT, Save, Saver, What};
@@ -28,7 +28,7 @@ use super::theme::{ColorTier, Theme};
 use super::update::{expectation_wanted, update};
 use super::watch::Watch;
 use super::{editing, heap, job_control, opening, panel, pricing};
-use crate::record::Settings;
+use crate::record::{self, Settings};
 use crate::scene::{AnchoringKind, Scene};
 use crate::simulation::{Command, Continuity, Orders, Picture, RunId, Worker};
 
@@ -65,6 +65,12 @@ pub enum AppError {
     /// The system refuses what the app needs.
     #[error("cannot start the app's threads: {0}")]
     Threads(#[source] io::Error),
+    /// What was computed is lost.
+    #[error("not kept: {}", words.join("; "))]
+    NotKept {
+        /// Which runs, and why.
+        words: Vec<String>,
+    },
     /// A thread of the app has a mistake.
     #[error("the app has a mistake and had to end: {0}")]
     Crashed(String),
@@ -99,6 +105,10 @@ pub fn run(options: Options) -> Result<Ending, AppError> {
         options.frames_per_second,
     );
     app.offer_to_go_on();
+    app.remark = farewell::leftovers(&record::clean(Path::new(PARENT)))
+        .into_iter()
+        .chain(app.remark.take())
+        .reduce(|first, then| first + "\n" + &then);
     let session = Session {
         app,
         theme,
@@ -108,6 +118,7 @@ pub fn run(options: Options) -> Result<Ending, AppError> {
         terminal,
         saver,
         workers: BTreeMap::new(),
+        logbooks: BTreeMap::new(),
         pacing: Pacing::default(),
         saved: Vec::new(),
         incoming,
@@ -129,6 +140,7 @@ struct Session {
     terminal: Terminal,
     saver: Saver,
     workers: BTreeMap<RunId, Worker>,
+    logbooks: BTreeMap<RunId, SharedLogbook>,
     pacing: Pacing,
     /// Where things were saved, in order.
     saved: Vec<PathBuf>,
@@ -272,9 +284,23 @@ impl Session {
                 }
             }
             Effect::Drop(run) => {
+                self.logbooks.remove(&run);
                 if let Some(worker) = self.workers.remove(&run) {
                     self.aside("end of a run", move || drop(worker))?;
                 }
+            }
+            Effect::Discard(run) => {
+                // Before the next run looks for a place.
+                let logbook = self.logbooks.get(&run);
+                let outcome = logbook.map_or(Ok(()), |logbook| lock(logbook).discard());
+                if let Err(error) = outcome {
+                    self.message(Message::Remark(error.to_string()))?;
+                }
+                self.perform(Effect::Drop(run))?;
+            }
+            Effect::PutAside(kept) => {
+                let words = keeping::put_aside(&self.app.slots, &kept);
+                return self.message(Message::Remark(words));
             }
             Effect::Load(text) => {
                 let home = std::env::var_os("HOME").map(PathBuf::from);
@@ -305,32 +331,36 @@ impl Session {
             .find(|slot| slot.run.as_ref().is_some_and(|known| known.id == run));
         let kept = slot.and_then(|slot| slot.run.as_ref()?.before.as_deref());
         let logbook = slot.map(|slot| {
-            Mutex::new(Logbook::new(
-                Path::new(PARENT),
-                &slot.name,
-                &slot.loaded,
-                kept,
-            ))
+            let (logbook, lost) = keeping::begin(slot, kept);
+            if let Some(words) = lost {
+                // The loop is here.
+                let _ = incoming.send(Incoming::Message(Message::Remark(words)));
+            }
+            Arc::new(Mutex::new(logbook))
         });
+        if let Some(logbook) = &logbook {
+            self.logbooks.insert(run, Arc::clone(logbook));
+        }
         let continuity = Continuity {
-            from: kept.map(|kept| Box::new(kept.memory.clone())),
+            from: kept.map(|kept| Box::new(kept.run.memory().clone())),
             keep: Some(Settings::CHECKPOINT),
         };
         let worker = Worker::start_from(orders, scene, continuity, move |message| {
-            let noted = match &logbook {
-                Some(logbook) => logbook
-                    .lock()
-                    .unwrap_or_else(PoisonError::into_inner)
-                    .take(message.news),
-                None => Ok(Some(message.news)),
-            };
-            let told = match noted {
-                Ok(None) => return,
-                Ok(Some(news)) => Message::Solver(crate::simulation::Message { run, news }),
-                Err(words) => Message::Remark(format!("the run is not kept: {words}")),
-            };
             // If the loop has ended, so will the worker.
-            let _ = incoming.send(Incoming::Message(told));
+            let tell = |message| drop(incoming.send(Incoming::Message(message)));
+            let Some(logbook) = &logbook else {
+                return tell(Message::Solver(message));
+            };
+            let noted = lock(logbook).take(message.news);
+            if let Some(news) = noted.news {
+                tell(Message::Solver(crate::simulation::Message { run, news }));
+            }
+            if let Some(keeping) = noted.keeping {
+                tell(Message::Kept(run, keeping));
+            }
+            if let Some(words) = noted.lost {
+                tell(Message::Remark(words));
+            }
         });
         self.workers.insert(run, worker);
     }
@@ -381,8 +411,9 @@ impl Session {
         self.aside("expectation", move || {
             let load = || {
                 let source = opening::typed_path(&name, home);
-                let slot = opening::open(source.as_os_str(), &[]).ok()?;
-                Some(slot.scene)
+                let slot = opening::open(source.as_os_str(), &[]);
+                slot.map(|slot| slot.scene)
+                    .map_err(|error| error.to_string())
             };
             let words = pricing::expected(scene, load, &end);
             // If the loop has ended, nobody wants it.
@@ -397,9 +428,12 @@ impl Session {
 
     /// Saves the run's pictures and curves.
     fn save_set(&mut self, slot: usize) -> Result<(), AppError> {
-        self.save(slot, |run| {
-            What::Set(run.pictures_of_set(), Box::new(run.history.clone()))
-        })
+        let run = self.app.slots.get(slot).and_then(|slot| slot.run.as_ref());
+        let Some(logbook) = run.and_then(|run| self.logbooks.get(&run.id)).cloned() else {
+            let reason = "the run has no state yet".to_owned();
+            return self.message(Message::Saved(Err(reason)));
+        };
+        self.save(slot, |run| What::Set(run.pictures_of_set(), logbook))
     }
 
     fn save(&mut self, slot: usize, what: impl FnOnce(&Run) -> What) -> Result<(), AppError> {
@@ -426,7 +460,6 @@ impl Session {
             scene: Arc::new(scene),
             mesh: Arc::clone(&setting.mesh),
             switches,
-            in_haste: matches!(self.app.ending, Some(Ending::Signal(_) | Ending::HungUp)),
             what,
         });
         Ok(())
@@ -520,6 +553,7 @@ impl Session {
         let modes = self.terminal.modes();
         modes.begin_to_restore();
         match self.app.saving_next.take() {
+            _ if ending != Ending::Quit => {}
             Some(state::Save::View(picture, slot)) => self.save_view(picture, slot)?,
             Some(state::Save::Set { slot, .. }) => self.save_set(slot)?,
             None => {}
@@ -548,6 +582,9 @@ impl Session {
                 Some(_) => {}
             }
         }
+        if self.saver.is_busy() {
+            self.saver.abandon();
+        }
         // Each keeps its state. A step of a large run may take seconds: then the state is the one of up to
         // half a minute ago.
         let until = until.unwrap_or_else(|| Instant::now() + LAST_STEP);
@@ -555,13 +592,19 @@ impl Session {
             std::thread::sleep(Duration::from_millis(5));
         }
         modes.settle(restored);
+        let left = farewell::left(&self.app, &self.logbooks);
         self.terminal
-            .leave_behind(&farewell::line(&self.app, &self.saved));
+            .leave_behind(&farewell::line(&self.app, &self.saved, &left));
         // A step of a large run may take seconds: its thread ends with the process.
         std::mem::take(&mut self.workers)
             .into_values()
             .for_each(std::mem::forget);
-        Ok(ending)
+        let words = farewell::failures(&left);
+        if words.is_empty() {
+            Ok(ending)
+        } else {
+            Err(AppError::NotKept { words })
+        }
     }
 }
 
@@ -570,6 +613,10 @@ fn call_off(measuring: &mut Option<Arc<AtomicBool>>) {
     if let Some(end) = measuring.take() {
         end.store(true, Ordering::Relaxed);
     }
+}
+
+fn lock(logbook: &SharedLogbook) -> std::sync::MutexGuard<'_, Logbook> {
+    logbook.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// A scene with the anchoring that was in force at some time; `None`: there is nothing to anchor.

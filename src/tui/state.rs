@@ -4,9 +4,10 @@ use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use super::keeping::Kept;
 use super::past::Past;
 use super::reins::Reins;
-use crate::record::KeptRun;
+use crate::record::KeptAt;
 use crate::scene::{AnchoringKind, Scene};
 use crate::simulation::{Picture, Report, RunId, SetUp, Setting, Underway};
 
@@ -98,7 +99,7 @@ pub struct Slot {
     /// The scene as loaded: by it a kept run is known again.
     pub loaded: Arc<Scene>,
     /// The run of an earlier time, from which the first one goes on.
-    pub kept: Option<Arc<KeptRun>>,
+    pub kept: Option<Arc<Kept>>,
     /// The run; `None` until the slot is looked at for the first time.
     pub run: Option<Run>,
 }
@@ -123,7 +124,7 @@ pub struct Run {
     /// The anchoring in force.
     pub anchoring: Option<AnchoringKind>,
     /// The run of an earlier time that this one goes on from, until its first news.
-    pub before: Option<Arc<KeptRun>>,
+    pub before: Option<Arc<Kept>>,
     /// The scalars of all steps, decimated.
     pub history: History,
     /// The latest fields.
@@ -136,10 +137,26 @@ pub struct Run {
     pub pace: Pace,
     /// What is wrong or worth knowing, the newest last.
     pub notices: VecDeque<Notice>,
-    /// Whether anything was computed that is saved nowhere.
+    /// Whether anything was computed of which no figures are saved.
     pub unsaved: bool,
+    /// The step up to which its set was saved last.
+    pub saved: Option<u64>,
+    /// Whether its state is kept for another time.
+    pub keeping: Keeping,
     /// Whether the energy rose in the last step: said once, when it begins.
     pub rising: bool,
+}
+
+/// Whether the state of a run is kept for another time.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub enum Keeping {
+    /// It was not tried yet, or is asked for.
+    #[default]
+    Pending,
+    /// It is, so far.
+    Kept(KeptAt),
+    /// It could not be: why, in words.
+    Failed(String),
 }
 
 /// What a run is doing, as its worker has told it: a wish that is under way shows as such.

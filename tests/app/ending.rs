@@ -1,7 +1,7 @@
 //! How the app ends, and that the terminal is then as it was (points 9, 10, 11, 15, 16).
 
 use super::pty::{ENTER, FRAME, LEAVE, LIMIT, Pty, child_named, send};
-use super::{VESICA, folder, pause, running, step, wait_running};
+use super::{VESICA, folder, kept, pause, running, wait_running};
 use nix::sys::signal::Signal;
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -16,20 +16,27 @@ fn quitting_asks_restores_the_terminal_and_leaves_a_line() {
     let mut app = running(&folder, (120, 40));
     app.type_keys("q");
     app.wait_text("Leave vesica?");
+    app.wait_text("The states are kept");
     app.type_keys("y");
     app.assert_restored(0);
     let seen = app.seen();
     assert_eq!((seen.times(ENTER), seen.times(LEAVE)), (1, 1));
     let text = seen.text();
-    let line = text.lines().find(|line| line.starts_with("small: step "));
-    let line = line.unwrap_or_else(|| panic!("a line stays:\n{text}"));
+    // After the app's screen, and nothing else; it may be longer than a row.
+    let line = text.trim().replace('\n', "");
+    assert!(line.starts_with("small: step "), "{text}");
     assert!(
         line.contains(" of 1000000, t = ") && line.contains("E_total = "),
         "{line}"
     );
-    assert!(line.contains("nothing was saved"), "{line}");
-    // After the app's screen, and nothing else.
-    assert_eq!(text.trim().lines().count(), 1, "{text}");
+    let kept = kept(&folder);
+    assert_eq!(kept.len(), 1, "{kept:?}");
+    let path = kept[0].canonicalize().expect("a path");
+    assert!(
+        line.contains(&format!("; kept in {} (", path.display())),
+        "{line}"
+    );
+    assert!(line.ends_with("kB)"), "{line}");
 }
 
 #[test]
@@ -82,58 +89,20 @@ fn signals_restore_the_terminal_and_save_what_there_is() {
         assert_eq!((seen.times(ENTER), seen.times(LEAVE)), (1, 1), "{signal:?}");
         let text = seen.text().replace('\n', "");
         assert!(
-            text.contains("small: step ") && text.contains("saved in /"),
+            text.contains("small: step ") && text.contains("kept in /"),
             "{text}"
         );
-        assert!(
-            folder.path().join("saved/small-set/history.csv").is_file(),
-            "{signal:?}"
-        );
+        only_kept(&folder);
     }
 }
 
-#[test]
-fn the_next_time_it_goes_on_where_it_was() {
-    for hang_up in [false, true] {
-        let folder = folder();
-        let mut app = running(&folder, (120, 40));
-        pause(&mut app);
-        let left = step(&app.seen().text()).expect("a step");
-        if hang_up {
-            app.hang_up();
-            assert_eq!(app.exit_status(OUTLIVE), 129);
-        } else {
-            app.type_keys("qy");
-            app.assert_restored(0);
-        }
-
-        let mut app = Pty::start((120, 40), folder.path(), &[VESICA, "small.toml"], &[]);
-        app.wait_text(&format!("small at step {left}"));
-        // Nothing begins before the answer.
-        app.wait_quiet();
-        assert_eq!(step(&app.seen().text()), None);
-        app.type_keys("y");
-        app.wait("a run that goes on", |seen| {
-            step(&seen.text()).is_some_and(|step| step > left)
-        });
-        app.type_keys("qy");
-        app.assert_restored(0);
-
-        // Another scene is not meant; the answer may be no.
-        let other = [VESICA, "small.toml", "--set", "mesh.cells=18"];
-        let mut app = Pty::start((120, 40), folder.path(), &other, &[]);
-        wait_running(&app);
-        app.type_keys("qy");
-        app.assert_restored(0);
-        let mut app = Pty::start((120, 40), folder.path(), &[VESICA, "small.toml"], &[]);
-        app.wait_text("Go on where you were");
-        app.type_keys("n");
-        app.wait("a run from the beginning", |seen| {
-            step(&seen.text()).is_some_and(|step| step < left)
-        });
-        app.type_keys("qy");
-        app.assert_restored(0);
-    }
+/// One kept state is all that an end without a question leaves.
+#[track_caller]
+fn only_kept(folder: &TempDir) {
+    assert_eq!(kept(folder).len(), 1);
+    let saved = std::fs::read_dir(folder.path().join("saved")).expect("a folder");
+    let names: Vec<_> = saved.flatten().map(|entry| entry.file_name()).collect();
+    assert_eq!(names, ["unfinished"]);
 }
 
 #[test]
@@ -164,8 +133,7 @@ fn a_terminal_that_goes_away_ends_the_process() {
             }
             let status = app.exit_status(OUTLIVE);
             assert_eq!(status, 129, "SIGHUP {how}, {state}");
-            let saved = folder.path().join("saved/small-set/history.csv");
-            assert!(saved.is_file(), "SIGHUP {how}, {state}");
+            only_kept(&folder);
         }
     }
 }
@@ -187,7 +155,7 @@ fn a_link_that_takes_nothing_more_does_not_hold_up_the_end() {
     let mut app = stalled(&folder);
     app.signal(Signal::SIGTERM);
     assert_eq!(app.exit_status(OUTLIVE), 143);
-    assert!(folder.path().join("saved/small-set/history.csv").is_file());
+    only_kept(&folder);
     // What the terminal reads when the app has ended puts it back.
     app.hold(false);
     app.assert_restored(143);

@@ -6,6 +6,7 @@
 
 mod ending;
 mod input;
+mod keeping;
 mod lasting;
 mod pty;
 mod screen;
@@ -13,6 +14,7 @@ mod speed;
 
 use pty::Pty;
 use std::fs;
+use std::path::PathBuf;
 use tempfile::TempDir;
 
 const VESICA: &str = env!("CARGO_BIN_EXE_vesica");
@@ -64,6 +66,16 @@ fn wait_running(app: &Pty) {
 fn step(screen: &str) -> Option<u64> {
     let (_, after) = screen.split_once(" step ")?;
     after.split('/').next()?.trim().parse().ok()
+}
+
+/// The runs that are kept, with a whole state, in the order of their names.
+fn kept(folder: &TempDir) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder.path().join("saved/unfinished"));
+    let paths = entries.into_iter().flatten().flatten();
+    let mut paths: Vec<PathBuf> = paths.map(|entry| entry.path()).collect();
+    paths.retain(|path| path.join("checkpoint.bin").is_file());
+    paths.sort();
+    paths
 }
 
 /// Pauses the app.

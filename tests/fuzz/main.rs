@@ -17,15 +17,16 @@ mod mutation;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use mutation::Mutation;
 use vesica::record::{
-    Columns, Ending, Found, IfOccupied, KeptRun, Preparation, Resumption, RunFolder, RunKeeper,
-    Settings, read_fields, read_run,
+    Columns, Ending, Found, IfOccupied, KeptRuns, Preparation, Resumption, RunFolder, Settings,
+    read_fields, read_run,
 };
 use vesica::scene::{Expression, Scene, Triangulation, preset, preset_names, write_mesh};
-use vesica::simulation::Simulation;
+use vesica::simulation::{Memory, Simulation};
 
 /// Inputs of each target in the quick part, and in the long one.
 const QUICK: u64 = 1500;
@@ -274,17 +275,23 @@ fn checkpoint_targets(folder: &Path) -> Vec<Target> {
             }
         }),
     };
-    let kept = folder.join("kept");
+    let parent = folder.join("kept");
     let mut simulation = Simulation::new(&scene).expect("a small scene");
     simulation.advance().expect("a solvable step");
-    let mut run = KeptRun::new(&scene);
-    simulation.remember(&mut run.memory);
-    run.rows.push(simulation.report());
-    RunKeeper::new(&kept, "small", &scene)
-        .keep(&run)
-        .expect("it is written");
-    let mut files = fs::read_dir(&kept).expect("a folder").flatten();
-    let path = files.next().expect("a kept run").path();
+    let scene = Arc::new(scene);
+    let kept = KeptRuns::new(&parent, "small", &scene);
+    let mut keeper = kept.begin();
+    keeper.step(simulation.report());
+    let mut memory = Memory::default();
+    simulation.remember(&mut memory);
+    keeper.keep(memory).expect("it is written");
+    let folder = keeper.kept().expect("it is kept").folder.clone();
+    drop(keeper);
+    let files = fs::read_dir(&folder).expect("a folder").flatten();
+    let files: Vec<(PathBuf, Vec<u8>)> = files
+        .map(|entry| (entry.path(), fs::read(entry.path()).expect("a file")))
+        .collect();
+    let path = folder.join("checkpoint.bin");
     let in_the_app = Target {
         name: "kept run of the app",
         seeds: vec![fs::read(&path).expect("it is there")],
@@ -292,14 +299,21 @@ fn checkpoint_targets(folder: &Path) -> Vec<Target> {
             let mut sealed = bytes.to_vec();
             seal(&mut sealed);
             for bytes in [bytes, &sealed] {
+                // What is damaged is put aside.
+                fs::remove_dir_all(&parent).expect("it is removed");
+                fs::create_dir_all(&folder).expect("a folder");
+                for (path, text) in &files {
+                    fs::write(path, text).expect("it is written");
+                }
                 fs::write(&path, bytes).expect("it is written");
-                let Some(run) = KeptRun::find(&kept, "small", &scene) else {
+                let Some(run) = kept.find().run else {
                     continue;
                 };
                 let mut simulation = Simulation::new(&scene).expect("a small scene");
-                if simulation.recall(&run.memory).is_ok() {
+                if simulation.recall(run.memory()).is_ok() {
                     let _ = simulation.advance();
                 }
+                let _ = kept.go_on(&run);
             }
         }),
     };

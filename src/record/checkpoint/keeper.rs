@@ -3,7 +3,7 @@
 use super::{Magic, Problem, RUN, decode, encode};
 use crate::record::RecordError;
 use crate::record::atomic::{write_keeping, write_whole};
-use crate::record::folder::{NEWEST, OLDER, make};
+use crate::record::folder::{NEWEST, OLDER};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::fs::{self, File};
@@ -61,14 +61,6 @@ impl Keeper {
         }
         self.newest_is_good = true;
         Ok(())
-    }
-
-    /// Makes the folder that they are in.
-    ///
-    /// # Errors
-    /// [`RecordError::MakeFolder`].
-    pub fn make_folder(&self) -> Result<(), RecordError> {
-        self.newest.parent().map_or(Ok(()), make)
     }
 
     /// The names of both generations, the newest first.

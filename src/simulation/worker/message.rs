@@ -48,6 +48,8 @@ pub enum Command {
     /// Another T. A run that had reached its end then stands still until it is to go on: answered by
     /// [`News::Paused`].
     Until(f64),
+    /// Tell the state now. Answered by [`News::State`] where that is ordered at all.
+    Keep,
     /// End the run. Dropping the worker does the same.
     End,
 }
@@ -83,9 +85,9 @@ pub enum News {
     },
     /// One of the evenly spaced states that were ordered.
     Snapshot(Arc<Picture>),
-    /// The state, from which the run can be gone on with: where that was ordered, every so often and
-    /// before the worker ends, also in the midst of a step; unless nothing was computed since the last
-    /// time.
+    /// The state, from which the run can be gone on with: where that was ordered, every so often, when it is
+    /// asked for, and before the worker ends, also in the midst of a step; but for the asking, unless nothing
+    /// was computed since the last time.
     State(Box<Memory>),
     /// The worker stands still, as asked: the answer to every `Pause` and every `Step`, and told at
     /// the start where it was ordered to wait.

@@ -204,6 +204,7 @@ impl<Sink: Fn(Message)> Runner<Sink> {
                     going &= rest != Some(Rest::Done);
                 }
                 Ok(Command::Anchor(kind)) => self.anchor(&mut simulation, kind),
+                Ok(Command::Keep) => self.tell_state(&simulation),
                 Ok(command @ (Command::Pause | Command::Step)) if rest != Some(Rest::Done) => {
                     if command == Command::Step {
                         self.step(&mut simulation, &schedule)?;
@@ -242,7 +243,14 @@ impl<Sink: Fn(Message)> Runner<Sink> {
 
     /// Tells the state, if that was ordered and anything was computed since.
     fn keep(&mut self, simulation: &Simulation) {
-        if self.kept.interval.is_none() || self.kept.is_current {
+        if !self.kept.is_current {
+            self.tell_state(simulation);
+        }
+    }
+
+    /// Tells the state, if that was ordered.
+    fn tell_state(&mut self, simulation: &Simulation) {
+        if self.kept.interval.is_none() {
             return;
         }
         let mut memory = Box::new(Memory::default());
@@ -307,6 +315,8 @@ impl<Sink: Fn(Message)> Runner<Sink> {
             Ok(is_whole) => is_whole,
             Err(error) => {
                 self.show(simulation);
+                // The last good one.
+                self.keep(simulation);
                 return Err(error);
             }
         };

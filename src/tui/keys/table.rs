@@ -320,15 +320,20 @@ pub static BINDINGS: &[Binding] = &[
     },
     Binding {
         place: Place::Confirm,
-        keys: &[
-            key('n', Action::No),
-            key('N', Action::No),
-            named(KeyCode::Esc, Action::No),
-        ],
-        label: "n Esc",
-        plain_label: "n Esc",
+        keys: &[key('n', Action::No), key('N', Action::No)],
+        label: "n",
+        plain_label: "n",
         brief: |_| "no",
-        words: "leave everything as it is",
+        words: "leave everything as it is; where runs can be gone on with: begin anew and put them aside",
+        when: always,
+    },
+    Binding {
+        place: Place::Confirm,
+        keys: &[named(KeyCode::Esc, Action::Close)],
+        label: "Esc",
+        plain_label: "Esc",
+        brief: |_| "not now",
+        words: "leave everything as it is, also the runs that can be gone on with",
         when: always,
     },
     Binding {

@@ -7,7 +7,7 @@ use ratatui::text::{Line, Span};
 use super::shown::Shown;
 use super::text;
 use crate::tui::keys::{self, Action};
-use crate::tui::state::{App, Notice, Saving, Severity, Status};
+use crate::tui::state::{App, Keeping, Notice, Saving, Severity, Status};
 use crate::tui::theme::{Role, Theme};
 
 /// What the banner says: a word for its kind, how it is to be seen, and the text.
@@ -110,6 +110,14 @@ fn words(app: &App, shown: Option<&Shown<'_>>) -> Option<Words> {
     }
     if let Some((notice, count)) = error {
         return Some(said(notice, count));
+    }
+    if let Some(Keeping::Failed(why)) = run.map(|run| &run.keeping) {
+        return Some(Words {
+            kind: "not kept".to_owned(),
+            role: Some(Role::Bad),
+            text: why.clone(),
+            whole: true,
+        });
     }
     let underway = run.and_then(|run| run.underway);
     if let (Some(underway), false) = (underway, matches!(app.saving, Saving::Busy(_))) {

@@ -9,7 +9,7 @@ use super::text;
 use crate::record::Brief;
 use crate::scene::preset_description;
 use crate::tui::layout::centred;
-use crate::tui::state::{App, Beyond, Question};
+use crate::tui::state::{App, Beyond, Keeping, Question};
 use crate::tui::theme::{Role, Theme};
 use crate::tui::update::{expectation_wanted, offered};
 
@@ -17,17 +17,20 @@ use crate::tui::update::{expectation_wanted, offered};
 pub fn confirm(app: &App, question: Question, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
     let slot = app.slots.get(app.active);
     let name = slot.map_or("the run", |slot| slot.name.as_str());
-    let step = slot
-        .and_then(|slot| slot.run.as_ref())
-        .map_or(0, |run| run.report.step);
+    let run = slot.and_then(|slot| slot.run.as_ref());
+    let step = run.map_or(0, |run| run.report.step);
+    let saved = match run.and_then(|run| run.saved) {
+        Some(step) => format!("saved up to step {step}"),
+        None => "not saved".to_owned(),
+    };
     let title = question.title();
     let words = match question {
         Question::Restart => {
-            format!("Begin {name} anew? It is at step {step}, and not saved: n, then S saves it.")
+            format!("Begin {name} anew? It is at step {step}, and {saved}: n, then S saves it.")
         }
         Question::Reload => format!(
             "Begin {name} anew with the scene as it stands in its file now? \
-             It is at step {step}, and not saved."
+             It is at step {step}, and {saved}."
         ),
         Question::Quit => quit_words(app),
         Question::GoOn => kept_words(app),
@@ -42,13 +45,21 @@ pub fn confirm(app: &App, question: Question, theme: &Theme, screen: Rect, buffe
     for (row, words) in words.into_iter().enumerate() {
         text::line(buffer, inside, row as u16, words);
     }
-    let answers = Line::from(vec![
+    let mut answers = vec![
         Span::styled(" y ", theme.pill(Role::Warning)),
         Span::raw(" yes    "),
         Span::styled(" n ", theme.pill(Role::Accent)),
-        Span::raw(" no"),
-    ]);
-    text::line(buffer, inside, count + 1, answers);
+    ];
+    if question == Question::GoOn {
+        answers.extend([
+            Span::raw(" begin anew    "),
+            Span::styled(" Esc ", theme.pill(Role::Accent)),
+            Span::raw(" not now"),
+        ]);
+    } else {
+        answers.push(Span::raw(" no"));
+    }
+    text::line(buffer, inside, count + 1, Line::from(answers));
 }
 
 /// To what end a run would go on, and with what.
@@ -76,11 +87,12 @@ fn kept_words(app: &App) -> String {
         .iter()
         .filter_map(|slot| {
             let kept = slot.kept.as_ref()?;
-            Some(format!("{} at step {}", slot.name, kept.memory.step()))
+            Some(format!("{} at step {}", slot.name, kept.run.step()))
         })
         .collect();
     format!(
-        "Go on where you were: {}? With n the runs begin anew.",
+        "Go on where you were: {}? With n the runs begin anew and these are put aside; with Esc they stay, to be \
+         asked about the next time.",
         kept.join(", ")
     )
 }
@@ -98,24 +110,46 @@ fn improve_words(app: &App) -> String {
     format!("{why} A new run of {name}? {price}")
 }
 
-/// Which runs would be lost.
-fn quit_words(app: &App) -> String {
-    let lost: Vec<String> = app
-        .slots
-        .iter()
-        .filter_map(|slot| {
-            let run = slot.run.as_ref().filter(|run| run.unsaved)?;
-            Some(format!("{} (step {})", slot.name, run.report.step))
-        })
-        .collect();
-    match lost.len() {
-        0 => "Leave vesica?".to_owned(),
-        _ => format!(
-            "Leave vesica? No figures are saved of {}. The states are kept: you can go on with them \
-             another time.",
-            lost.join(", ")
-        ),
+/// Of which runs there are no figures, and whether their states are kept.
+pub(in crate::tui) fn quit_words(app: &App) -> String {
+    let named = app.slots.iter().filter_map(|slot| {
+        let run = slot.run.as_ref().filter(|run| run.unsaved)?;
+        Some((&slot.name, run))
+    });
+    let mut words = vec!["Leave vesica?".to_owned()];
+    let (mut pictured, mut bare, mut pending) = (Vec::new(), Vec::new(), false);
+    let mut lost = Vec::new();
+    for (name, run) in named {
+        let step = run.report.step;
+        match run.saved {
+            Some(saved) => pictured.push(format!("{name} are saved up to step {saved} of {step}")),
+            None => bare.push(format!("{name} (step {step})")),
+        }
+        match &run.keeping {
+            Keeping::Pending => pending = true,
+            Keeping::Kept(_) => {}
+            Keeping::Failed(why) => {
+                lost.push(format!(
+                    "The state of {name} cannot be kept, and is lost: {why}."
+                ));
+            }
+        }
     }
+    let is_asked = !pictured.is_empty() || !bare.is_empty();
+    if !pictured.is_empty() {
+        words.push(format!("Figures of {}.", pictured.join(", of ")));
+    }
+    if !bare.is_empty() {
+        words.push(format!("No figures are saved of {}.", bare.join(", ")));
+    }
+    if !lost.is_empty() {
+        words.extend(lost);
+    } else if pending {
+        words.push("The states are being kept ..".to_owned());
+    } else if is_asked {
+        words.push("The states are kept: you can go on with them another time.".to_owned());
+    }
+    words.join(" ")
 }
 
 /// Draws the dialog in which a scene's name is typed.
@@ -178,7 +212,10 @@ pub fn open(
         );
         row += 1;
     }
-    if let Some(name) = expectation_wanted(app) {
+    // An error says why nothing can be measured.
+    if error.is_none()
+        && let Some(name) = expectation_wanted(app)
+    {
         let words = match app.expectation.words(&name) {
             Some(words) => format!("{name}: {words}"),
             None => format!("{name}: what it takes is being measured"),

@@ -30,6 +30,9 @@ use super::state::{App, Overlay, Panel, Screen, View};
 use super::theme::{Role, Theme};
 use shown::Shown;
 
+#[cfg(test)]
+pub(super) use dialog::quit_words;
+
 /// How a panel is to look.
 #[derive(Debug, Clone, Copy)]
 struct Look {

@@ -5,13 +5,13 @@ use std::sync::Arc;
 use super::super::keys::Action;
 use super::super::message::Effect;
 use super::super::state::{
-    App, Beyond, DirectorStyle, Ending, Field, Notice, Overlay, Panel, Question, Run, Save, Screen,
-    Slot, Status,
+    App, Beyond, DirectorStyle, Ending, Field, Keeping, Notice, Overlay, Panel, Question, Run,
+    Save, Screen, Slot, Status,
 };
 use super::{leave, overlays, remark, saving};
 use crate::record::Brief;
 use crate::scene::AnchoringKind;
-use crate::simulation::{Command, step_count};
+use crate::simulation::{Command, RunId, step_count};
 use crate::study::Suggestion;
 
 /// The frame rates that the keys go through.
@@ -124,9 +124,23 @@ pub(super) fn ask(app: &mut App, question: Question, effects: &mut Vec<Effect>) 
         }),
     };
     if loses {
+        if question == Question::Quit {
+            keep(app, effects);
+        }
         app.overlay = Some(Overlay::Confirm(question));
     } else {
         consent(app, question, effects);
+    }
+}
+
+/// Has the states kept that would be lost, so that it is known how that went before anybody leaves. The
+/// thread of a run that has failed has ended, and kept its own.
+fn keep(app: &mut App, effects: &mut Vec<Effect>) {
+    for run in app.slots.iter_mut().filter_map(|slot| slot.run.as_mut()) {
+        if run.unsaved && !matches!(run.status, Status::Failed(_)) {
+            run.keeping = Keeping::Pending;
+            effects.push(Effect::Tell(run.id, Command::Keep));
+        }
     }
 }
 
@@ -134,7 +148,11 @@ pub(super) fn ask(app: &mut App, question: Question, effects: &mut Vec<Effect>) 
 pub(super) fn consent(app: &mut App, question: Question, effects: &mut Vec<Effect>) {
     match question {
         Question::Quit => leave(app, Ending::Quit, effects),
-        Question::Restart => begin_anew(app, app.active, effects),
+        Question::Restart => {
+            if let Some(run) = begin_anew(app, app.active) {
+                effects.push(Effect::Discard(run));
+            }
+        }
         // They are where the next runs begin.
         Question::GoOn => {}
         Question::GoBeyond(beyond) => go_beyond(app, beyond, effects),
@@ -145,31 +163,30 @@ pub(super) fn consent(app: &mut App, question: Question, effects: &mut Vec<Effec
         }
         Question::Reload => {
             if let Some((index, slot)) = app.reloaded.take() {
-                begin_anew(app, index, effects);
+                if let Some(run) = begin_anew(app, index) {
+                    effects.push(Effect::Drop(run));
+                }
                 if let Some(place) = app.slots.get_mut(index) {
                     *place = *slot;
                 }
                 app.screen = Screen::Run;
                 look_at(app, index);
+                app.offer_to_go_on();
             }
         }
     }
 }
 
-/// Ends the run of a slot. It begins anew when it is looked at: at once, if it is now.
-fn begin_anew(app: &mut App, index: usize, effects: &mut Vec<Effect>) {
+/// Takes the run of a slot away. Another begins when the slot is looked at: at once, if it is now.
+fn begin_anew(app: &mut App, index: usize) -> Option<RunId> {
     if index == app.active {
         look_back(app, None);
     }
-    let Some(slot) = app.slots.get_mut(index) else {
-        return;
-    };
+    let slot = app.slots.get_mut(index)?;
     slot.kept = None;
     // It may have gone beyond its end.
     Arc::make_mut(&mut slot.scene).time.end = slot.loaded.time.end;
-    if let Some(run) = slot.run.take() {
-        effects.push(Effect::Drop(run.id));
-    }
+    slot.run.take().map(|run| run.id)
 }
 
 /// Shows the run of a slot alone.
@@ -188,6 +205,9 @@ fn choose(app: &mut App, index: usize) {
     if index != app.active {
         look_back(app, None);
         app.active = index;
+        if let Some(words) = app.slots[index].remark.take() {
+            remark(app, words);
+        }
     }
     if !fields(&app.slots[index]).contains(&app.view.field) {
         app.view.field = Field::Phase;

@@ -45,13 +45,20 @@ pub fn update(app: &mut App, message: Message) -> Vec<Effect> {
                 app.stale |= app.shows(index);
             }
         }
+        Message::Kept(run, keeping) => {
+            if let Some((index, run)) = news::run_of(app, run) {
+                run.keeping = keeping;
+                app.stale |= app.shows(index) || app.overlay.is_some();
+            }
+        }
         Message::Loaded(Ok(slot)) => overlays::loaded(app, slot, &mut effects),
         Message::Loaded(Err(reason)) => overlays::not_loaded(app, reason),
         Message::Prices(text) => overlays::priced(app, text),
         Message::Expected(name, words) => expecting::expected(app, name, words),
         Message::Saved(outcome) => saving::saved(app, outcome, &mut effects),
-        Message::Signal(number) => end(app, Ending::Signal(number), &mut effects),
-        Message::HungUp => end(app, Ending::HungUp, &mut effects),
+        // What was computed is kept without asking.
+        Message::Signal(number) => leave(app, Ending::Signal(number), &mut effects),
+        Message::HungUp => leave(app, Ending::HungUp, &mut effects),
         Message::Remark(text) => remark(app, text),
         Message::Tick => {}
     }
@@ -87,20 +94,6 @@ fn press(app: &mut App, event: &KeyEvent, effects: &mut Vec<Effect>) {
 fn remark(app: &mut App, text: impl Into<String>) {
     app.remark = Some(text.into());
     app.stale = true;
-}
-
-/// Ends the app because someone else wants it: what was computed is saved without asking.
-///
-/// The active run comes first: there may be no time for all.
-fn end(app: &mut App, ending: Ending, effects: &mut Vec<Effect>) {
-    let is_unsaved = |index: &usize| {
-        let run = app.slots[*index].run.as_ref();
-        run.is_some_and(|run| run.unsaved)
-    };
-    let mut unsaved: Vec<usize> = (0..app.slots.len()).filter(is_unsaved).collect();
-    unsaved.sort_by_key(|index| *index != app.active);
-    effects.extend(unsaved.into_iter().map(Effect::SaveSet));
-    leave(app, ending, effects);
 }
 
 fn leave(app: &mut App, ending: Ending, effects: &mut Vec<Effect>) {

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use super::super::history::History;
 use super::super::reins::Stand;
 use super::super::state::{App, Notice, Run, Screen, Severity, Status};
 use crate::scene::{AnchoringKind, Warning};
@@ -135,7 +134,7 @@ fn take(run: &mut Run, report: Report, law_tolerance: f64) {
         report.step.saturating_add(left)
     });
     if let Some(before) = run.before.take() {
-        run.history = History::of(&before, &report);
+        run.history = before.curves.clone();
         // Of the energy that it rises from.
         run.report = report.clone();
     }

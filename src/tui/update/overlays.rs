@@ -1,9 +1,11 @@
 //! What lies over the screen and takes the keys first, and scenes that come from there.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
 
+use super::super::keeping::Kept;
 use super::super::keys::{self, Action};
 use super::super::message::Effect;
 use super::super::state::{App, Ending, Overlay, Question, Slot};
@@ -45,11 +47,21 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
             app.overlay = None;
             consent(app, question, effects);
         }
-        (Action::No, Some(Overlay::Confirm(question))) => {
+        (Action::Close, Some(Overlay::Confirm(Question::GoOn))) => {
+            app.overlay = None;
+            take_kept(app);
+            remark(
+                app,
+                "what was kept stays as it is, to be asked about the next time; the runs of now are \
+                 kept beside it",
+            );
+        }
+        (Action::No | Action::Close, Some(Overlay::Confirm(question))) => {
             let question = *question;
             app.overlay = None;
             if question == Question::GoOn {
-                app.slots.iter_mut().for_each(|slot| slot.kept = None);
+                let kept = take_kept(app);
+                effects.push(Effect::PutAside(kept));
             }
             if question == Question::Improve {
                 app.improved = None;
@@ -110,6 +122,13 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
         }
         _ => {}
     }
+}
+
+/// The kept runs, which are no longer offered, with their slots.
+fn take_kept(app: &mut App) -> Vec<(usize, Arc<Kept>)> {
+    let slots = app.slots.iter_mut().enumerate();
+    let kept = slots.filter_map(|(index, slot)| Some((index, slot.kept.take()?)));
+    kept.collect()
 }
 
 /// The next line of a list; before the first and after the last there is none chosen.

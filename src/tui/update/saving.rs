@@ -30,9 +30,9 @@ pub(super) fn saved(app: &mut App, outcome: Result<PathBuf, String>, effects: &m
         Ok(path) => {
             if let Some(Save::Set { run, step, .. }) = done
                 && let Some((_, run)) = news::run_of(app, run)
-                && run.report.step == step
             {
-                run.unsaved = false;
+                run.saved = Some(step);
+                run.unsaved &= run.report.step != step;
             }
             effects.push(Effect::Copy(path.display().to_string()));
             // Over what a failed run has to say, until the next key.

@@ -8,12 +8,13 @@ use ratatui::style::Color;
 use super::made_up::{self, notice};
 use super::{THEMES, characters, drawn, with_styles};
 use crate::fem::Mesh;
+use crate::record::KeptAt;
 use crate::scene::AnchoringKind;
 use crate::simulation::Picture;
 use crate::tui::colour_map::COLOUR_MAPS;
 use crate::tui::layout::divide;
 use crate::tui::state::{
-    App, DirectorStyle, Field, Overlay, Panel, Question, Saving, Screen, Severity, Status,
+    App, DirectorStyle, Field, Keeping, Overlay, Panel, Question, Saving, Screen, Severity, Status,
 };
 use crate::tui::theme::{ColorTier, Theme};
 
@@ -75,7 +76,13 @@ const CHANGES: &[Change] = &[
         app.overlay = Some(Overlay::Help { scroll: 900 })
     }),
     ("quit", |app| {
-        made_up::run(app).unsaved = true;
+        let run = made_up::run(app);
+        run.unsaved = true;
+        run.keeping = Keeping::Kept(KeptAt {
+            folder: "saved/unfinished/case3-00000000".into(),
+            step: 400,
+            bytes: 2_700_000,
+        });
         app.overlay = Some(Overlay::Confirm(Question::Quit));
     }),
     ("restart", |app| {

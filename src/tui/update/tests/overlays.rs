@@ -5,9 +5,11 @@ use std::path::PathBuf;
 use crossterm::event::{KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 
 use super::super::super::message::{Effect, Message};
-use super::super::super::state::{Ending, Overlay, Question, Slot, Status};
+use super::super::super::panel::quit_words;
+use super::super::super::state::{Ending, Keeping, Overlay, Question, Slot, Status};
 use super::super::offered;
 use super::rig::{Rig, scene, slot};
+use crate::record::KeptAt;
 use crate::simulation::ErrorBudget;
 
 fn typed(rig: &Rig) -> (&str, Option<usize>, Option<&str>) {
@@ -255,6 +257,12 @@ fn runs_of_an_earlier_time_are_offered_before_anything_begins() {
         assert_eq!(rig.app.overlay, None);
         let run = rig.app.active_run().expect("it has begun");
         assert_eq!(run.before.is_some(), offered_again);
+        let aside = rig.effects.drain(..).find_map(|effect| match effect {
+            Effect::PutAside(kept) => Some(kept),
+            _ => None,
+        });
+        // Where it began anew what was kept is not lost.
+        assert_eq!(aside.is_some_and(|kept| kept[0].0 == 2), !offered_again);
         // Begun anew it begins at the beginning.
         rig.keys("ry");
         assert!(rig.app.slots[2].kept.is_none());
@@ -266,6 +274,69 @@ fn runs_of_an_earlier_time_are_offered_before_anything_begins() {
     let mut rig = Rig::asked(slots);
     rig.press_control('c');
     assert_eq!(rig.app.ending, Some(Ending::Quit));
+}
+
+#[test]
+fn escape_leaves_the_runs_of_an_earlier_time_as_they_are() {
+    let mut slots: Vec<Slot> = ["case1", "case2", "case3"].map(slot).into();
+    slots[2].kept = Some(Default::default());
+    let mut rig = Rig::asked(slots);
+    rig.press(KeyCode::Esc);
+    assert_eq!(rig.app.overlay, None);
+    let run = rig.app.active_run().expect("it has begun");
+    assert!(run.before.is_none());
+    assert!(rig.effects.is_empty(), "{:?}", rig.effects);
+    let told = rig.app.remark.as_deref().expect("it is told");
+    assert!(told.contains("stays as it is"), "{told}");
+}
+
+#[test]
+fn states_are_kept_before_it_is_said_that_they_are() {
+    let mut rig = Rig::new();
+    rig.work(3);
+    rig.keys("q");
+    assert_eq!(rig.app.overlay, Some(Overlay::Confirm(Question::Quit)));
+    let words = |rig: &Rig| quit_words(&rig.app);
+    assert!(words(&rig).contains("are being kept"), "{}", words(&rig));
+    let run = rig.run(2).id;
+    let kept = KeptAt {
+        folder: "there".into(),
+        step: 3,
+        bytes: 1,
+    };
+    rig.tell(Message::Kept(run, Keeping::Kept(kept)));
+    assert!(
+        words(&rig).contains("The states are kept"),
+        "{}",
+        words(&rig)
+    );
+    // Asked again, it is kept again.
+    rig.keys("nq");
+    assert!(words(&rig).contains("are being kept"), "{}", words(&rig));
+    rig.tell(Message::Kept(
+        run,
+        Keeping::Failed("the disk is full".into()),
+    ));
+    assert!(
+        words(&rig).contains("is lost: the disk is full"),
+        "{}",
+        words(&rig)
+    );
+    assert!(!words(&rig).contains("another time"), "{}", words(&rig));
+    // Of figures that were saved it is not said that there are none.
+    rig.fetch();
+    rig.keys("n S");
+    let step = rig.run(2).report.step;
+    rig.tell(Message::Saved(Ok("set".into())));
+    rig.keys(" ");
+    rig.work(9);
+    rig.keys("q");
+    let words = words(&rig);
+    assert!(!words.contains("No figures"), "{words}");
+    assert!(
+        words.contains(&format!("case3 are saved up to step {step} of ")),
+        "{words}"
+    );
 }
 
 #[test]

@@ -70,7 +70,7 @@ impl Watched {
                     self.workers.insert(run, Worker::start(orders, scene, sink));
                 }
                 Effect::Tell(run, command) => self.workers[&run].tell(command),
-                Effect::Drop(run) => drop(self.workers.remove(&run)),
+                Effect::Drop(run) | Effect::Discard(run) => drop(self.workers.remove(&run)),
                 other => panic!("{other:?}"),
             }
         }

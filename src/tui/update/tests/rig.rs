@@ -242,7 +242,7 @@ impl Rig {
                     let worker = self.workers.get_mut(&run).expect("a run that was started");
                     worker.commands.push_back(command);
                 }
-                Effect::Drop(run) => {
+                Effect::Drop(run) | Effect::Discard(run) => {
                     self.workers.remove(&run).expect("a run that was started");
                 }
                 other => self.effects.push(other),
