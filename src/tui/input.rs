@@ -1,6 +1,6 @@
 //! Keys, read by a thread of its own.
 //!
-//! The bytes are read here and only taken apart by a library: crossterm's own reader never returns
+//! The bytes are read here, and the decoder takes them apart: crossterm's own reader never returns
 //! once the terminal is gone (it reads the end of the file again and again), waits for the rest of
 //! a sequence with no way to interrupt it, and cannot be made to let go of the terminal for an
 //! editor.
