@@ -3,14 +3,19 @@
 use crate::fem::Contour;
 use std::collections::HashMap;
 
-/// Ends of segments that are as near as this are one point.
+/// Ends of segments that are as near as this are one point, in parts of the greatest coordinate.
 const NEAR: f64 = 1e-7;
 
 /// The zero set's segments, chained to curves: closed ones end where they begin.
 ///
 /// Neighbouring triangles give the same end of a segment, up to rounding.
 pub(super) fn chain(contour: &Contour) -> Vec<Vec<[f64; 2]>> {
-    let mut ends = Ends::default();
+    let coordinates = contour.segments.iter().flatten().flatten();
+    let greatest = coordinates.fold(0.0_f64, |greatest, at| greatest.max(at.abs()));
+    let mut ends = Ends {
+        near: NEAR * greatest,
+        ..Ends::default()
+    };
     let segments: Vec<[usize; 2]> = contour
         .segments
         .iter()
@@ -54,13 +59,14 @@ pub(super) fn chain(contour: &Contour) -> Vec<Vec<[f64; 2]>> {
 /// Points, those that are near each other with one number.
 #[derive(Default)]
 struct Ends {
+    near: f64,
     places: Vec<[f64; 2]>,
     by_cell: HashMap<[i64; 2], usize>,
 }
 
 impl Ends {
     fn number(&mut self, place: [f64; 2]) -> usize {
-        let cell = place.map(|coordinate| (coordinate / NEAR).round() as i64);
+        let cell = place.map(|coordinate| (coordinate / self.near).round() as i64);
         for dx in -1..=1 {
             for dy in -1..=1 {
                 if let Some(&number) = self.by_cell.get(&[cell[0] + dx, cell[1] + dy]) {
@@ -104,6 +110,20 @@ mod tests {
         // Of order h²; chords are too short.
         assert!(error(50) < 1e-3, "{}", error(50));
         assert!(error(100) < error(50) / 3.0);
+    }
+
+    #[test]
+    fn the_membrane_of_a_domain_in_metres_is_one_curve_too() {
+        let mesh = Mesh::structured(40, 0.0, 1).expect("a fair mesh");
+        let circle = |&[x, y]: &[f64; 2]| 0.3 - (x - 0.5).hypot(y - 0.5);
+        let values: Vec<f64> = mesh.nodes().iter().map(circle).collect();
+        let mut contour = Contour::new(&mesh, &values);
+        let whole = chain(&contour);
+        let ends = contour.segments.iter_mut().flatten().flatten();
+        ends.for_each(|coordinate| *coordinate *= 1e-6);
+        let small = chain(&contour);
+        assert_eq!(small.len(), 1);
+        assert_eq!(small[0].len(), whole[0].len());
     }
 
     #[test]
