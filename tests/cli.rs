@@ -322,7 +322,8 @@ fn a_domain_without_a_vesicle_is_refused() {
     let folder = folder_with_scene();
     let path = folder.path();
     let circle = "vesicle={ shape = 'circle', radius = 0.9 }";
-    let words = "the vesicle covers the whole domain, which reaches from (0, 0) to (1.00, 1.00)";
+    let words =
+        "no vesicle in the domain: the outline is around all of it, from (0, 0) to (1.00, 1.00)";
     // On a mesh that the check does not make, too.
     for cells in ["mesh.cells=12", "mesh.cells=400"] {
         let scene = ["small.toml", "--set", circle, "--set", cells];

@@ -28,7 +28,7 @@ fn end_of(name: &str) -> (OutlineMeasure, [f64; 2]) {
         .map(|w| w.to_string())
         .collect();
     assert!(
-        !warnings.iter().any(|warning| warning.contains("SHAPE")),
+        !warnings.iter().any(|warning| warning.contains("trusted")),
         "{name}: {warnings:?}"
     );
     while simulation.report().t < scene.time.end {

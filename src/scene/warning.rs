@@ -87,13 +87,14 @@ impl fmt::Display for Warning {
                 write!(
                     f,
                     "the interface spans {} cells of the mesh (membrane.interface_width · mesh.cells \
-                     = {interface_width} · {cells}), {}; ",
+                     = {interface_width:?} · {cells}), {}; ",
                     significant(spanned, 3),
                     consequence(spanned),
                 )?;
-                let enough =
-                    |wanted: f64| format!("mesh.cells = {}", (wanted / interface_width).ceil());
-                remedy(f, spanned, enough, "or more")
+                let enough = |wanted: f64| {
+                    format!("mesh.cells = {} or more", (wanted / interface_width).ceil())
+                };
+                remedy(f, spanned, enough)
             }
             Self::ThinInterfaceInTriangles {
                 interface_width,
@@ -104,17 +105,19 @@ impl fmt::Display for Warning {
                 write!(
                     f,
                     "the interface spans {} triangles of the mesh (membrane.interface_width = \
-                     {interface_width}, edges at the membrane {}), {}; ",
+                     {interface_width:?}, edges at the membrane {}), {}; ",
                     significant(spanned, 3),
                     significant(edge, 3),
                     consequence(spanned),
                 )?;
                 let enough = |wanted: f64| {
-                    let key = key.unwrap_or("a mesh with edges there");
-                    let of = if key.contains(' ') { "of" } else { "=" };
-                    format!("{key} {of} {:.2e}", interface_width / wanted)
+                    let edge = interface_width / wanted;
+                    match key {
+                        Some(key) => format!("{key} = {edge:.2e} or less"),
+                        None => format!("a mesh with edges of {edge:.2e} or less there"),
+                    }
                 };
-                remedy(f, spanned, enough, "or less")
+                remedy(f, spanned, enough)
             }
             Self::NoMembrane { inside } => write!(
                 f,
@@ -194,11 +197,16 @@ fn rounded(value: f64) -> f64 {
     format!("{value:.11e}").parse().unwrap_or(value)
 }
 
+/// Whether there are fewer cells than these. Rounding must not make 0.03 · 100 fewer than 3.
+fn is_fewer(spanned: f64, cells: f64) -> bool {
+    spanned * (1.0 + f64::EPSILON) < cells
+}
+
 /// What an interface that spans too few cells does, in words.
 fn consequence(spanned: f64) -> String {
-    if spanned < CELLS_FOR_SHAPES {
+    if is_fewer(spanned, CELLS_FOR_SHAPES) {
         format!(
-            "fewer than {CELLS_FOR_SHAPES}: the membrane sticks to the mesh, so the SHAPE CANNOT BE TRUSTED, \
+            "fewer than {CELLS_FOR_SHAPES}: the membrane sticks to the mesh, so the shape cannot be trusted, \
              nor can the energies"
         )
     } else {
@@ -210,22 +218,15 @@ fn consequence(spanned: f64) -> String {
 }
 
 /// What to take in its place: `enough` says it for as many cells as are wanted.
-fn remedy(
-    f: &mut fmt::Formatter<'_>,
-    spanned: f64,
-    enough: impl Fn(f64) -> String,
-    or: &str,
-) -> fmt::Result {
-    if spanned < CELLS_FOR_SHAPES {
-        write!(f, "for shapes take {} {or}, ", enough(CELLS_FOR_SHAPES))?;
-        write!(f, "for accurate energies {}", enough(CELLS_FOR_ENERGIES))
-    } else {
-        write!(
-            f,
-            "for accurate energies take {} {or}",
-            enough(CELLS_FOR_ENERGIES)
-        )
+fn remedy(f: &mut fmt::Formatter<'_>, spanned: f64, enough: impl Fn(f64) -> String) -> fmt::Result {
+    if is_fewer(spanned, CELLS_FOR_SHAPES) {
+        write!(f, "for shapes take {}, and ", enough(CELLS_FOR_SHAPES))?;
     }
+    write!(
+        f,
+        "for accurate energies take {}",
+        enough(CELLS_FOR_ENERGIES)
+    )
 }
 
 /// The warnings that need no more than the scene's numbers and `edge`, the length of an edge at the
@@ -254,8 +255,7 @@ pub fn warnings(scene: &Scene, edge: Option<f64>) -> Vec<Warning> {
 /// The warning of an interface that spans too few cells, or triangles.
 fn thin_interface(scene: &Scene, edge: Option<f64>) -> Option<Warning> {
     let interface_width = scene.membrane.interface_width;
-    // Rounding must not warn of 0.03 · 100 cells.
-    let is_thin = |spanned: f64| spanned * (1.0 + f64::EPSILON) < CELLS_FOR_ENERGIES;
+    let is_thin = |spanned: f64| is_fewer(spanned, CELLS_FOR_ENERGIES);
     let (key, wanted) = match scene.mesh {
         Mesh::Structured { cells, .. } => {
             return is_thin(interface_width * cells as f64).then_some(Warning::ThinInterface {
@@ -336,7 +336,7 @@ mod tests {
             text.contains("1.20 cells") && text.contains("mesh.cells = 300"),
             "{text}"
         );
-        assert!(!text.contains("SHAPE"), "{text}");
+        assert!(!text.contains("trusted"), "{text}");
     }
 
     #[test]
@@ -345,12 +345,12 @@ mod tests {
         let grid = text(&scene(0.01, 48), None);
         for words in [
             "0.480 cells",
-            "SHAPE CANNOT BE TRUSTED",
+            "shape cannot be trusted",
             "mesh.cells = 100 or more",
         ] {
             assert!(grid.contains(words), "{grid}");
         }
-        assert!(!text(&scene(0.01, 100), None).contains("SHAPE"));
+        assert!(!text(&scene(0.01, 100), None).contains("trusted"));
         // On other meshes the edges at the membrane count, not the ones that are asked for.
         let mut delaunay = scene(0.01, 4);
         delaunay.mesh = Mesh::Delaunay {
@@ -361,17 +361,17 @@ mod tests {
                 size: 0.0095,
             }),
         };
-        assert!(!text(&delaunay, None).contains("SHAPE"));
+        assert!(!text(&delaunay, None).contains("trusted"));
         let coarse = text(&delaunay, Some(0.012));
         for words in [
             "0.833 triangles",
             "edges at the membrane 0.0120",
-            "SHAPE CANNOT BE TRUSTED",
+            "shape cannot be trusted",
             "mesh.refine.size = 1.00e-2 or less",
         ] {
             assert!(coarse.contains(words), "{coarse}");
         }
-        assert!(!text(&delaunay, Some(0.0099)).contains("SHAPE"));
+        assert!(!text(&delaunay, Some(0.0099)).contains("trusted"));
         delaunay.membrane.interface_width = 1e-7;
         let small = text(&delaunay, Some(1e-6));
         assert!(small.contains("edges at the membrane 1.00e-6"), "{small}");

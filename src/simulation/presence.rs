@@ -31,8 +31,8 @@ pub enum NoVesicle {
     },
     /// The domain is within the outline.
     #[error(
-        "the vesicle covers the whole domain, which reaches from {} to {}, so there is no membrane in \
-         it: make it smaller",
+        "no vesicle in the domain: the outline is around all of it, from {} to {}, so there is no membrane; \
+         make it smaller",
         Point(*lower),
         Point(*upper)
     )]
@@ -213,11 +213,11 @@ mod tests {
                 &[one_outside],
                 "part 2 of vesicle.parts lies outside of the domain",
             ),
-            (&[around], "the vesicle covers the whole domain"),
-            (&[around, clamped], "covers the whole domain"),
+            (&[around], "the outline is around all of it"),
+            (&[around, clamped], "the outline is around all of it"),
             (
                 &[around, clamped, "vesicle.projection=nodal"],
-                "covers the whole domain",
+                "the outline is around all of it",
             ),
             (&[tiny], "φ is positive at no node of the mesh"),
             (&["vesicle.scale=0"], "the initial φ is between 0 and 0"),
