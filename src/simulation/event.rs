@@ -16,7 +16,7 @@ pub struct Event {
     pub kind: EventKind,
 }
 
-/// A Δt below this part of time.step is told of at once.
+/// A Δt below this part of the first is told of at once.
 const SHORT: f64 = 1e-6;
 
 /// What happened.
@@ -45,12 +45,13 @@ pub enum EventKind {
         /// Why the last of the longer ones failed.
         reason: String,
     },
-    /// Within the step Δt has fallen below a millionth of time.step: told at once, for the step may take hours.
+    /// Within the step Δt has fallen below a millionth of that with which the run began: told at once, for the
+    /// step may take hours.
     ShortSteps {
         /// The Δt that is tried next.
         dt: f64,
-        /// time.step.
-        asked: f64,
+        /// time.step, or the Δt that is tried first where it is chosen.
+        first: f64,
         /// Why the last of the longer ones failed.
         reason: String,
     },
@@ -78,13 +79,13 @@ impl EventKind {
     /// That the steps have become short, if they have just become so: where Δt was `before` and is `dt` next.
     pub(super) fn of_short_steps(
         [before, dt]: [f64; 2],
-        asked: f64,
+        first: f64,
         reason: &StepError,
     ) -> Option<Self> {
-        let limit = SHORT * asked;
+        let limit = SHORT * first;
         (before >= limit && dt < limit).then(|| Self::ShortSteps {
             dt,
-            asked,
+            first,
             reason: reason.to_string(),
         })
     }
@@ -125,12 +126,12 @@ impl fmt::Display for EventKind {
                 f,
                 "the step was divided, down to \u{394}t = {smallest:.1e}, since a longer one failed: {reason}"
             ),
-            EventKind::ShortSteps { dt, asked, reason } => write!(
+            EventKind::ShortSteps { dt, first, reason } => write!(
                 f,
-                "\u{394}t has fallen to {dt:.1e} within this step, less than a millionth of time.step = {asked:.1e}: \
-                 it may take very long. Better conditions are more cells at the membrane (mesh.cells, \
-                 membrane.interface_width), softer parameters (a larger area.penalty, smaller weights, a \
-                 spontaneous curvature without jumps), or a smoother initial state. The longer steps failed: {reason}"
+                "\u{394}t has fallen to {dt:.1e} within this step, less than a millionth of the {first:.1e} of the \
+                 first attempt: the step may take very long. Better conditions are more cells at the membrane \
+                 (mesh.cells, membrane.interface_width), softer parameters (a larger area.penalty, smaller weights, \
+                 a spontaneous curvature without jumps), or a smoother initial state. The longer steps failed: {reason}"
             ),
             EventKind::Damped { factor } => write!(
                 f,

@@ -506,8 +506,8 @@ impl Simulation {
             };
             taken.ladder.refuse();
             let lengths = [attempt.dt, controller.attempt(t, landing).dt];
-            let asked = self.scene.time.step;
-            if let Some(kind) = EventKind::of_short_steps(lengths, asked, &reason) {
+            let first = self.scene.time.step;
+            if let Some(kind) = EventKind::of_short_steps(lengths, first, &reason) {
                 self.events.push(Event { step, t, kind });
                 has_news = true;
             }

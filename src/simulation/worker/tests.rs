@@ -520,8 +520,10 @@ fn a_step_that_fails_is_told_after_all_before_it() {
         ..orders()
     };
     let watched = start(orders, scene);
-    let words: Vec<String> = (0..3).map(|_| word(&watched.next())).collect();
-    assert_eq!(words, ["ready", "[0]", &format!("failed: {error}")]);
+    let words: Vec<String> = (0..4).map(|_| word(&watched.next())).collect();
+    // The event comes while the step is taken.
+    let failed = format!("failed: {error}");
+    assert_eq!(words, ["ready", "[0]", "short-steps", &failed]);
     assert!(watched.news.recv_timeout(PATIENCE).is_err(), "nothing more");
     assert_eq!(fetched(&watched.worker), (0, initial));
 }
