@@ -487,11 +487,17 @@ fn a_hard_step_is_told_and_kept_in_its_midst() {
     drop(worker);
 
     let (_worker, news) = start(Some(kept.clone()));
-    let told: Vec<News> = (0..4)
-        .map(|_| news.recv_timeout(PATIENCE).unwrap())
-        .collect();
-    let (News::Reports(reports), News::Underway(again)) = (&told[1], &told[2]) else {
-        panic!("{told:?}");
+    let mut next = || {
+        loop {
+            match news.recv_timeout(PATIENCE).unwrap() {
+                News::SettingUp(_) => {}
+                news => break news,
+            }
+        }
+    };
+    let (News::Ready(_), News::Reports(reports), News::Underway(again)) = (next(), next(), next())
+    else {
+        panic!("other news");
     };
     assert_eq!((reports[0].step, reports[0].t), (0, 0.0));
     assert_eq!((again.step, again.t), (1, kept.t()));

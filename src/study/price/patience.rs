@@ -27,7 +27,7 @@ impl<'a> Patience<'a> {
 
     /// Whether it is at its end.
     pub(super) fn is_out(&mut self) -> bool {
-        self.is_ended |= !(self.go_on)();
+        self.is_ended = self.is_ended || !(self.go_on)();
         self.is_ended || self.begun.elapsed() >= self.limit
     }
 
