@@ -487,7 +487,7 @@ fn a_hard_step_is_told_and_kept_in_its_midst() {
     drop(worker);
 
     let (_worker, news) = start(Some(kept.clone()));
-    let mut next = || {
+    let next = || {
         loop {
             match news.recv_timeout(PATIENCE).unwrap() {
                 News::SettingUp(_) => {}
