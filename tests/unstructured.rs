@@ -8,7 +8,6 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use common::{TIGHT, energy_scale, scheme};
-use vesica::fem::Mesh;
 use vesica::record::read_fields;
 use vesica::scene::{Scene, Triangulation, write_mesh};
 use vesica::simulation::Simulation;
