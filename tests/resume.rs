@@ -390,6 +390,235 @@ fn damage_is_recognised_and_the_older_checkpoint_taken() {
     assert!(told.contains("no checkpoint"), "{told}");
 }
 
+/// Where the run stands whose tables and fields are changed in the tests that follow.
+struct Changed {
+    folder: tempfile::TempDir,
+}
+
+impl Changed {
+    const RUN: [&str; 6] = ["run", "small.toml", "--snapshots", "5", "--steps", "40"];
+
+    fn new() -> Self {
+        let folder = folder_with_scene();
+        let whole = [&Self::RUN[..], &["--out", "whole"]].concat();
+        vesica(folder.path(), &whole, 0);
+        Self { folder }
+    }
+
+    /// Begins the run and ends it at half its time, changes something of it, goes on with it, and gives what
+    /// was told.
+    fn go_on_after(&self, change: impl FnOnce(&Path)) -> String {
+        let path = self.folder.path();
+        let run = path.join("a");
+        let _ = fs::remove_dir_all(&run);
+        // The snapshots of a run of 40 steps, up to step 20.
+        let half = [
+            "run",
+            "small.toml",
+            "--snapshots",
+            "3",
+            "--steps",
+            "20",
+            "--out",
+            "a",
+        ];
+        vesica(path, &half, 0);
+        change(&run);
+        let more = ["--out", "a", "--resume", "--quiet"];
+        let told = vesica(path, &[&Self::RUN[..], &more].concat(), 0);
+        let event = summary(&run)["events"][0]["text"].to_string();
+        for line in told.lines() {
+            let words = line.trim_start_matches("warning: ").replace('"', "\\\"");
+            assert!(event.contains(&words), "{words}: {event}");
+        }
+        told
+    }
+
+    /// That the tables are those of the run that nobody has changed.
+    #[track_caller]
+    fn assert_tables(&self, but_for: &[&str]) {
+        let [found, wanted] = ["a", "whole"].map(|name| record(&self.folder.path().join(name)));
+        for table in ["history.csv", "ledger.csv", "shape.csv", "final.vtu"] {
+            let is_same = found[Path::new(table)] == wanted[Path::new(table)];
+            assert_eq!(is_same, !but_for.contains(&table), "{table}");
+        }
+    }
+}
+
+fn rewrite(path: &Path, change: impl FnOnce(String) -> String) {
+    let text = fs::read_to_string(path).expect("it is there");
+    fs::write(path, change(text)).expect("it can be written");
+}
+
+/// What a spreadsheet or an editor makes of a table is read, and brought back bit for bit.
+#[test]
+fn tables_that_another_program_has_rewritten_are_brought_back() {
+    let changed = Changed::new();
+    let windows: fn(String) -> String = |text| format!("\u{feff}{}", text.replace('\n', "\r\n"));
+    let quoted: fn(String) -> String = |text| {
+        let quote = |line: &str| format!("\"{}\"\n", line.replace(',', "\",\""));
+        text.lines().map(quote).collect()
+    };
+    let german: fn(String) -> String = |text| text.replace(',', ";").replace('.', ",");
+    let blank: fn(String) -> String = |text| text.replace('\n', ",,\n") + ",,,\n\n\n";
+    let cut: fn(String) -> String = |text| text.trim_end().to_owned();
+    let backward: fn(String) -> String = |text| {
+        let (header, rows) = text.split_once('\n').expect("a header");
+        let mut rows: Vec<&str> = rows.lines().collect();
+        rows.reverse();
+        format!("{header}\n{}\n", rows.join("\n"))
+    };
+    let others: fn(String) -> String = |text| {
+        let add = |line: &str| format!("note,{line}\n");
+        text.lines().map(add).collect()
+    };
+    for (change, words) in [
+        (windows, "byte-order mark, CR LF"),
+        (quoted, "quoted cells"),
+        (german, "other separators"),
+        (blank, "blank lines"),
+        (cut, "no end of the last line"),
+        (backward, "rows in another order"),
+        (others, "further ones"),
+    ] {
+        let told = changed.go_on_after(|run| {
+            for table in ["history.csv", "ledger.csv", "shape.csv"] {
+                rewrite(&run.join(table), change);
+            }
+        });
+        for table in ["history.csv", "ledger.csv", "shape.csv"] {
+            let line = told
+                .lines()
+                .find(|line| line.contains(table))
+                .expect("it is told");
+            assert!(
+                line.contains(words) && line.contains("all its numbers"),
+                "{line}"
+            );
+        }
+        changed.assert_tables(&[]);
+    }
+    // Whoever looks at such a run sees it too.
+    let history = changed.folder.path().join("a/history.csv");
+    rewrite(&history, windows);
+    let figures = ["figures", "a", "--out", "b", "--quiet"];
+    vesica(changed.folder.path(), &figures[..4], 0);
+}
+
+/// What cannot be brought back is told with its place, and the run goes on.
+#[test]
+fn tables_that_are_damaged_are_told_and_the_run_goes_on() {
+    let changed = Changed::new();
+    let line = |number: usize, change: fn(&str) -> String| {
+        move |text: String| -> String {
+            let lines = text.lines().enumerate();
+            lines
+                .map(|(index, line)| match index + 1 == number {
+                    true => change(line),
+                    false => format!("{line}\n"),
+                })
+                .collect()
+        }
+    };
+    let no_number = line(4, |line| line.replacen(",1e-6,", ",soon,", 1) + "\n");
+    let missing = line(5, |_| String::new());
+    let twice = line(6, |line| format!("{line}\n{line}\n"));
+    let other = line(7, |line| line.replacen(",1e-6,", ",2e-6,", 1) + "\n");
+    let nonsense = line(8, |_| "\u{1}nonsense\n".to_owned());
+    let earlier = line(9, |line| {
+        let (step, rest) = line.split_once(',').expect("cells");
+        let (_, rest) = rest.split_once(',').expect("cells");
+        format!("{step},1e-9,{rest}\n")
+    });
+    type Change<'a> = &'a dyn Fn(String) -> String;
+    let changes: [(Change<'_>, &str, bool); 6] = [
+        (
+            &no_number,
+            "line 4, column dt had \"soon\", which is no number",
+            false,
+        ),
+        (
+            &missing,
+            "1 of 21 rows are missing, the first of them between the steps 2 and 4",
+            false,
+        ),
+        (
+            &twice,
+            "line 7 is left out: step 4 stands in line 6 too",
+            true,
+        ),
+        (
+            &other,
+            "its numbers are not those that the run wrote",
+            false,
+        ),
+        (&nonsense, "line 8 is left out: it has no step", false),
+        (
+            &earlier,
+            "line 9 has t = 0.000000001, after t = 0.000006 in line 8",
+            false,
+        ),
+    ];
+    for (change, words, is_whole) in changes {
+        let told = changed.go_on_after(|run| rewrite(&run.join("history.csv"), change));
+        assert!(told.contains(words), "{words}: {told}");
+        let but_for: &[&str] = if is_whole { &[] } else { &["history.csv"] };
+        changed.assert_tables(but_for);
+        vesica(
+            changed.folder.path(),
+            &["figures", "a", "--out", "b", "--force"],
+            0,
+        );
+    }
+    let told = changed.go_on_after(|run| {
+        fs::remove_file(run.join("ledger.csv")).expect("it is there");
+    });
+    assert!(told.contains("ledger.csv is gone, with 20 rows"), "{told}");
+    changed.assert_tables(&["ledger.csv"]);
+}
+
+/// Fields that were removed to have room are told, and the list has those that are there.
+#[test]
+fn snapshots_that_are_gone_are_told_and_no_longer_listed() {
+    let changed = Changed::new();
+    let all = "step-0000000.vtu, step-0000010.vtu, step-0000020.vtu";
+    let cut = |path: PathBuf| rewrite(&path, |text| text[..text.len() / 2].to_owned());
+    type Change<'a> = &'a dyn Fn(&Path);
+    let changes: [(Change<'_>, &str, &[u64]); 3] = [
+        (
+            &|fields| fs::remove_dir_all(fields).expect("it is there"),
+            all,
+            &[30, 40],
+        ),
+        (
+            &|fields| fs::remove_file(fields.join("step-0000010.vtu")).expect("it is there"),
+            "1 of 3 snapshots in a/fields are gone or damaged, and no longer listed in fields.pvd: \
+             step-0000010.vtu",
+            &[0, 20, 30, 40],
+        ),
+        (
+            &|fields| cut(fields.join("step-0000000.vtu")),
+            "step-0000000.vtu",
+            &[10, 20, 30, 40],
+        ),
+    ];
+    for (change, words, listed) in changes {
+        let told = changed.go_on_after(|run| change(&run.join("fields")));
+        assert!(told.contains(words), "{told}");
+        changed.assert_tables(&[]);
+        let run = changed.folder.path().join("a/fields");
+        let list = fs::read_to_string(run.join("fields.pvd")).expect("the list");
+        for step in [0, 10, 20, 30, 40] {
+            let name = format!("step-{step:07}.vtu");
+            assert_eq!(
+                list.contains(&name),
+                listed.contains(&step),
+                "{name}: {list}"
+            );
+        }
+    }
+}
+
 #[test]
 fn two_processes_do_not_share_a_folder() {
     let folder = folder_with_scene();
@@ -629,6 +858,41 @@ fn a_run_that_fails_leaves_its_last_good_state() {
     assert_ne!(fs::read(path.join("a/final.vtu")).expect("final.vtu"), good);
     let table = fs::read_to_string(path.join("a/history.csv")).expect("history.csv");
     assert_eq!(table.lines().count(), 2, "{table}");
+}
+
+/// A folder that was moved while the run went on: where it is now is told. And a link that leads nowhere is
+/// called one.
+#[test]
+fn a_folder_that_moves_away_and_a_link_that_leads_nowhere_are_told() {
+    let folder = folder_with_scene();
+    let path = folder.path();
+    let endless = ["run", "small.toml", "--out", "r", "--steps", "100000000"];
+    let child = command(path, &endless).spawn().expect("vesica starts");
+    while !path.join("r/checkpoint.bin").is_file() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    fs::rename(path.join("r"), path.join("elsewhere")).expect("it can be moved");
+    send(&child, "-INT");
+    let told = check(child.wait_with_output().expect("it ends"), 1);
+    assert!(!told.contains("stands in r\n"), "{told}");
+    if cfg!(target_os = "linux") {
+        let now = path.join("elsewhere");
+        let words = format!(
+            "r was moved while the run went on: what was written until then stands in {}",
+            now.display()
+        );
+        assert!(told.contains(&words), "{told}");
+    }
+
+    std::os::unix::fs::symlink("nowhere", path.join("runs")).expect("a link");
+    let below = ["run", "small.toml", "--out", "runs/below/it"];
+    for arguments in [&["run", "small.toml"][..], &below] {
+        let told = vesica(path, arguments, 2);
+        assert!(
+            told.contains("runs is a symbolic link to nowhere, which is not there"),
+            "{told}"
+        );
+    }
 }
 
 #[test]

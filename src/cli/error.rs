@@ -2,7 +2,7 @@
 
 use super::output;
 use crate::figure::FigureError;
-use crate::record::{CheckpointError, LoadError, ReadError, RecordError};
+use crate::record::{CheckpointError, LoadError, ReadError, RecordError, Whereabouts};
 use crate::scene::UnknownPreset;
 use crate::simulation::SimulationError;
 use crate::study::{FinishedRunError, StudyError};
@@ -85,13 +85,13 @@ pub(super) enum CliError {
     #[error("the run could not be set up: {0}")]
     SetUp(#[source] SimulationError),
     /// The simulation could not go on.
-    #[error("the run failed: {error}\nwhat there is stands in {}", folder.display())]
+    #[error("the run failed: {error}\n{whereabouts}")]
     Run {
         /// Why.
         #[source]
         error: SimulationError,
-        /// The run's folder.
-        folder: PathBuf,
+        /// Of what was recorded.
+        whereabouts: Box<Whereabouts>,
     },
     /// A run cannot be recorded, from the start.
     #[error("the run cannot be recorded: {0}")]
@@ -103,20 +103,17 @@ pub(super) enum CliError {
     #[error(transparent)]
     FinishedRun(#[from] FinishedRunError),
     /// A run was made but not all of it could be recorded.
-    #[error(
-        "not all of the run could be recorded: {error}\nwhat there is stands in {}",
-        folder.display()
-    )]
+    #[error("not all of the run could be recorded: {error}\n{whereabouts}")]
     Unrecorded {
         /// Why.
         #[source]
         error: RecordError,
-        /// The run's folder.
-        folder: PathBuf,
+        /// Of what was recorded.
+        whereabouts: Box<Whereabouts>,
     },
     /// A signal ended the run.
     #[error(
-        "ended by {signal} after step {step}{of}; saved in {0}. Go on with: vesica run {0} --resume",
+        "ended by {signal} after step {step}{of}{within}; saved in {0}. Go on with: vesica run {0} --resume",
         folder.display()
     )]
     Interrupted {
@@ -128,6 +125,8 @@ pub(super) enum CliError {
         step: u64,
         /// " of N", where N steps were planned.
         of: String,
+        /// Where in the next step, if it was begun.
+        within: String,
         /// The run's folder.
         folder: PathBuf,
     },

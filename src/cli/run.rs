@@ -171,28 +171,30 @@ fn record(
     let steps = recorder.schedule().steps;
     let progress = Progress::new(recorder.schedule(), quiet);
     let stop = simulate(&mut simulation, &mut recorder, signal, progress, quiet);
+    let whereabouts = Box::new(recorder.whereabouts());
     let finished = recorder.finish(&mut simulation, stop.ending());
     let unrecorded = |error| CliError::Unrecorded {
         error,
-        folder: path.clone(),
+        whereabouts: whereabouts.clone(),
     };
     match stop {
         Stop::Failed(error) => {
             if let Err(error) = finished {
                 output::error(unrecorded(error));
             }
-            Err(CliError::Run {
-                error,
-                folder: path,
-            })
+            Err(CliError::Run { error, whereabouts })
         }
         Stop::Signal(Signal { name, number }) => {
-            let step = finished.map_err(unrecorded)?.steps;
+            let summary = finished.map_err(unrecorded)?;
+            let within = summary.underway.filter(|underway| underway.refused > 0);
             Err(CliError::Interrupted {
                 signal: name,
                 number,
-                step,
+                step: summary.steps,
                 of: steps.map_or(String::new(), |steps| format!(" of {steps}")),
+                within: within.map_or(String::new(), |Underway { step, t, .. }| {
+                    format!(", within step {step}, at t = {}", Brief(t))
+                }),
                 folder: path,
             })
         }
@@ -298,22 +300,9 @@ impl Patience {
         let next = if is_told { 2 * told_after } else { told_after };
         self.step = Some((underway.step, begun, next));
         if is_told && !self.quiet {
-            let Underway {
-                step,
-                t,
-                end,
-                dt,
-                parts,
-                refused,
-            } = *underway;
             progress.above(|| {
                 output::note(format_args!(
-                    "step {step} takes long: it is at t = {} of {}, after {parts} parts and {refused} \
-                     attempts that failed, with \u{394}t = {} next; Ctrl-C ends the run here, and \
-                     --resume goes on",
-                    Brief(t),
-                    Brief(end),
-                    Brief(dt)
+                    "{underway}; Ctrl-C ends the run here, and --resume goes on"
                 ));
             });
         }

@@ -1,5 +1,6 @@
 //! The scalars of a run in memory: columns over the rows of its tables.
 
+use super::history::{LEDGER, ledger_cells};
 use super::read::{ReadError, read_table};
 use super::{HISTORY_COLUMNS, Number};
 use crate::simulation::Report;
@@ -10,12 +11,17 @@ use std::path::Path;
 
 /// The columns of `shape.csv` beyond step and t.
 const SHAPE: [&str; 3] = ["length", "waist", "width"];
+/// How the names of the ledger's columns begin here.
+const OF_LEDGER: &str = "ledger:";
 
 /// Columns of scalars, each with a value a row; NaN where there is none.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Columns {
     columns: Vec<(String, Vec<f64>)>,
     rows: usize,
+    /// Of the row that was taken back, the step and the cells of the ledger.
+    #[serde(skip)]
+    taken_back: Option<(f64, Vec<(String, f64)>)>,
 }
 
 impl Columns {
@@ -41,7 +47,31 @@ impl Columns {
             let sizes = [outline.length, outline.waist, outline.width];
             cells.extend(SHAPE.map(str::to_owned).into_iter().zip(sizes));
         }
+        let taken_back = self.taken_back.take();
+        if !report.ledger.is_empty() {
+            let is_known = |name: &str| self.column(&format!("{OF_LEDGER}{name}")).is_some();
+            let ledger = ledger_cells(report, is_known).into_iter();
+            cells.extend(ledger.map(|cell| (format!("{OF_LEDGER}{}", cell.name), cell.value)));
+        } else if let Some((step, ledger)) = taken_back
+            && step == report.step as f64
+        {
+            cells.extend(ledger);
+        }
         self.append(cells);
+    }
+
+    /// Takes the last row back: it is the first that a run tells that goes on from there. Its ledger is
+    /// kept for it, for such a run does not know that any more.
+    pub fn take_back(&mut self) {
+        let Some(last) = self.rows.checked_sub(1) else {
+            return;
+        };
+        let step = self.column("step").map_or(f64::NAN, |steps| steps[last]);
+        let of_ledger = |(name, _): &&(String, Vec<f64>)| name.starts_with(OF_LEDGER);
+        let ledger = self.columns.iter().filter(of_ledger);
+        let ledger = ledger.map(|(name, values)| (name.clone(), values[last]));
+        self.taken_back = Some((step, ledger.collect()));
+        self.truncate(last);
     }
 
     fn append(&mut self, cells: Vec<(String, f64)>) {
@@ -80,11 +110,29 @@ impl Columns {
         Ok(columns)
     }
 
+    /// As [`read`](Self::read), and `ledger.csv` too where it is there and can be read.
+    ///
+    /// # Errors
+    /// Those of [`read`](Self::read).
+    pub(super) fn read_with_ledger(folder: &Path) -> Result<Columns, ReadError> {
+        let mut columns = Self::read(folder)?;
+        if let Ok(mut ledger) = read_table(&folder.join(LEDGER)) {
+            for (name, _) in &mut ledger.columns {
+                if !["step", "t"].contains(&name.as_str()) {
+                    name.insert_str(0, OF_LEDGER);
+                }
+            }
+            columns.join(ledger);
+        }
+        Ok(columns)
+    }
+
     /// Columns with their values, all of the same length.
     pub(super) fn from_parts(names: Vec<String>, values: Vec<Vec<f64>>) -> Columns {
         Columns {
             rows: values.first().map_or(0, Vec::len),
             columns: names.into_iter().zip(values).collect(),
+            taken_back: None,
         }
     }
 
@@ -104,7 +152,8 @@ impl Columns {
                     .map(|(row, _)| row)
             })
             .collect();
-        let known: HashSet<String> = self.names().map(str::to_owned).collect();
+        let names = self.columns.iter().map(|(name, _)| name.clone());
+        let known: HashSet<String> = names.collect();
         for (name, values) in other.columns {
             if !known.contains(&name) {
                 let value = |row: &Option<usize>| row.map_or(f64::NAN, |row| values[row]);
@@ -144,9 +193,10 @@ impl Columns {
         self.rows
     }
 
-    /// The names of the columns, in order.
+    /// The names of the columns, in order; the ledger has its own.
     pub fn names(&self) -> impl Iterator<Item = &str> {
-        self.columns.iter().map(|(name, _)| name.as_str())
+        let names = self.columns.iter().map(|(name, _)| name.as_str());
+        names.filter(|name| !name.starts_with(OF_LEDGER))
     }
 
     /// The values of a column.
@@ -166,7 +216,7 @@ impl Columns {
 
     /// As CSV. Numbers read back exactly; what is no number is an empty cell.
     pub fn to_csv(&self) -> String {
-        self.csv(&self.names().collect::<Vec<_>>())
+        self.csv(&self.names().collect::<Vec<_>>(), |_| true)
     }
 
     /// The text of `history.csv`: the columns that every run has, then those of further effects.
@@ -174,19 +224,31 @@ impl Columns {
         let mut names = HISTORY_COLUMNS.to_vec();
         let further = |name: &&str| name.starts_with("E_") && !HISTORY_COLUMNS.contains(name);
         names.extend(self.names().filter(further));
-        self.csv(&names)
+        self.csv(&names, |_| true)
     }
 
     /// The text of `shape.csv`.
     pub(super) fn to_shape(&self) -> String {
-        self.csv(&["step", "t", SHAPE[0], SHAPE[1], SHAPE[2]])
+        self.csv(&["step", "t", SHAPE[0], SHAPE[1], SHAPE[2]], |_| true)
     }
 
-    /// Some columns as CSV; one that is not there has empty cells.
-    fn csv(&self, names: &[&str]) -> String {
+    /// The text of `ledger.csv`: the rows that have one, which are those of steps; `None`, if there is no
+    /// such row.
+    pub(super) fn to_ledger(&self) -> Option<String> {
+        let of_ledger = |(name, _): &&(String, Vec<f64>)| name.starts_with(OF_LEDGER);
+        let ledger: Vec<_> = self.columns.iter().filter(of_ledger).collect();
+        let mut names = vec!["step", "t"];
+        names.extend(ledger.iter().map(|(name, _)| name.as_str()));
+        let is_of_step = |row: usize| ledger.iter().any(|(_, values)| !values[row].is_nan());
+        let text = self.csv(&names, is_of_step);
+        (!ledger.is_empty()).then(|| text.replace(OF_LEDGER, ""))
+    }
+
+    /// Some columns of some rows as CSV; one that is not there has empty cells.
+    fn csv(&self, names: &[&str], has_row: impl Fn(usize) -> bool) -> String {
         let columns: Vec<_> = names.iter().map(|name| self.column(name)).collect();
         let mut text = names.join(",") + "\n";
-        for row in 0..self.rows {
+        for row in (0..self.rows).filter(|row| has_row(*row)) {
             for (number, values) in columns.iter().enumerate() {
                 if number > 0 {
                     text.push(',');

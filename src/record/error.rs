@@ -1,5 +1,6 @@
 //! What can go wrong with a run's files.
 
+use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -41,6 +42,17 @@ pub enum RecordError {
         #[source]
         reason: io::Error,
     },
+    /// A symbolic link leads nowhere.
+    #[error(
+        "{} is a symbolic link to {}, which is not there: make that folder, or remove the link",
+        link.display(), target.display()
+    )]
+    DanglingLink {
+        /// The link.
+        link: PathBuf,
+        /// Where it leads.
+        target: PathBuf,
+    },
     /// A file of an earlier run could not be removed.
     #[error("cannot remove {}: {reason}", path.display())]
     Remove {
@@ -72,6 +84,14 @@ pub enum RecordError {
         folder: PathBuf,
         /// The first file in it that a run would overwrite.
         found: &'static str,
+    },
+    /// A table lacks a column.
+    #[error("{} has no column {name}", path.display())]
+    NoColumn {
+        /// The file.
+        path: PathBuf,
+        /// The column.
+        name: String,
     },
     /// A table is not what a checkpoint says.
     #[error("{} has {rows} whole rows, and not the {wanted} that it had", path.display())]
@@ -107,6 +127,23 @@ pub enum RecordError {
 }
 
 impl RecordError {
+    /// For `map_err`: the folder at `path` could not be made.
+    pub(super) fn make_folder(path: &Path) -> impl FnOnce(io::Error) -> RecordError + '_ {
+        move |reason| {
+            let dangling = path.ancestors().find_map(|link| {
+                let target = fs::read_link(link).ok()?;
+                (!link.exists()).then(|| (link.to_owned(), target))
+            });
+            match dangling {
+                Some((link, target)) => RecordError::DanglingLink { link, target },
+                None => RecordError::MakeFolder {
+                    path: path.to_owned(),
+                    reason,
+                },
+            }
+        }
+    }
+
     /// For `map_err`: the file at `path` could not be written.
     pub(super) fn write(path: &Path) -> impl FnOnce(io::Error) -> RecordError + '_ {
         move |reason| RecordError::Write {

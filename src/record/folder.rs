@@ -3,6 +3,7 @@
 use super::RecordError;
 use super::scene_file::{INPUT_NAMES, INPUTS, MESH_NAME};
 use std::ffi::OsStr;
+use std::fmt;
 use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -44,12 +45,38 @@ pub enum IfOccupied {
     Replace,
 }
 
+/// Where what a run has written stands.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Whereabouts {
+    path: PathBuf,
+    is_there: bool,
+    moved_to: Option<PathBuf>,
+}
+
+impl fmt::Display for Whereabouts {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let path = self.path.display();
+        match (self.is_there, &self.moved_to) {
+            (true, _) => write!(f, "what there is stands in {path}"),
+            (false, Some(moved_to)) => write!(
+                f,
+                "the folder {path} was moved while the run went on: what was written until then stands in {}",
+                moved_to.display()
+            ),
+            (false, None) => write!(
+                f,
+                "the folder {path} is not there any more: it was removed or moved while the run went on"
+            ),
+        }
+    }
+}
+
 /// A folder that a run may write to, and no other process as long as this one holds it.
 #[derive(Debug, Clone)]
 pub struct RunFolder {
     path: PathBuf,
     /// Locked until the last copy is dropped.
-    _lock: Option<Arc<File>>,
+    lock: Option<Arc<File>>,
 }
 
 impl RunFolder {
@@ -81,7 +108,7 @@ impl RunFolder {
         }
         Ok(RunFolder {
             path: path.to_owned(),
-            _lock: lock,
+            lock,
         })
     }
 
@@ -92,7 +119,7 @@ impl RunFolder {
     pub(super) fn of_run(path: &Path) -> Result<RunFolder, RecordError> {
         Ok(RunFolder {
             path: path.to_owned(),
-            _lock: lock(path)?,
+            lock: lock(path)?,
         })
     }
 
@@ -115,7 +142,7 @@ impl RunFolder {
                     numbered.push(format!("-{number}"));
                     path = parent.join(numbered);
                 }
-                Err(reason) => return Err(RecordError::MakeFolder { path, reason }),
+                Err(reason) => return Err(RecordError::make_folder(&path)(reason)),
             }
         }
     }
@@ -125,12 +152,37 @@ impl RunFolder {
         &self.path
     }
 
+    /// Whether it is still where it was, in words for whoever looks for its files.
+    pub fn whereabouts(&self) -> Whereabouts {
+        let here = fs::canonicalize(&self.path).ok();
+        let now = self.moved_to();
+        let moved_to = now.filter(|now| here.as_ref() != Some(now));
+        Whereabouts {
+            path: self.path.clone(),
+            is_there: here.is_some() && moved_to.is_none(),
+            moved_to,
+        }
+    }
+
+    /// Where the system says that the folder is now; known on Linux only, and not where it was removed.
+    fn moved_to(&self) -> Option<PathBuf> {
+        #[cfg(target_os = "linux")]
+        {
+            use std::os::fd::AsRawFd;
+            let descriptor = self.lock.as_ref()?.as_raw_fd();
+            let path = fs::read_link(format!("/proc/self/fd/{descriptor}")).ok()?;
+            path.is_dir().then_some(path)
+        }
+        #[cfg(not(target_os = "linux"))]
+        None
+    }
+
     /// Makes the folder of snapshots.
     pub(super) fn make_fields(&self) -> Result<PathBuf, RecordError> {
         let path = self.path.join(FIELDS);
         // Not the folder that it is in: if that has been removed, someone did not want it.
         match fs::create_dir(&path) {
-            Err(reason) if !path.is_dir() => Err(RecordError::MakeFolder { path, reason }),
+            Err(reason) if !path.is_dir() => Err(RecordError::make_folder(&path)(reason)),
             _ => Ok(path),
         }
     }
@@ -158,12 +210,9 @@ fn lock(folder: &Path) -> Result<Option<Arc<File>>, RecordError> {
 /// Makes a folder, and those that it is in, if they are not there.
 ///
 /// # Errors
-/// [`RecordError::MakeFolder`].
+/// [`RecordError::MakeFolder`], [`RecordError::DanglingLink`].
 pub(crate) fn make(path: &Path) -> Result<(), RecordError> {
-    fs::create_dir_all(path).map_err(|reason| RecordError::MakeFolder {
-        path: path.to_owned(),
-        reason,
-    })
+    fs::create_dir_all(path).map_err(RecordError::make_folder(path))
 }
 
 /// Removes the files of a run, file by file: what a user put beside them stays.

@@ -27,7 +27,7 @@ pub const HISTORY_COLUMNS: [&str; 14] = [
 ];
 
 const HISTORY: &str = "history.csv";
-const LEDGER: &str = "ledger.csv";
+pub(super) const LEDGER: &str = "ledger.csv";
 const SHAPE: &str = "shape.csv";
 
 const LEDGER_COLUMNS: [&str; 2] = ["step", "t"];
@@ -70,6 +70,15 @@ pub(super) struct FoundTables {
 }
 
 impl FoundTables {
+    /// What is to be reported of the tables, in words.
+    pub fn remarks(&self) -> Vec<String> {
+        [Some(&self.history), Some(&self.shape), self.ledger.as_ref()]
+            .into_iter()
+            .flatten()
+            .flat_map(Found::remarks)
+            .collect()
+    }
+
     /// Cuts the tables back to where they were.
     ///
     /// # Errors
@@ -104,7 +113,7 @@ impl Tables {
     /// Looks whether the tables in `folder` go as far as they did; changes nothing.
     ///
     /// # Errors
-    /// [`RecordError::Read`], [`RecordError::Short`].
+    /// Those of [`Table::find`].
     pub fn find(folder: &Path, memory: &TablesMemory) -> Result<FoundTables, RecordError> {
         let ledger_path = folder.join(LEDGER);
         let ledger = memory.ledger.as_ref();
@@ -180,17 +189,8 @@ impl Tables {
         let ledger = self
             .ledger
             .get_or_insert_with(|| Table::new(self.ledger_path.clone(), owned(&LEDGER_COLUMNS)));
-        let ladder = report.ladder.columns();
-        let ladder = ladder.map(|(name, value)| NamedValue { name, value });
-        // The ledger of a run that never had to climb has the terms of the law and nothing else.
-        let is_told = ledger
-            .columns()
-            .iter()
-            .any(|column| column == ladder[0].name);
-        let ladder = ladder
-            .iter()
-            .filter(|_| is_told || report.ladder.is_climbed());
-        let all: Vec<NamedValue> = report.ledger.iter().chain(ladder).copied().collect();
+        let is_known = |name: &str| ledger.columns().iter().any(|column| column == name);
+        let all = ledger_cells(report, is_known);
         let late = missing(ledger.columns(), &all, str::to_owned);
         ledger.add_columns(late);
         let terms = &ledger.columns()[LEDGER_COLUMNS.len()..];
@@ -232,6 +232,16 @@ impl Tables {
         .map(action)
         .fold(Ok(()), Result::and)
     }
+}
+
+/// The cells of a row of the ledger, but for step and time. `is_known`: whether it has a column.
+pub(super) fn ledger_cells(report: &Report, is_known: impl Fn(&str) -> bool) -> Vec<NamedValue> {
+    let ladder = report.ladder.columns();
+    // The ledger of a run that never had to climb has the terms of the law and nothing else.
+    let is_told = report.ladder.is_climbed() || is_known(ladder[0].0);
+    let ladder = ladder.map(|(name, value)| NamedValue { name, value });
+    let ladder = ladder.into_iter().filter(|_| is_told);
+    report.ledger.iter().copied().chain(ladder).collect()
 }
 
 fn owned(columns: &[&str]) -> Vec<String> {

@@ -56,7 +56,7 @@ impl KeptRun {
             return None;
         };
         let memory = found.memory()?.clone();
-        let mut rows = Columns::read(folder).ok()?;
+        let mut rows = Columns::read_with_ledger(folder).ok()?;
         rows.end_at(memory.step());
         Some(KeptRun {
             memory,

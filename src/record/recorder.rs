@@ -5,7 +5,7 @@ use super::folder::{FINAL, SERIES, SUMMARY};
 use super::history::Tables;
 use super::scene_file::{identity, write_scene};
 use super::summary::{EventRecord, seconds};
-use super::{Ending, RecordError, RunFolder, RunSummary, Schedule, vtu};
+use super::{Ending, RecordError, RunFolder, RunSummary, Schedule, Whereabouts, vtu};
 use crate::fem::Mesh;
 use crate::scene::Scene;
 use crate::simulation::{Simulation, State};
@@ -202,6 +202,11 @@ impl Recorder {
         self.folder.path()
     }
 
+    /// Whether the folder is still there, or where it is now.
+    pub fn whereabouts(&self) -> Whereabouts {
+        self.folder.whereabouts()
+    }
+
     /// What is recorded when.
     pub fn schedule(&self) -> &Schedule {
         &self.schedule
@@ -231,6 +236,7 @@ impl Recorder {
         self.take_events(simulation);
         self.summary.linear_method = Some(simulation.linear_method());
         self.summary.seconds = seconds(computing);
+        self.summary.underway = None;
 
         let report = simulation.report();
         self.summary.step(report);
@@ -286,6 +292,7 @@ impl Recorder {
         let known = self.summary.events.len();
         self.take_events(simulation);
         self.summary.seconds = seconds(computing);
+        self.summary.underway = simulation.underway();
         self.flushed = Instant::now();
         let written = self.flush().and(self.write_unwritten(simulation.mesh()));
         let saved = match self.checkpoint_is_due() {
@@ -305,7 +312,8 @@ impl Recorder {
     }
 
     /// Ends the record: a checkpoint, the last row, `final.vtu`, and the ending in `run.json`. Each is
-    /// tried even if another fails.
+    /// tried even if another fails. All of them are about the last whole step; what was done of the next
+    /// one is in the checkpoint.
     ///
     /// # Errors
     /// The first [`RecordError`]; `run.json` then tells of it, where it can be written.
@@ -318,14 +326,15 @@ impl Recorder {
         self.take_events(simulation);
         let snapshots = self.write_unwritten(simulation.mesh());
         let saved = self.checkpoint(simulation);
-        let report = simulation.report();
+        self.summary.underway = simulation.underway();
+        let (report, state) = simulation.last_whole();
         self.tables.append(report, self.summary.seconds);
         let flushed = self.flush();
         let tables = flushed.and(self.tables.finish());
         let fields = vtu::write_fields(
             &self.folder().join(FINAL),
             simulation.mesh(),
-            simulation.state(),
+            state,
             report.t,
         );
         let lost = match self.lost.take() {
@@ -355,7 +364,7 @@ impl Recorder {
         self.flush()?;
         simulation.remember(&mut self.content.simulation);
         self.content.tables = self.tables.remember();
-        self.content.totals = self.summary.totals();
+        self.content.totals = self.summary.totals(simulation.events());
         self.content.written.clone_from(&self.snapshots);
         self.keeper.write(&self.content)
     }

@@ -13,6 +13,9 @@ use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+/// Snapshots that are named one by one.
+const NAMED_SNAPSHOTS: usize = 4;
+
 /// What stands in a folder for a run to go on from.
 #[derive(Debug)]
 pub enum Found {
@@ -160,7 +163,7 @@ impl Resumption {
     }
 
     /// Brings the simulation, which is new and of the same scene, to where the run was, and its files.
-    /// With it come the checkpoints that cannot be used, and why.
+    /// With it come the checkpoints that cannot be used, and why, and what is not as the run has left it.
     ///
     /// # Errors
     /// [`CheckpointError::Unusable`]: nothing was changed. [`CheckpointError::Record`]: a file could not
@@ -171,12 +174,19 @@ impl Resumption {
         settings: Settings,
         simulation: &mut Simulation,
     ) -> Result<(Recorder, Vec<String>), CheckpointError> {
-        let Some((name, content, tables)) = self.choose(simulation) else {
+        let Some((name, mut content, tables)) = self.choose(simulation) else {
             return Err(CheckpointError::Unusable {
                 folder: self.folder().to_owned(),
                 problems: self.problems,
             });
         };
+        let remarks = [
+            tables.remarks(),
+            lose_snapshots(&self.folder().join(FIELDS), &mut content.written)
+                .into_iter()
+                .collect(),
+        ]
+        .concat();
         let schedule = settings.schedule(scene);
         let (step, t) = (content.simulation.step(), content.simulation.t());
         let mut summary =
@@ -185,12 +195,15 @@ impl Resumption {
             kind: "resumed".into(),
             step,
             t,
-            text: match &self.problems[..] {
-                [] => format!("the run was taken up again from {name}"),
-                problems => format!(
-                    "the run was taken up again from {name}; not used: {}",
-                    problems.join("; ")
-                ),
+            text: {
+                let mut text = format!("the run was taken up again from {name}");
+                if !self.problems.is_empty() {
+                    text += &format!("; not used: {}", self.problems.join("; "));
+                }
+                remarks
+                    .iter()
+                    .for_each(|remark| text += &format!("; {remark}"));
+                text
             },
         });
         let tables = self.cut_back(scene, &content, tables)?;
@@ -209,6 +222,7 @@ impl Resumption {
             (keeper, content),
         );
         recorder.summarise()?;
+        self.problems.extend(remarks);
         Ok((recorder, self.problems))
     }
 
@@ -281,6 +295,34 @@ impl Resumption {
     }
 }
 
+/// Takes those snapshots off the list that are not in the folder, or not whole; what is to be reported of
+/// them, in words.
+fn lose_snapshots(fields: &Path, written: &mut Vec<(f64, String)>) -> Option<String> {
+    let all = written.len();
+    let mut lost = Vec::new();
+    written.retain(|(_, name)| {
+        let is_whole = vtu::is_whole(&fields.join(name));
+        if !is_whole {
+            lost.push(name.clone());
+        }
+        is_whole
+    });
+    let named = lost.iter().take(NAMED_SNAPSHOTS).cloned();
+    let named = named.collect::<Vec<String>>().join(", ");
+    let more = if lost.len() > NAMED_SNAPSHOTS {
+        ", …"
+    } else {
+        ""
+    };
+    (!lost.is_empty()).then(|| {
+        format!(
+            "{} of {all} snapshots in {} are gone or damaged, and no longer listed in {SERIES}: {named}{more}",
+            lost.len(),
+            fields.display()
+        )
+    })
+}
+
 fn words(problems: &[(&'static str, Problem)]) -> Vec<String> {
     let words = |(name, problem): &(&str, Problem)| format!("{name}: {problem}");
     problems.iter().map(words).collect()
@@ -328,7 +370,116 @@ fn difference(there: &str, wanted: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::read::read_fields;
+    use super::super::{Columns, Ending, IfOccupied, Preparation};
     use super::*;
+    use std::time::Duration;
+
+    /// Every step has many parts, and other solvers take over on the way.
+    const HARD: &str = "
+        mesh = { cells = 8, jitter = 0.6, seed = 7 }
+        vesicle = { shape = 'random', amplitude = 4.0, seed = 3 }
+        membrane = { interface_width = 0.04 }
+        area = { target = 1.25, penalty = 1e-6 }
+        nematic = { initial = { kind = 'random', seed = 2 } }
+        anchoring = {}
+        time = { step = 1e-4, end = 2e-4 }
+    ";
+
+    fn summary(folder: &Path) -> serde_json::Value {
+        let text = fs::read_to_string(folder.join("run.json")).unwrap();
+        serde_json::from_str(&text).unwrap()
+    }
+
+    /// What happened before the first checkpoint is known to a run that goes on from there.
+    #[test]
+    fn a_run_that_is_killed_in_its_first_step_knows_what_happened_at_the_start() {
+        let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+        let scene = Scene::parse(HARD, "the test", &[], &mut no_files).unwrap();
+        let parent = tempfile::tempdir().unwrap();
+        let folder = RunFolder::at(parent.path(), IfOccupied::Refuse).unwrap();
+        let settings = Settings::default();
+        let preparation = Preparation::begin(folder, &scene, settings).unwrap();
+        let simulation = Simulation::new(&scene).unwrap();
+        drop(preparation.start(&simulation, Duration::ZERO).unwrap());
+        let mut simulation = Simulation::new(&scene).unwrap();
+        let Ok(Found::Run(found)) = Resumption::find(parent.path(), &scene) else {
+            panic!("it can be taken up again");
+        };
+        let (mut recorder, _) = found.start(&scene, settings, &mut simulation).unwrap();
+        recorder.step(&mut simulation, Duration::ZERO).unwrap();
+        let kinds = recorder.events().iter().map(|event| &*event.kind);
+        assert_eq!(kinds.collect::<Vec<_>>(), ["reached-wall", "resumed"]);
+    }
+
+    /// A run that is ended again and again within its steps tells what an undisturbed one does; and whenever
+    /// it is ended its files are about the same time.
+    #[test]
+    fn a_run_that_is_ended_within_its_steps_is_the_same_run() {
+        let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+        let scene = Scene::parse(HARD, "the test", &[], &mut no_files).unwrap();
+        let parent = tempfile::tempdir().unwrap();
+        let [whole, parted] = ["whole", "parted"].map(|name| parent.path().join(name));
+        for (path, attempts) in [(&whole, u32::MAX), (&parted, 30)] {
+            let folder = RunFolder::at(path, IfOccupied::Refuse).unwrap();
+            let settings = Settings::default();
+            let preparation = Preparation::begin(folder, &scene, settings).unwrap();
+            let mut simulation = Simulation::new(&scene).unwrap();
+            let mut recorder = preparation.start(&simulation, Duration::ZERO).unwrap();
+            let mut ended = 0;
+            while simulation.last_whole().0.step < 2 {
+                let mut left = attempts;
+                let leave = &mut |_: &_| {
+                    left -= 1;
+                    left == 0
+                };
+                if simulation.advance_unless(leave).unwrap() {
+                    recorder.step(&mut simulation, Duration::ZERO).unwrap();
+                    continue;
+                }
+                ended += 1;
+                recorder
+                    .within_step(&mut simulation, Duration::ZERO)
+                    .unwrap();
+                recorder
+                    .finish(&mut simulation, Ending::Interrupted)
+                    .unwrap();
+                let run = summary(path);
+                let rows = Columns::read(path).unwrap();
+                let last = |name: &str| *rows.column(name).unwrap().last().unwrap();
+                assert_eq!(run["t"].as_f64(), Some(last("t")));
+                assert_eq!(run["steps"].as_f64(), Some(last("step")));
+                assert_eq!(run["total_energy"].as_f64(), Some(last("E_total")));
+                let fields = read_fields(&path.join(FINAL)).unwrap();
+                assert_eq!(fields.t, last("t"));
+                assert_eq!(fields.state, *simulation.last_whole().1);
+                assert!(run["underway"]["t"].as_f64() >= Some(last("t")), "{run}");
+                simulation = Simulation::new(&scene).unwrap();
+                let Ok(Found::Run(found)) = Resumption::find(path, &scene) else {
+                    panic!("it can be taken up again");
+                };
+                let (again, problems) = found.start(&scene, settings, &mut simulation).unwrap();
+                assert!(problems.is_empty(), "{problems:?}");
+                recorder = again;
+            }
+            assert_eq!(ended > 3, attempts == 30, "{ended}");
+            recorder.finish(&mut simulation, Ending::Done).unwrap();
+        }
+        let [mut wanted, mut found] = [&whole, &parted].map(|path| summary(path));
+        for run in [&mut wanted, &mut found] {
+            let events = run["events"].as_array_mut().unwrap();
+            events.retain(|event| event["kind"] != "resumed");
+            for clock in ["started", "ended", "setup_seconds", "milliseconds"] {
+                run.as_object_mut().unwrap().remove(clock);
+            }
+        }
+        assert!(wanted["events"].as_array().unwrap().len() > 3);
+        assert_eq!(found, wanted);
+        for file in ["history.csv", "ledger.csv", "shape.csv", FINAL] {
+            let [wanted, found] = [&whole, &parted].map(|path| fs::read(path.join(file)).unwrap());
+            assert!(found == wanted, "{file}");
+        }
+    }
 
     #[test]
     fn the_numbers_of_folders() {

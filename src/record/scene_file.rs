@@ -1,10 +1,10 @@
 //! `scene.toml` and `inputs/`: what was simulated, complete and on its own.
 
 use super::atomic::write_whole;
+use super::folder::make;
 use super::{Number, RecordError};
 use crate::scene::{InitialDirector, Mesh, NodalValues, ScalarField, Scene, Shape, write_mesh};
 use std::fmt::Write as _;
-use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -54,13 +54,8 @@ pub(super) fn write_scene(folder: &Path, scene: &Scene) -> Result<(), RecordErro
 /// The folder of inputs, made if it is not there.
 fn make_inputs(folder: &Path) -> Result<PathBuf, RecordError> {
     let inputs = folder.join(INPUTS);
-    match fs::create_dir_all(&inputs) {
-        Ok(()) => Ok(inputs),
-        Err(reason) => Err(RecordError::MakeFolder {
-            path: inputs,
-            reason,
-        }),
-    }
+    make(&inputs)?;
+    Ok(inputs)
 }
 
 /// A text by which the scene of a run is known again: complete but for its end, which may be moved, with
@@ -143,6 +138,7 @@ fn write_values(file: &mut dyn Write, nodal: &NodalValues) -> io::Result<()> {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use std::fs;
 
     /// A small scene, with `extra` TOML at its end.
     pub fn scene(extra: &str) -> Scene {

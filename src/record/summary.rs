@@ -4,7 +4,7 @@ use super::RecordError;
 use super::atomic::write_whole;
 use crate::scene::Scene;
 use crate::simulation::{
-    Costs, ErrorBudget, ErrorPart, Event, OutlineMeasure, Phase, Report, Simulation,
+    Costs, ErrorBudget, ErrorPart, Event, OutlineMeasure, Phase, Report, Simulation, Underway,
 };
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -71,8 +71,10 @@ pub struct RunSummary {
     pub largest_error: Option<ErrorPart>,
     /// Milliseconds of an accepted step, on the mean, by phase: what the errors are paid with.
     pub milliseconds: PhaseCosts,
-    /// The time reached.
+    /// The time reached: that of the last whole step.
     pub t: f64,
+    /// How far the next step is, where it takes long, or the run was ended within it.
+    pub underway: Option<Underway>,
     /// E_total there.
     pub total_energy: Option<f64>,
     /// Of the mesh.
@@ -205,8 +207,10 @@ pub(super) struct Totals {
 }
 
 impl RunSummary {
-    /// What is to be kept for the run to go on with.
-    pub(super) fn totals(&self) -> Totals {
+    /// What is to be kept for the run to go on with, when these events have happened since the last ones.
+    pub(super) fn totals(&self, further: &[Event]) -> Totals {
+        let events = self.events.iter().cloned();
+        let events = events.chain(further.iter().map(Into::into));
         Totals {
             started: self.started.clone(),
             seconds: self.seconds,
@@ -222,7 +226,7 @@ impl RunSummary {
             ],
             initial_phase_integral: self.initial_phase_integral,
             initial_outline: self.outline.start,
-            events: self.events.clone(),
+            events: events.collect(),
         }
     }
 
@@ -277,6 +281,7 @@ impl RunSummary {
             milliseconds: PhaseCosts::default(),
             costs: Costs::default(),
             t: 0.0,
+            underway: None,
             total_energy: None,
             nodes: None,
             triangles: None,
@@ -296,7 +301,8 @@ impl RunSummary {
 
     /// Takes in what is known after set-up.
     pub(super) fn set_up(&mut self, simulation: &Simulation, setup: Duration) {
-        let report = simulation.report();
+        let (report, _) = simulation.last_whole();
+        self.underway = simulation.underway();
         self.setup_seconds = seconds(setup);
         self.nodes = Some(simulation.mesh().nodes().len());
         self.triangles = Some(simulation.mesh().triangles().len());

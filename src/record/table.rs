@@ -1,12 +1,14 @@
 //! A CSV file that grows during a run and yet always consists of whole lines.
 
 use super::atomic::write_whole;
+use super::table_repair::{Repaired, repair};
 use super::{Number, RecordError};
+use crc32fast::Hasher;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 use std::fs::{self, File, OpenOptions};
-use std::io::{BufRead, BufReader, Write as _};
-use std::path::PathBuf;
+use std::io::{self, BufRead, BufReader, Write as _};
+use std::path::{Path, PathBuf};
 
 /// A growing table of numbers.
 ///
@@ -27,6 +29,10 @@ pub(super) struct Table {
     pending: String,
     /// Of the file and pending.
     rows: u64,
+    /// Of the last row.
+    last_step: Option<u64>,
+    /// Of the bytes of the file.
+    checksum: Hasher,
 }
 
 /// How far a table has come.
@@ -34,6 +40,10 @@ pub(super) struct Table {
 pub(super) struct Extent {
     pub columns: Vec<String>,
     pub rows: u64,
+    /// The step of the last row.
+    pub last_step: Option<u64>,
+    /// CRC-32 of the file's bytes.
+    pub checksum: u32,
 }
 
 /// A table that was found to go as far as it must, and may go further.
@@ -41,8 +51,17 @@ pub(super) struct Extent {
 pub(super) struct Found {
     path: PathBuf,
     extent: Extent,
-    /// Bytes of the rows that are to stay, where the columns are the same ones.
-    length: Option<u64>,
+    content: FoundContent,
+}
+
+#[derive(Debug)]
+enum FoundContent {
+    /// The first so many bytes are what was written.
+    Whole { length: u64 },
+    /// What was written can be had from it, or as much as there is.
+    Repaired(Repaired),
+    /// It is not there.
+    Missing,
 }
 
 impl Table {
@@ -56,60 +75,37 @@ impl Table {
             late: 0,
             pending: String::new(),
             rows: 0,
+            last_step: None,
+            checksum: Hasher::new(),
         }
     }
 
-    /// Looks whether a table goes as far as `extent`; changes nothing.
+    /// Looks whether a table goes as far as `extent`; changes nothing. One that another program has
+    /// rewritten is read as what was meant.
     ///
     /// # Errors
-    /// [`RecordError::Read`], [`RecordError::Short`].
+    /// [`RecordError::Read`], [`RecordError::NoColumn`], [`RecordError::Short`].
     pub fn find(path: PathBuf, extent: &Extent) -> Result<Found, RecordError> {
-        let read = |reason| RecordError::Read {
-            path: path.clone(),
-            reason,
+        let content = match whole_length(&path, extent) {
+            Ok(Some(length)) => FoundContent::Whole { length },
+            Ok(None) => FoundContent::Repaired(repair(&path, extent)?),
+            Err(reason) if reason.kind() == io::ErrorKind::NotFound => FoundContent::Missing,
+            Err(reason) => return Err(RecordError::Read { path, reason }),
         };
-        // A pipe would wait for a writer.
-        let metadata = std::fs::metadata(&path).map_err(read)?;
-        if !metadata.is_file() {
-            return Err(read(std::io::Error::other("it is no file")));
-        }
-        let mut file = BufReader::new(File::open(&path).map_err(read)?);
-        let mut line = Vec::new();
-        let (mut length, mut lines, mut same) = (0, 0, false);
-        while lines <= extent.rows {
-            line.clear();
-            length += file.read_until(b'\n', &mut line).map_err(read)? as u64;
-            let whole = line.strip_suffix(b"\n");
-            let header = extent.columns.join(",");
-            let right = match whole {
-                Some(text) if lines == 0 => {
-                    same = text == header.as_bytes();
-                    same || text.starts_with((header + ",").as_bytes())
-                }
-                Some(_) => true,
-                None => false,
-            };
-            if !right {
-                return Err(RecordError::Short {
-                    path,
-                    rows: lines.saturating_sub(1),
-                    wanted: extent.rows,
-                });
-            }
-            lines += 1;
-        }
         Ok(Found {
             path,
             extent: extent.clone(),
-            length: same.then_some(length),
+            content,
         })
     }
 
-    /// How far it has come.
+    /// How far it has come. What was appended is to be flushed before.
     pub fn extent(&self) -> Extent {
         Extent {
             columns: self.columns.clone(),
             rows: self.rows,
+            last_step: self.last_step,
+            checksum: self.checksum.clone().finalize(),
         }
     }
 
@@ -130,10 +126,14 @@ impl Table {
         self.columns.extend(names);
     }
 
-    /// Appends a row, one cell a column; `None` is an empty cell. Nothing is written yet.
+    /// Appends a row, one cell a column, the first of which is the step; `None` is an empty cell. Nothing
+    /// is written yet.
     pub fn append(&mut self, cells: impl IntoIterator<Item = Option<f64>>) {
         let mut count = 0;
         for cell in cells {
+            if count == 0 {
+                self.last_step = cell.map(|step| step as u64);
+            }
             if count > 0 {
                 self.pending.push(',');
             }
@@ -189,6 +189,7 @@ impl Table {
             return Err(RecordError::write(&self.path)(reason));
         }
         self.length += self.pending.len() as u64;
+        self.checksum.update(self.pending.as_bytes());
         self.pending.clear();
         Ok(())
     }
@@ -208,6 +209,8 @@ impl Table {
     /// Replaces the file by a text and opens it for appending.
     fn replace(&mut self, text: &str) -> Result<(), RecordError> {
         write_whole(&self.path, |file| file.write_all(text.as_bytes()))?;
+        self.checksum = Hasher::new();
+        self.checksum.update(text.as_bytes());
         self.open(text.len() as u64)
     }
 
@@ -224,37 +227,69 @@ impl Table {
 }
 
 impl Found {
+    /// What is to be reported of it, in words.
+    pub fn remarks(&self) -> Vec<String> {
+        match &self.content {
+            FoundContent::Whole { .. } => Vec::new(),
+            FoundContent::Repaired(repaired) => repaired.remarks.clone(),
+            FoundContent::Missing => vec![format!(
+                "{} is gone, with {} rows: it begins anew",
+                self.path.display(),
+                self.extent.rows
+            )],
+        }
+    }
+
     /// Cuts the table back to what is to stay, and goes on with it.
     ///
     /// # Errors
     /// [`RecordError`] where the file cannot be read or written.
     pub fn take_up(self) -> Result<Table, RecordError> {
-        let Extent { columns, rows } = self.extent;
-        let width = columns.len();
+        let Extent {
+            columns,
+            rows,
+            last_step,
+            checksum,
+        } = self.extent;
         let mut table = Table::new(self.path, columns);
-        table.rows = rows;
-        if let Some(length) = self.length {
-            table.open(length)?;
-            if let Some(file) = &table.file {
-                file.set_len(length)
-                    .map_err(RecordError::write(&table.path))?;
+        table.last_step = last_step;
+        match self.content {
+            FoundContent::Whole { length } => {
+                table.rows = rows;
+                table.checksum = Hasher::new_with_initial_len(checksum, length);
+                table.open(length)?;
+                if let Some(file) = &table.file {
+                    file.set_len(length)
+                        .map_err(RecordError::write(&table.path))?;
+                }
             }
-            return Ok(table);
+            FoundContent::Repaired(repaired) => {
+                table.rows = repaired.rows;
+                table.replace(&repaired.text)?;
+            }
+            FoundContent::Missing => {}
         }
-        // Columns that came later go, with the rows that have them.
-        let text = fs::read_to_string(&table.path).map_err(|reason| RecordError::Read {
-            path: table.path.clone(),
-            reason,
-        })?;
-        let mut narrow = String::new();
-        for line in text.lines().take(rows as usize + 1) {
-            let cells: Vec<&str> = line.split(',').take(width).collect();
-            narrow.push_str(&cells.join(","));
-            narrow.push('\n');
-        }
-        table.replace(&narrow)?;
         Ok(table)
     }
+}
+
+/// The length of what was written, if the file begins with that, bit for bit.
+fn whole_length(path: &Path, extent: &Extent) -> io::Result<Option<u64>> {
+    // A pipe would wait for a writer.
+    if !fs::metadata(path)?.is_file() {
+        return Err(io::Error::other("it is no file"));
+    }
+    let mut file = BufReader::new(File::open(path)?);
+    let (mut line, mut checksum, mut length) = (Vec::new(), Hasher::new(), 0);
+    for _ in 0..=extent.rows {
+        line.clear();
+        length += file.read_until(b'\n', &mut line)? as u64;
+        checksum.update(&line);
+        if !line.ends_with(b"\n") {
+            return Ok(None);
+        }
+    }
+    Ok((checksum.finalize() == extent.checksum).then_some(length))
 }
 
 /// Lines with so many empty cells more.
@@ -266,7 +301,6 @@ fn widened<'a>(lines: impl Iterator<Item = &'a str>, cells: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::path::Path;
 
     fn table(folder: &Path) -> Table {
         let columns = ["step", "t"].map(str::to_owned).to_vec();
@@ -354,7 +388,11 @@ mod tests {
             assert_eq!(again.extent().rows, 3);
             first = again;
         }
-        let more = Extent { rows: 4, ..extent };
+        let more = Extent {
+            rows: 4,
+            last_step: Some(3),
+            ..extent
+        };
         let error = Table::find(path.clone(), &more).unwrap_err();
         assert!(matches!(
             error,
@@ -365,11 +403,17 @@ mod tests {
             }
         ));
         fs::write(&path, "step,t\n0,0\n1,0.").unwrap();
-        let two = Extent { rows: 2, ..more };
+        let two = Extent {
+            rows: 2,
+            last_step: Some(1),
+            ..more
+        };
         assert!(Table::find(path.clone(), &two).is_err());
         let other = Extent {
             columns: vec!["step".into(), "x".into()],
             rows: 1,
+            last_step: Some(0),
+            checksum: 0,
         };
         assert!(Table::find(path, &other).is_err());
     }

@@ -15,11 +15,15 @@ use crate::fem::Mesh;
 use crate::scheme::State;
 use base64::engine::general_purpose::STANDARD;
 use base64::write::EncoderWriter;
-use std::io::{self, Write};
+use std::fs::File;
+use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 /// VTK's number for a triangle.
 const TRIANGLE: u8 = 5;
+
+/// How a file ends.
+const END: &str = "</VTKFile>";
 
 /// Writes φ, ω, μ and, where there is one, the director to the file `path`.
 ///
@@ -48,6 +52,22 @@ pub fn write_series(path: &Path, snapshots: &[(f64, String)]) -> Result<(), Reco
         writeln!(file, "</Collection>")?;
         writeln!(file, "</VTKFile>")
     })
+}
+
+/// Whether a VTU file is there and has its end.
+pub(super) fn is_whole(path: &Path) -> bool {
+    // A pipe would wait for a writer.
+    let is_file = path.metadata().is_ok_and(|metadata| metadata.is_file());
+    is_file && last_bytes(path).is_ok_and(|bytes| bytes.trim_ascii_end().ends_with(END.as_bytes()))
+}
+
+fn last_bytes(path: &Path) -> io::Result<Vec<u8>> {
+    let mut file = File::open(path)?;
+    let length = file.metadata()?.len();
+    file.seek(SeekFrom::Start(length.saturating_sub(64)))?;
+    let mut bytes = Vec::new();
+    file.read_to_end(&mut bytes)?;
+    Ok(bytes)
 }
 
 fn fields(file: &mut dyn Write, mesh: &Mesh, state: &State, t: f64) -> io::Result<()> {
@@ -105,7 +125,7 @@ fn fields(file: &mut dyn Write, mesh: &Mesh, state: &State, t: f64) -> io::Resul
 
     writeln!(file, "</Piece>")?;
     writeln!(file, "</UnstructuredGrid>")?;
-    writeln!(file, "</VTKFile>")
+    writeln!(file, "{END}")
 }
 
 /// A number that VTK has a type for.

@@ -59,6 +59,9 @@ pub enum StepError {
         /// time.tolerance.
         tolerance: f64,
     },
+    /// What an attempt failed with before the run was taken up again.
+    #[error("{0}")]
+    Earlier(String),
     /// The step converged but the energy law (3.26) does not close.
     #[error(
         "the energy law misses by {residual:.2e} of the energy; solver.law_tolerance is {tolerance:.1e}"

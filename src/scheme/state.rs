@@ -1,10 +1,12 @@
 //! The fields of a run at one time, and what is known about a step.
 
+use serde::{Deserialize, Serialize};
+
 use super::StepError;
 use crate::physics::NamedValue;
 
 /// The fields: nodal values on the mesh.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// φ: +1 inside the vesicle, −1 outside.
     pub phi: Vec<f64>,

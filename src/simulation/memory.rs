@@ -3,6 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::last_whole::LastWholeMemory;
 use super::underway::Left;
 use super::{ErrorBudget, Ladder, Pacing, Simulation};
 use crate::scene::Anchoring;
@@ -28,6 +29,8 @@ pub struct Memory {
     ladder: Ladder,
     /// What was done of a step that was left before its end.
     left: Option<Left>,
+    /// The last whole step, where the state is within the next one.
+    last_whole: Option<LastWholeMemory>,
 }
 
 impl Memory {
@@ -44,6 +47,11 @@ impl Memory {
     /// The time that was reached.
     pub fn t(&self) -> f64 {
         self.t
+    }
+
+    /// Whether anything of the run was computed: a step, or a part of the first one.
+    pub fn is_begun(&self) -> bool {
+        self.step > 0 || self.left.is_some() || self.last_whole.is_some()
     }
 }
 
@@ -65,6 +73,7 @@ impl Simulation {
         memory.reached_wall = self.near_wall.reached();
         memory.ladder = report.ladder;
         memory.left.clone_from(&self.left);
+        memory.last_whole = self.last_whole.as_ref().map(|whole| whole.remember());
     }
 
     /// Puts it back, also into a new run of the same scene: what follows is bit for bit what it was.
@@ -80,6 +89,10 @@ impl Simulation {
                 return Err(RecallError::Foreign("its step is divided as none can be"));
             }
             _ => return Err(RecallError::Foreign("its steps are chosen otherwise")),
+        }
+        let whole = memory.last_whole.as_ref();
+        if whole.is_some_and(|whole| !whole.fits(self.scheme.state())) {
+            return Err(RecallError::Foreign("its last whole step does not fit"));
         }
         self.scheme.recall(&memory.scheme)?;
         self.scene.anchoring = self.scheme.anchoring();
@@ -99,6 +112,14 @@ impl Simulation {
         self.left.clone_from(&memory.left);
         self.near_wall.set_reached(memory.reached_wall);
         self.events.clear();
+        self.last_whole = None;
+        if let Some(whole) = whole {
+            self.contour.trace(&self.mesh, &whole.state().phi);
+            let outline = self.contour.measure(self.axis);
+            let quotient = self.contour.isoperimetric_quotient();
+            let whole = whole.recall(&self.report, outline, quotient);
+            self.last_whole = Some(Box::new(whole));
+        }
         self.measure();
         Ok(())
     }

@@ -7,6 +7,7 @@ mod division;
 mod error;
 mod event;
 mod ladder;
+mod last_whole;
 mod memory;
 mod needs;
 mod report;
@@ -45,6 +46,7 @@ pub use worker::{
 
 use controller::Controller;
 use division::Division;
+use last_whole::LastWhole;
 use underway::Left;
 use warnings::NearWall;
 
@@ -93,6 +95,8 @@ pub struct Simulation {
     pacing: Pacing,
     /// What was done of a step that was left before its end.
     left: Option<Left>,
+    /// The last whole step, while the state is within the next one.
+    last_whole: Option<Box<LastWhole>>,
     /// When snapshots are due: chosen steps end there.
     schedule: Schedule,
 }
@@ -156,6 +160,7 @@ impl Simulation {
             axis,
             pacing: Pacing::of(&scene.time),
             left: None,
+            last_whole: None,
             schedule: Schedule::new(&scene.time, 1, 1),
         };
         simulation.report.take(simulation.scheme.report());
@@ -220,13 +225,20 @@ impl Simulation {
             costs.add(phase, now - begun);
             begun = now;
         };
-        let was_fast = !self.scheme.uses_factor();
-        let before = (self.report.step, self.report.t);
+        let before = self.last_whole().0;
+        let before = (before.step, before.t);
         let was_damped = self.report.ladder.damping < 1.0;
         let taken = match self.pacing {
             Pacing::Fixed(_) => self.grid_step(left, &mut watch, leave)?,
             Pacing::Chosen(controller) => self.chosen_step(controller, left, &mut watch, leave)?,
         };
+        if let Some(left) = taken.left {
+            watch(Phase::Ledger);
+            self.left = Some(Left { costs, ..left });
+            self.measure();
+            return Ok(false);
+        }
+        self.last_whole = None;
         if let Some(jump) = taken.switched {
             let kind = EventKind::FieldSwitched { jump };
             let (step, t) = before;
@@ -234,29 +246,22 @@ impl Simulation {
         }
         let (step, t) = (before.0 + 1, self.report.t);
         let mut tell = |kind| self.events.push(Event { step, t, kind });
-        let is_whole = taken.left.is_none();
-        if let Some(reason) = taken.divided.filter(|_| is_whole) {
+        if let Some(reason) = taken.divided {
             let smallest = self.report.dt;
             tell(EventKind::StepDivided { smallest, reason });
         }
         let factor = taken.ladder.damping;
-        if is_whole && factor < 1.0 && !was_damped {
+        if factor < 1.0 && !was_damped {
             tell(EventKind::Damped { factor });
         }
         if let Some(reason) = taken.newton_took_over {
             tell(EventKind::NewtonTookOver { reason });
         }
-        match (was_fast, !self.scheme.uses_factor(), taken.fallback) {
+        match (taken.was_fast, !self.scheme.uses_factor(), taken.fallback) {
             (true, false, Some(reason)) => tell(EventKind::FellBackToFactor { reason }),
             (true, false, None) => tell(EventKind::FactorIsFaster),
             (false, true, _) => tell(EventKind::ReturnedToTransform),
             _ => {}
-        }
-        if let Some(left) = taken.left {
-            watch(Phase::Ledger);
-            self.left = Some(Left { costs, ..left });
-            self.measure();
-            return Ok(false);
         }
         self.report.ladder = taken.ladder;
         let (time, algebra) = (self.report.time_error, self.scheme.report().algebraic_error);
@@ -277,14 +282,12 @@ impl Simulation {
         let step = self.report.step + 1;
         let dt = self.scene.time.step;
         let (begin, end) = (grid_time(step - 1, dt), grid_time(step, dt));
-        let was_fast = !self.scheme.uses_factor();
-        let mut taken = Taken::default();
+        let mut taken = Taken::begin(left.as_ref(), !self.scheme.uses_factor());
         let Pacing::Fixed(division) = &mut self.pacing else {
             return Ok(taken);
         };
-        match &left {
-            Some(left) => taken.go_on(left),
-            None => division.begin(),
+        if left.is_none() {
+            division.begin();
         }
         // Of the parts that were solved before the step was left.
         let mut earlier = left.filter(|left| left.ladder.parts > 0);
@@ -302,12 +305,19 @@ impl Simulation {
             };
             if has_news || is_begun && leave(&underway) {
                 taken.left = Some(match earlier {
-                    Some(earlier) => taken.leave(earlier),
-                    None => taken.leave(Left::of(&self.report)),
+                    Some(earlier) => taken.leave(underway, earlier),
+                    None => taken.leave(underway, Left::of(&self.report)),
                 });
                 return Ok(taken);
             }
             is_begun = true;
+            // What is solved next is a part of the step.
+            if piece < dt && self.last_whole.is_none() {
+                self.last_whole = Some(Box::new(LastWhole {
+                    report: self.report.clone(),
+                    state: self.scheme.state().clone(),
+                }));
+            }
             let mut error = None;
             let outcome = match self.scene.time.order {
                 Order::First => match self.scheme.step_watched(piece, watch) {
@@ -358,7 +368,7 @@ impl Simulation {
                         return Err(SimulationError::Step {
                             step,
                             t: end,
-                            tried: Box::new(self.tried(was_fast, &taken, steps)),
+                            tried: Box::new(self.tried(&taken, steps)),
                             source: reason,
                         });
                     }
@@ -389,14 +399,9 @@ impl Simulation {
         let landing = self.landing_after(t);
         let order = self.scene.time.order;
         let (chains, combine) = (order.chains(), order != Order::First);
-        let mut taken = Taken::default();
-        let mut work = [0; 3];
-        if let Some(left) = left {
-            work = left.work;
-            taken.go_on(&left);
-        }
+        let mut taken = Taken::begin(left.as_ref(), !self.scheme.uses_factor());
+        let mut work = left.map_or([0; 3], |left| left.work);
         let (mut is_begun, mut has_news) = (false, false);
-        let was_fast = !self.scheme.uses_factor();
         let longest = controller.attempt(t, landing).dt;
         loop {
             let attempt = controller.attempt(t, landing);
@@ -410,10 +415,11 @@ impl Simulation {
             };
             if has_news || is_begun && leave(&underway) {
                 self.pacing = Pacing::Chosen(controller);
-                taken.left = Some(taken.leave(Left {
+                let sums = Left {
                     work,
                     ..Left::default()
-                }));
+                };
+                taken.left = Some(taken.leave(underway, sums));
                 return Ok(taken);
             }
             is_begun = true;
@@ -460,7 +466,7 @@ impl Simulation {
                 return Err(SimulationError::Step {
                     step,
                     t: attempt.end,
-                    tried: Box::new(self.tried(was_fast, &taken, [longest, attempt.dt])),
+                    tried: Box::new(self.tried(&taken, [longest, attempt.dt])),
                     source: reason,
                 });
             }
@@ -484,10 +490,10 @@ impl Simulation {
     }
 
     /// What was tried in a step that was not solved.
-    fn tried(&self, was_fast: bool, taken: &Taken, steps: [f64; 2]) -> Tried {
+    fn tried(&self, taken: &Taken, steps: [f64; 2]) -> Tried {
         Tried {
             refused: taken.ladder.refused,
-            transform: was_fast || !self.scheme.uses_factor(),
+            transform: taken.was_fast || !self.scheme.uses_factor(),
             factor: self.scheme.uses_factor(),
             lagged: self.scene.solver.iteration == Iteration::Lagged,
             steps,
@@ -561,9 +567,29 @@ impl Simulation {
         &self.report
     }
 
+    /// The last whole step, or the initial state: its report, and the fields at its end. They differ from
+    /// [`report`](Self::report) and [`state`](Self::state) where the next step was left, or failed, after
+    /// some of its parts.
+    pub fn last_whole(&self) -> (&Report, &State) {
+        match &self.last_whole {
+            Some(whole) => (&whole.report, &whole.state),
+            None => (&self.report, self.scheme.state()),
+        }
+    }
+
+    /// How far the step is that was left before its end.
+    pub fn underway(&self) -> Option<Underway> {
+        self.left.as_ref()?.underway
+    }
+
     /// What is allowed in the scene but probably not meant.
     pub fn warnings(&self) -> &[Warning] {
         &self.warnings
+    }
+
+    /// What happened since events were last drained.
+    pub fn events(&self) -> &[Event] {
+        &self.events
     }
 
     /// What happened since the last call.
@@ -580,6 +606,8 @@ impl Simulation {
 /// What is to be told of a step beyond its report.
 #[derive(Debug, Default)]
 struct Taken {
+    /// Whether the step began without the sparse factor.
+    was_fast: bool,
     /// Why the transform gave way to the factor.
     fallback: Option<StepError>,
     /// Why Newton's method took over from the lagged iteration.
@@ -594,17 +622,35 @@ struct Taken {
 }
 
 impl Taken {
-    /// Goes on with a step that was left.
-    fn go_on(&mut self, left: &Left) {
-        self.ladder = left.ladder;
-        self.divided.clone_from(&left.divided);
+    /// Begins a step, or goes on with one that was left. `is_fast`: without the sparse factor.
+    fn begin(left: Option<&Left>, is_fast: bool) -> Self {
+        let Some(left) = left else {
+            return Self {
+                was_fast: is_fast,
+                ..Self::default()
+            };
+        };
+        Self {
+            was_fast: left.was_fast,
+            fallback: left.fallback.clone(),
+            newton_took_over: left.newton_took_over.clone(),
+            divided: left.divided.clone(),
+            switched: left.switched,
+            ladder: left.ladder,
+            left: None,
+        }
     }
 
     /// What is left of the step, given the sums of its report.
-    fn leave(&self, sums: Left) -> Left {
+    fn leave(&self, underway: Underway, sums: Left) -> Left {
         Left {
-            ladder: self.ladder,
+            underway: Some(underway),
+            was_fast: self.was_fast,
+            fallback: self.fallback.clone(),
+            newton_took_over: self.newton_took_over.clone(),
             divided: self.divided.clone(),
+            switched: self.switched,
+            ladder: self.ladder,
             ..sums
         }
     }

@@ -1,12 +1,15 @@
 //! Steps that take more than one attempt, and may be left between two of them: to save the state, or
 //! because the run is to end. The step goes on later as if nothing had happened.
 
-use serde::{Deserialize, Serialize};
+use std::fmt;
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{Costs, Ladder, Report};
+use crate::scheme::StepError;
 
 /// A hard step, between two attempts.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Underway {
     /// Its number.
     pub step: u64,
@@ -22,13 +25,43 @@ pub struct Underway {
     pub refused: u64,
 }
 
+impl fmt::Display for Underway {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            step,
+            t,
+            end,
+            dt,
+            parts,
+            refused,
+        } = self;
+        write!(
+            f,
+            "step {step} takes long: it is at t = {t:.3e} of {end:.3e}, after {parts} parts and {refused} \
+             attempts that failed, with \u{394}t = {dt:.1e} next"
+        )
+    }
+}
+
 /// What was done of a step that was left before its end, beyond what the state tells.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Left {
+    /// Where it was left.
+    pub(super) underway: Option<Underway>,
+    /// Whether the step began without the sparse factor.
+    pub(super) was_fast: bool,
     /// The rungs that it has needed.
     pub(super) ladder: Ladder,
     /// Why it was divided.
     pub(super) divided: Option<String>,
+    /// Why the fast linear solver gave way to the factor.
+    #[serde(serialize_with = "to_words", deserialize_with = "from_words")]
+    pub(super) fallback: Option<StepError>,
+    /// Why Newton's method took over from the lagged iteration.
+    #[serde(serialize_with = "to_words", deserialize_with = "from_words")]
+    pub(super) newton_took_over: Option<StepError>,
+    /// By how much the energy jumped before the step.
+    pub(super) switched: Option<f64>,
     /// Iterations of its parts, or of the attempts that were refused: of substep 2, Krylov's, of
     /// substep 1.
     pub(super) work: [u32; 3],
@@ -66,4 +99,14 @@ impl Left {
         let sum = self.time_error.zip(report.time_error);
         report.time_error = sum.map(|(sum, error)| sum + error);
     }
+}
+
+/// An error goes to a file in words.
+fn to_words<S: Serializer>(error: &Option<StepError>, to: S) -> Result<S::Ok, S::Error> {
+    error.as_ref().map(ToString::to_string).serialize(to)
+}
+
+fn from_words<'de, D: Deserializer<'de>>(from: D) -> Result<Option<StepError>, D::Error> {
+    let words: Option<String> = Deserialize::deserialize(from)?;
+    Ok(words.map(StepError::Earlier))
 }

@@ -160,6 +160,7 @@ impl Run {
             reins: Reins::new(horizon),
             setting: None,
             report: Report::default(),
+            underway: None,
             anchoring,
             before: None,
             history: History::default(),
@@ -193,6 +194,20 @@ impl Run {
         pictures.sort_by_key(|picture| picture.report.step);
         pictures.dedup_by_key(|picture| picture.report.step);
         pictures
+    }
+
+    /// Whether T is reached.
+    pub fn is_done(&self) -> bool {
+        self.status == Status::Done
+    }
+
+    /// The end of a run that goes on beyond its own: twice as late, or so much later that it is to come.
+    pub fn later_end(&self) -> Option<f64> {
+        let mut end = 2.0 * self.setting.as_ref()?.scene.time.end;
+        while end <= self.report.t {
+            end *= 2.0;
+        }
+        Some(end)
     }
 
     /// Whether no more steps will be taken.

@@ -43,7 +43,7 @@ impl History {
     /// last kept row and names the energies.
     pub fn of(kept: &KeptRun, first: &Report) -> Self {
         let mut rows = kept.rows.clone();
-        rows.truncate(rows.rows().saturating_sub(1));
+        rows.take_back();
         let column = |name: &str| rows.column(name);
         let steps = column("step").unwrap_or_default().to_vec();
         let series = |values: Option<&[f64]>, from: f64, change: &dyn Fn(f64) -> f64| {

@@ -14,10 +14,10 @@ use super::state::Slot;
 /// The folder of the runs that can be gone on with, beside what was saved.
 const UNFINISHED: &str = "unfinished";
 
-/// The kept run of a scene of this name, if there is one that has come further than its initial state.
+/// The kept run of a scene of this name, if anything of it was computed.
 pub(super) fn find(parent: &Path, name: &str, scene: &Scene) -> Option<KeptRun> {
     let kept = KeptRun::find(&parent.join(UNFINISHED), name, scene)?;
-    (kept.memory.step() > 0).then_some(kept)
+    kept.memory.is_begun().then_some(kept)
 }
 
 /// Looks for a run that a slot can go on with: one that the app has kept, or the one that its folder
@@ -33,7 +33,7 @@ pub(super) fn look_for(slot: &mut Slot) {
         ));
     }
     let furthest = [here, there].into_iter().flatten();
-    let furthest = furthest.max_by_key(|kept| kept.memory.step());
+    let furthest = furthest.max_by(|one, other| one.memory.t().total_cmp(&other.memory.t()));
     slot.kept = furthest.map(Arc::new);
 }
 
@@ -49,7 +49,7 @@ impl Logbook {
     pub fn new(parent: &Path, name: &str, scene: &Scene, from: Option<&KeptRun>) -> Self {
         let mut run = from.cloned().unwrap_or_else(|| KeptRun::new(scene));
         // Its last row is told again.
-        run.rows.truncate(run.rows.rows().saturating_sub(1));
+        run.rows.take_back();
         Self {
             run,
             keeper: RunKeeper::new(&parent.join(UNFINISHED), name, scene),

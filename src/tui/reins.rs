@@ -82,6 +82,15 @@ impl Reins {
         Command::Step
     }
 
+    /// The run was over and gets a later end. What was not answered before never will be, but this is: the
+    /// worker stands still then.
+    pub fn reopen(&mut self) {
+        self.stand = Stand::Paused;
+        self.going = false;
+        self.unanswered = 1;
+        self.stepping = false;
+    }
+
     /// Takes what the worker has said.
     pub fn hear(&mut self, stand: Stand) {
         if self.stand == Stand::Over {

@@ -8,7 +8,7 @@ use super::past::Past;
 use super::reins::Reins;
 use crate::record::KeptRun;
 use crate::scene::{AnchoringKind, Scene};
-use crate::simulation::{Picture, Report, RunId, Setting};
+use crate::simulation::{Picture, Report, RunId, Setting, Underway};
 
 pub use super::history::History;
 pub use super::pace::Pace;
@@ -116,6 +116,8 @@ pub struct Run {
     pub setting: Option<Arc<Setting>>,
     /// The scalars of the last step.
     pub report: Report,
+    /// How far the next step is, while it takes long.
+    pub underway: Option<Underway>,
     /// The anchoring in force.
     pub anchoring: Option<AnchoringKind>,
     /// The run of an earlier time that this one goes on from, until its first news.
@@ -238,8 +240,21 @@ pub enum Question {
     Reload,
     /// Go on with the runs of an earlier time?
     GoOn,
+    /// Go on with the active run beyond its end, which it has reached?
+    GoBeyond(Beyond),
     /// Begin another run, with the change that the estimated errors suggest?
     Improve,
+}
+
+/// What a run that has reached its end is to do first, if it goes on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Beyond {
+    /// Go on.
+    Run,
+    /// Take a step and pause.
+    Step,
+    /// Go on with this anchoring.
+    Anchor(AnchoringKind),
 }
 
 impl Question {
@@ -250,6 +265,7 @@ impl Question {
             Self::Quit => "Quit",
             Self::Reload => "Reload",
             Self::GoOn => "Go on",
+            Self::GoBeyond(_) => "The run is over",
             Self::Improve => "Improve",
         }
     }

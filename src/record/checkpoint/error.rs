@@ -83,8 +83,8 @@ pub enum CheckpointError {
     },
     /// No checkpoint can be used.
     #[error(
-        "the run in {} cannot be taken up again:{}\nnothing was changed. To begin anew add --force in \
-         place of --resume",
+        "the run in {} cannot be taken up again:{}\nnothing was changed. To begin anew give another \
+         folder with --out; --force in place of --resume would replace this run",
         folder.display(),
         problems.iter().map(|problem| format!("\n  {problem}")).collect::<String>()
     )]

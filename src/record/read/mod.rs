@@ -6,7 +6,7 @@ mod run;
 mod table;
 
 /// Bytes of a table, or of a file of fields, at most.
-const LARGEST: u64 = 1 << 32;
+pub(super) const LARGEST: u64 = 1 << 32;
 
 pub use error::{ReadError, WrongArray};
 pub use fields::{StoredFields, read_fields};

@@ -1,12 +1,13 @@
 //! Tables of numbers, read back.
 
 use super::super::Columns;
+use super::super::lenient::LenientTable;
 use super::super::whole::read_text;
 use super::{LARGEST, ReadError};
 use std::path::Path;
 
-/// Reads a table. An empty cell is NaN. What follows the last whole line is left out: a run that
-/// goes on, or was killed, may have left a part of a line.
+/// Reads a table, also one that a spreadsheet has rewritten. An empty cell is NaN. What follows the last
+/// whole line is left out: a run that goes on, or was killed, may have left a part of a line.
 ///
 /// # Errors
 /// [`ReadError`] with line and column.
@@ -15,37 +16,28 @@ pub(in super::super) fn read_table(path: &Path) -> Result<Columns, ReadError> {
         path: path.to_owned(),
         reason,
     })?;
-    let whole = text.rfind('\n').map_or("", |end| &text[..end]);
-    let mut lines = whole.lines();
-    let header = lines.next().filter(|line| !line.is_empty());
-    let names: Vec<String> = header
-        .ok_or_else(|| ReadError::EmptyTable {
-            path: path.to_owned(),
-        })?
-        .split(',')
-        .map(str::to_owned)
-        .collect();
+    let whole = text.rfind('\n').map_or("", |end| &text[..=end]);
+    let mut table = LenientTable::new(whole).ok_or_else(|| ReadError::EmptyTable {
+        path: path.to_owned(),
+    })?;
+    let names = table.columns.clone();
     let mut values = vec![Vec::new(); names.len()];
-    for (number, line) in lines.enumerate() {
-        let cells = line.split(',').count();
-        if cells != names.len() {
+    while let Some(line) = table.next() {
+        if line.cells.len() != names.len() {
             return Err(ReadError::Row {
                 path: path.to_owned(),
-                line: number + 2,
-                found: cells,
+                line: line.number,
+                found: line.cells.len(),
                 expected: names.len(),
             });
         }
-        for ((cell, column), name) in line.split(',').zip(&mut values).zip(&names) {
-            column.push(match cell {
-                "" => f64::NAN,
-                text => text.parse().map_err(|_| ReadError::Cell {
-                    path: path.to_owned(),
-                    line: number + 2,
-                    column: name.clone(),
-                    text: text.to_owned(),
-                })?,
-            });
+        for ((cell, column), name) in line.cells.iter().zip(&mut values).zip(&names) {
+            column.push(table.value(cell).ok_or_else(|| ReadError::Cell {
+                path: path.to_owned(),
+                line: line.number,
+                column: name.clone(),
+                text: cell.clone().into_owned(),
+            })?);
         }
     }
     Ok(Columns::from_parts(names, values))

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::super::{Event, Memory, Report};
+use super::super::{Event, Memory, Report, Underway};
 use crate::fem::Mesh;
 use crate::scene::{AnchoringKind, Scene, Warning};
 use crate::scheme::State;
@@ -29,7 +29,8 @@ pub struct Orders {
 }
 
 /// What can be asked of a worker. Each is carried out between two steps, in the order in which they
-/// are told. When T is reached `Anchor` alone is still answered, for no step is left to be taken.
+/// are told. When T is reached `Anchor` and `Until` alone are still answered, for no step is left to be
+/// taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Command {
     /// Stop after the step in hand. Answered by [`News::Paused`], always, also when it stands still
@@ -44,6 +45,9 @@ pub enum Command {
     Anchor(AnchoringKind),
     /// Move the horizon (see [`Orders`]).
     Horizon(Option<f64>),
+    /// Another T. A run that had reached its end then stands still until it is to go on: answered by
+    /// [`News::Paused`].
+    Until(f64),
     /// End the run. Dropping the worker does the same.
     End,
 }
@@ -64,6 +68,8 @@ pub enum News {
     Ready(Arc<Setting>),
     /// The scalars of steps, in order, none left out; the first is step 0.
     Reports(Vec<Report>),
+    /// How far a step is that takes long: after a second, and every half second from then on.
+    Underway(Underway),
     /// Something happened. (That the anchoring was switched is told as `Anchored`.)
     Event(Event),
     /// The anchoring is another one: the same state as in the last report, its energy measured anew.
@@ -76,7 +82,8 @@ pub enum News {
     /// One of the evenly spaced states that were ordered.
     Snapshot(Arc<Picture>),
     /// The state, from which the run can be gone on with: where that was ordered, every so often and
-    /// before the worker ends, unless no step was taken since the last time.
+    /// before the worker ends, also in the midst of a step; unless nothing was computed since the last
+    /// time.
     State(Box<Memory>),
     /// The worker stands still, as asked: the answer to every `Pause` and every `Step`, and told at
     /// the start where it was ordered to wait.
@@ -85,7 +92,7 @@ pub enum News {
     Resumed,
     /// The worker waits at its horizon.
     AtHorizon,
-    /// T is reached: the last of all reports was sent before. Told once.
+    /// T is reached: the last of all reports was sent before. Told once, and again at a later T.
     Done,
     /// The run cannot start or go on, and why; the last good state stays what it is. After this the
     /// thread has ended. A panic of the thread arrives here too.

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use super::super::{EventKind, Memory, Report, Schedule, Simulation, SimulationError};
 use super::mailbox::{Canvases, Mailbox, PictureOf};
 use super::{Command, Continuity, Message, News, Orders, RunId, Setting};
-use crate::scene::{AnchoringKind, Scene};
+use crate::scene::{AnchoringKind, Scene, Time};
 
 /// The thread's own: everything but the simulation.
 pub(super) struct Runner<Sink> {
@@ -23,13 +23,50 @@ pub(super) struct Runner<Sink> {
     canvases: Canvases,
     computing: Arc<AtomicU64>,
     kept: Kept,
+    step_in_hand: StepInHand,
 }
 
 /// When the state was told last, and how often it is to be told.
 struct Kept {
     interval: Option<Duration>,
-    step: u64,
+    /// Whether nothing was computed since.
+    is_current: bool,
     at: Instant,
+}
+
+impl Kept {
+    fn is_due(&self) -> bool {
+        let is_due = |interval| self.at.elapsed() >= interval;
+        !self.is_current && self.interval.is_some_and(is_due)
+    }
+}
+
+/// When the step in hand was begun, and when it is to be told how far it is.
+struct StepInHand {
+    step: u64,
+    told_at: Instant,
+}
+
+impl StepInHand {
+    /// A step that takes longer than this is told.
+    const PATIENCE: Duration = Duration::from_secs(1);
+    /// And again after this.
+    const INTERVAL: Duration = Duration::from_millis(500);
+
+    /// Whether it is time to tell how far this step is.
+    fn is_due(&mut self, step: u64) -> bool {
+        if self.step != step {
+            *self = Self {
+                step,
+                told_at: Instant::now() + Self::PATIENCE,
+            };
+        }
+        Instant::now() >= self.told_at
+    }
+
+    fn told(&mut self) {
+        self.told_at = Instant::now() + Self::INTERVAL;
+    }
 }
 
 /// Why a worker stands still.
@@ -74,8 +111,12 @@ impl<Sink: Fn(Message)> Runner<Sink> {
             computing,
             kept: Kept {
                 interval: None,
-                step: 0,
+                is_current: true,
                 at: Instant::now(),
+            },
+            step_in_hand: StepInHand {
+                step: 0,
+                told_at: Instant::now(),
             },
         }
     }
@@ -106,10 +147,10 @@ impl<Sink: Fn(Message)> Runner<Sink> {
         }
         self.kept = Kept {
             interval: continuity.keep,
-            step: simulation.report().step,
+            is_current: true,
             at: Instant::now(),
         };
-        let schedule = Schedule::new(&scene.time, 1, self.orders.snapshots);
+        let mut schedule = Schedule::new(&scene.time, 1, self.orders.snapshots);
         simulation.follow(&schedule);
         // Before the news, so that whoever hears them finds it; so everywhere.
         self.show(&simulation);
@@ -120,6 +161,9 @@ impl<Sink: Fn(Message)> Runner<Sink> {
             warnings: simulation.warnings().to_vec(),
         })));
         self.tell_step(&mut simulation, &schedule);
+        if let Some(underway) = simulation.underway() {
+            self.teller.tell(News::Underway(underway));
+        }
 
         let mut going = !self.orders.paused;
         let mut told = None;
@@ -142,11 +186,19 @@ impl<Sink: Fn(Message)> Runner<Sink> {
             };
             match command {
                 Err(TryRecvError::Empty) => {
-                    self.step(&mut simulation, &schedule)?;
-                    self.keep_in_time(&simulation);
+                    self.attempt(&mut simulation, &schedule)?;
+                    if self.kept.is_due() {
+                        self.keep(&simulation);
+                    }
                 }
                 Ok(Command::Resume) => going = true,
                 Ok(Command::Horizon(horizon)) => self.orders.horizon = horizon,
+                Ok(Command::Until(end)) => {
+                    let time = Time { end, ..scene.time };
+                    schedule = Schedule::new(&time, 1, self.orders.snapshots);
+                    simulation.follow(&schedule);
+                    going &= rest != Some(Rest::Done);
+                }
                 Ok(Command::Anchor(kind)) => self.anchor(&mut simulation, kind),
                 Ok(command @ (Command::Pause | Command::Step)) if rest != Some(Rest::Done) => {
                     if command == Command::Step {
@@ -165,24 +217,15 @@ impl<Sink: Fn(Message)> Runner<Sink> {
         }
     }
 
-    /// Tells the state if it is time.
-    fn keep_in_time(&mut self, simulation: &Simulation) {
-        let interval = self.kept.interval;
-        if interval.is_some_and(|interval| self.kept.at.elapsed() >= interval) {
-            self.keep(simulation);
-        }
-    }
-
-    /// Tells the state, if that was ordered and steps were taken since.
+    /// Tells the state, if that was ordered and anything was computed since.
     fn keep(&mut self, simulation: &Simulation) {
-        let step = simulation.report().step;
-        if self.kept.interval.is_none() || self.kept.step == step {
+        if self.kept.interval.is_none() || self.kept.is_current {
             return;
         }
         let mut memory = Box::new(Memory::default());
         simulation.remember(&mut memory);
         self.teller.tell(News::State(memory));
-        self.kept.step = step;
+        self.kept.is_current = true;
         self.kept.at = Instant::now();
     }
 
@@ -204,15 +247,32 @@ impl<Sink: Fn(Message)> Runner<Sink> {
         }
     }
 
-    /// One step and all that is to be told of it. One that takes long is left when a command comes.
+    /// One step, unless a command comes while it is taken.
     fn step(
         &mut self,
         simulation: &mut Simulation,
         schedule: &Schedule,
     ) -> Result<(), SimulationError> {
+        while !self.attempt(simulation, schedule)? && self.waiting.is_none() {
+            if self.kept.is_due() {
+                self.keep(simulation);
+            }
+        }
+        Ok(())
+    }
+
+    /// One step and all that is to be told of it; whether it was taken. One that takes long is left when a
+    /// command comes, and when it is time to tell how far it is, or its state.
+    fn attempt(
+        &mut self,
+        simulation: &mut Simulation,
+        schedule: &Schedule,
+    ) -> Result<bool, SimulationError> {
         let begun = Instant::now();
         let (commands, waiting) = (&self.commands, &mut self.waiting);
-        let advanced = simulation.advance_unless(&mut |_| {
+        let (kept, in_hand) = (&mut self.kept, &mut self.step_in_hand);
+        kept.is_current = false;
+        let advanced = simulation.advance_unless(&mut |underway| {
             if waiting.is_none() {
                 *waiting = match commands.try_recv() {
                     Ok(command) => Some(command),
@@ -220,7 +280,7 @@ impl<Sink: Fn(Message)> Runner<Sink> {
                     Err(TryRecvError::Empty) => None,
                 };
             }
-            waiting.is_some()
+            waiting.is_some() || in_hand.is_due(underway.step) || kept.is_due()
         });
         let nanoseconds = u64::try_from(begun.elapsed().as_nanos()).unwrap_or(u64::MAX);
         self.computing.fetch_add(nanoseconds, Ordering::Relaxed);
@@ -232,26 +292,27 @@ impl<Sink: Fn(Message)> Runner<Sink> {
             }
         };
         if !is_whole {
-            self.show(simulation);
             self.tell_events(simulation);
-            // It goes on where it was left only to tell of something.
-            return match self.waiting {
-                Some(_) => Ok(()),
-                None => self.step(simulation, schedule),
-            };
+            if let Some(underway) = simulation.underway()
+                && self.step_in_hand.is_due(underway.step)
+            {
+                self.step_in_hand.told();
+                self.teller.tell(News::Underway(underway));
+            }
+            return Ok(false);
         }
         if self.mailbox.is_empty() {
             self.show(simulation);
         }
         self.tell_step(simulation, schedule);
-        Ok(())
+        Ok(true)
     }
 
     /// The report, the events and, where one is due, the snapshot of the state that was reached.
     fn tell_step(&mut self, simulation: &mut Simulation, schedule: &Schedule) {
-        self.teller.gather(simulation.report());
+        self.teller.gather(simulation.last_whole().0);
         self.tell_events(simulation);
-        let report = simulation.report();
+        let (report, _) = simulation.last_whole();
         if schedule.snapshot_due(report.step, report.t) {
             let picture = Arc::new(self.picture(simulation).to_picture());
             self.teller.tell(News::Snapshot(picture));
@@ -278,7 +339,8 @@ impl<Sink: Fn(Message)> Runner<Sink> {
         self.teller.tell(News::Anchored { kind, report });
     }
 
-    /// Puts the present state into the mailbox.
+    /// Puts the present state into the mailbox: that of the last whole step, with which all else that is
+    /// told and saved agrees.
     fn show(&mut self, simulation: &Simulation) {
         let picture = self.canvases.paint(self.picture(simulation));
         self.mailbox.put(picture);
@@ -289,11 +351,12 @@ impl<Sink: Fn(Message)> Runner<Sink> {
         let kind = scene
             .anchoring
             .map_or(AnchoringKind::None, |anchoring| anchoring.kind);
+        let (report, state) = simulation.last_whole();
         PictureOf {
             run: self.orders.run,
             anchoring: scene.nematic.as_ref().map(|_| kind),
-            report: simulation.report(),
-            state: simulation.state(),
+            report,
+            state,
         }
     }
 }

@@ -39,10 +39,15 @@ fn start(orders: Orders, scene: Scene) -> Watched {
 }
 
 impl Watched {
+    /// The next news, but for how far a step is: that depends on the clock.
     fn next(&self) -> News {
-        let message = self.news.recv_timeout(PATIENCE).unwrap();
-        assert_eq!(message.run, RunId(7));
-        message.news
+        loop {
+            let message = self.news.recv_timeout(PATIENCE).unwrap();
+            assert_eq!(message.run, RunId(7));
+            if !matches!(message.news, News::Underway(_)) {
+                return message.news;
+            }
+        }
     }
 
     /// All news up to the first of which this holds.
@@ -69,6 +74,7 @@ fn word(news: &News) -> String {
             let steps: Vec<u64> = reports.iter().map(|report| report.step).collect();
             format!("{steps:?}")
         }
+        News::Underway(underway) => format!("within {}", underway.step),
         News::Event(event) => event.kind.name().to_owned(),
         News::Anchored { kind, report } => format!("{kind} at {}", report.step),
         News::Snapshot(picture) => format!("snapshot {}", picture.report.step),
@@ -407,6 +413,63 @@ fn check_life_cycle(news: &[News]) {
             _ => {}
         }
     }
+}
+
+/// A step that takes many seconds: how far it is is told, and its state in the midst of it; whoever goes on
+/// from there is told the last whole step first.
+#[test]
+fn a_hard_step_is_told_and_kept_in_its_midst() {
+    let scene = small(&[
+        "mesh.cells=24",
+        "vesicle={ shape = 'random', amplitude = 9.0, seed = 1 }",
+        "membrane.interface_width=0.03",
+        "area={ target = 1.25, penalty = 1e-8 }",
+    ]);
+    let start = |from: Option<Box<Memory>>| {
+        let (sender, news) = mpsc::channel();
+        let sink = move |message: Message| {
+            // Whoever listens may have gone.
+            let _ = sender.send(message.news);
+        };
+        let continuity = Continuity {
+            from,
+            keep: Some(Duration::ZERO),
+        };
+        let orders = Orders {
+            paused: false,
+            ..orders()
+        };
+        let worker = Worker::start_from(orders, Arc::new(scene.clone()), continuity, sink);
+        (worker, news)
+    };
+    let (worker, news) = start(None);
+    let mut kept = None;
+    let underway = loop {
+        match news.recv_timeout(PATIENCE).unwrap() {
+            News::Underway(underway) => break underway,
+            News::State(memory) => kept = Some(memory),
+            News::Reports(reports) => assert!(reports.iter().all(|report| report.step == 0)),
+            _ => {}
+        }
+    };
+    assert_eq!(underway.step, 1);
+    assert!(
+        underway.t < underway.end && underway.dt < 1e-6,
+        "{underway:?}"
+    );
+    let kept = kept.expect("it is kept too");
+    assert!(kept.is_begun() && kept.step() == 0 && kept.t() <= underway.t);
+    drop(worker);
+
+    let (_worker, news) = start(Some(kept.clone()));
+    let told: Vec<News> = (0..4)
+        .map(|_| news.recv_timeout(PATIENCE).unwrap())
+        .collect();
+    let (News::Reports(reports), News::Underway(again)) = (&told[1], &told[2]) else {
+        panic!("{told:?}");
+    };
+    assert_eq!((reports[0].step, reports[0].t), (0, 0.0));
+    assert_eq!((again.step, again.t), (1, kept.t()));
 }
 
 #[test]

@@ -16,7 +16,6 @@ pub(super) fn on_one_run(app: &App) -> Result<(), &'static str> {
 pub(super) fn when_not_over(app: &App) -> Result<(), &'static str> {
     let status = app.active_run().map(|run| &run.status);
     match (app.screen, status) {
-        (Screen::Run, Some(Status::Done)) => Err("the run is done: r begins it anew"),
         (Screen::Run, Some(Status::Failed(_))) => {
             Err("the run has failed: r begins it anew, e edits its scene")
         }
@@ -76,7 +75,11 @@ pub(super) fn with_opened_scenes(app: &App) -> Result<(), &'static str> {
 }
 
 pub(super) fn pause_or_resume(app: &App) -> &'static str {
-    if app.is_going() { "pause" } else { "resume" }
+    match app.active_run() {
+        Some(run) if app.screen == Screen::Run && run.is_done() => "go on",
+        _ if app.is_going() => "pause",
+        _ => "resume",
+    }
 }
 
 pub(super) fn gallery(app: &App) -> &'static str {

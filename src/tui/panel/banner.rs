@@ -111,6 +111,15 @@ fn words(app: &App, shown: Option<&Shown<'_>>) -> Option<Words> {
     if let Some((notice, count)) = error {
         return Some(said(notice, count));
     }
+    let underway = run.and_then(|run| run.underway);
+    if let (Some(underway), false) = (underway, matches!(app.saving, Saving::Busy(_))) {
+        return Some(Words {
+            kind: "hard step".to_owned(),
+            role: Some(Role::Warning),
+            text: underway.to_string(),
+            whole: true,
+        });
+    }
     let (kind, role, text) = match &app.saving {
         Saving::Busy(what) => ("saving", Some(Role::Accent), what.clone()),
         Saving::Saved(path) => ("saved", Some(Role::Good), path.display().to_string()),

@@ -6,9 +6,10 @@ use ratatui::style::Modifier;
 use ratatui::text::{Line, Span};
 
 use super::text;
+use crate::record::Brief;
 use crate::scene::preset_description;
 use crate::tui::layout::centred;
-use crate::tui::state::{App, Question};
+use crate::tui::state::{App, Beyond, Question};
 use crate::tui::theme::{Role, Theme};
 use crate::tui::update::{expectation_wanted, offered};
 
@@ -30,6 +31,7 @@ pub fn confirm(app: &App, question: Question, theme: &Theme, screen: Rect, buffe
         ),
         Question::Quit => quit_words(app),
         Question::GoOn => kept_words(app),
+        Question::GoBeyond(beyond) => beyond_words(app, beyond),
         Question::Improve => improve_words(app),
     };
     let width = 56.min(screen.width.saturating_sub(4));
@@ -47,6 +49,24 @@ pub fn confirm(app: &App, question: Question, theme: &Theme, screen: Rect, buffe
         Span::raw(" no"),
     ]);
     text::line(buffer, inside, count + 1, answers);
+}
+
+/// To what end a run would go on, and with what.
+fn beyond_words(app: &App, beyond: Beyond) -> String {
+    let Some(slot) = app.active_slot() else {
+        return String::new();
+    };
+    let run = slot.run.as_ref();
+    let Some((run, end)) = run.and_then(|run| Some((run, run.later_end()?))) else {
+        return String::new();
+    };
+    let (name, t, end) = (&slot.name, Brief(run.report.t), Brief(end));
+    let first = match beyond {
+        Beyond::Run => String::new(),
+        Beyond::Step => ", and pause after one step".to_owned(),
+        Beyond::Anchor(kind) => format!(", with the anchoring {kind}"),
+    };
+    format!("{name} has reached its end, t = {t}. Go on to t = {end}{first}?")
 }
 
 /// Which runs can be gone on with.

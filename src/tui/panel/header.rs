@@ -60,15 +60,21 @@ fn progress(shown: &Shown<'_>, theme: &Theme, area: Rect, buffer: &mut Buffer) {
     let steps = shown.setting.and_then(|setting| setting.steps);
     let digits = steps.unwrap_or(0).max(report.step).max(1).ilog10() as usize + 1;
     let muted = |words: &str| Span::styled(words.to_owned(), theme.muted());
+    // Within a step that takes long its own figures tell more than those of the last one.
+    let underway = run.underway.filter(|_| shown.back.is_none());
+    let (t, dt) = underway.map_or((report.t, report.dt), |underway| (underway.t, underway.dt));
     let mut parts = vec![Line::from(vec![
         muted(" step "),
         Span::raw(format!("{:>digits$}", report.step)),
         muted(&steps.map_or(String::new(), |steps| format!("/{steps}"))),
     ])];
-    parts.push(Line::from(vec![
-        muted("t "),
-        Span::raw(format!("{:.3e}", report.t)),
-    ]));
+    parts.push(Line::from(vec![muted("t "), Span::raw(format!("{t:.3e}"))]));
+    if let Some(underway) = underway {
+        parts.push(Line::from(vec![
+            muted("within step "),
+            Span::raw(underway.step.to_string()),
+        ]));
+    }
     // Rates are those of the present, whatever is looked at.
     let pace = &run.pace;
     if let Some(left) = pace.left.filter(|_| shown.back.is_none()) {
@@ -80,7 +86,7 @@ fn progress(shown: &Shown<'_>, theme: &Theme, area: Rect, buffer: &mut Buffer) {
     }
     parts.push(Line::from(vec![
         muted(theme.word("Δt ", "dt ")),
-        Span::raw(brief(report.dt, 3)),
+        Span::raw(brief(dt, 3)),
     ]));
     const GAP: &str = "   ";
     const BAR: usize = 12;

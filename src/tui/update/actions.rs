@@ -5,11 +5,13 @@ use std::sync::Arc;
 use super::super::keys::Action;
 use super::super::message::Effect;
 use super::super::state::{
-    App, DirectorStyle, Ending, Field, Notice, Overlay, Panel, Question, Save, Screen, Slot, Status,
+    App, Beyond, DirectorStyle, Ending, Field, Notice, Overlay, Panel, Question, Run, Save, Screen,
+    Slot, Status,
 };
 use super::{leave, overlays, remark, saving};
+use crate::record::Brief;
 use crate::scene::AnchoringKind;
-use crate::simulation::Command;
+use crate::simulation::{Command, step_count};
 use crate::study::Suggestion;
 
 /// The frame rates that the keys go through.
@@ -17,7 +19,7 @@ const FRAME_RATES: [u32; 7] = [1, 2, 5, 10, 15, 20, 30];
 
 pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
     match action {
-        Action::PauseOrResume => pause_or_resume(app),
+        Action::PauseOrResume => pause_or_resume(app, effects),
         Action::Step => step(app, effects),
         Action::Restart => ask(app, Question::Restart, effects),
         Action::Show(index) => look_at(app, index),
@@ -115,7 +117,7 @@ pub(super) fn ask(app: &mut App, question: Question, effects: &mut Vec<Effect>) 
     let loses = match question {
         Question::Quit => app.has_unsaved(),
         Question::Restart => app.active_run().is_some_and(|run| run.unsaved),
-        Question::GoOn | Question::Improve => true,
+        Question::GoOn | Question::GoBeyond(_) | Question::Improve => true,
         Question::Reload => app.reloaded.as_ref().is_some_and(|(index, _)| {
             let run = app.slots.get(*index).and_then(|slot| slot.run.as_ref());
             run.is_some_and(|run| run.unsaved)
@@ -135,6 +137,7 @@ pub(super) fn consent(app: &mut App, question: Question, effects: &mut Vec<Effec
         Question::Restart => begin_anew(app, app.active, effects),
         // They are where the next runs begin.
         Question::GoOn => {}
+        Question::GoBeyond(beyond) => go_beyond(app, beyond, effects),
         Question::Improve => {
             if let Some(slot) = app.improved.take() {
                 overlays::add(app, *slot);
@@ -162,6 +165,8 @@ fn begin_anew(app: &mut App, index: usize, effects: &mut Vec<Effect>) {
         return;
     };
     slot.kept = None;
+    // It may have gone beyond its end.
+    Arc::make_mut(&mut slot.scene).time.end = slot.loaded.time.end;
     if let Some(run) = slot.run.take() {
         effects.push(Effect::Drop(run.id));
     }
@@ -202,7 +207,48 @@ fn gallery(app: &mut App) {
     }
 }
 
-fn pause_or_resume(app: &mut App) {
+/// Goes on with the active run, which has reached its end, to a later one.
+fn go_beyond(app: &mut App, beyond: Beyond, effects: &mut Vec<Effect>) {
+    look_back(app, None);
+    let Some(slot) = app.slots.get_mut(app.active) else {
+        return;
+    };
+    let Some(run) = slot.run.as_mut().filter(|run| run.is_done()) else {
+        return;
+    };
+    let Some((end, setting)) = run.later_end().zip(run.setting.as_deref()) else {
+        return;
+    };
+    let mut setting = setting.clone();
+    setting.scene.time.end = end;
+    setting.steps = step_count(&setting.scene.time);
+    run.setting = Some(Arc::new(setting));
+    let scene = Arc::make_mut(&mut slot.scene);
+    scene.time.end = end;
+    if let Beyond::Anchor(kind) = beyond {
+        scene.anchoring.get_or_insert_default().kind = kind;
+        effects.push(Effect::Tell(run.id, Command::Anchor(kind)));
+    }
+    effects.push(Effect::Tell(run.id, Command::Until(end)));
+    run.reins.reopen();
+    run.reins.wanted = true;
+    if beyond == Beyond::Step {
+        let command = run.reins.step();
+        effects.push(Effect::Tell(run.id, command));
+    }
+    remark(app, format!("the run goes on to t = {}", Brief(end)));
+}
+
+/// Whether the run that a key is for has reached its end.
+fn is_done(app: &App) -> bool {
+    app.active_run().is_some_and(Run::is_done)
+}
+
+fn pause_or_resume(app: &mut App, effects: &mut Vec<Effect>) {
+    if app.screen == Screen::Run && is_done(app) {
+        ask(app, Question::GoBeyond(Beyond::Run), effects);
+        return;
+    }
     let wanted = !app.is_going();
     let slots = match app.screen {
         Screen::Run => app.active..app.active + 1,
@@ -216,6 +262,10 @@ fn pause_or_resume(app: &mut App) {
 }
 
 fn step(app: &mut App, effects: &mut Vec<Effect>) {
+    if is_done(app) {
+        ask(app, Question::GoBeyond(Beyond::Step), effects);
+        return;
+    }
     // A step is taken from the present, and looked at.
     look_back(app, None);
     if let Some(run) = app.active_run_mut() {
@@ -226,6 +276,7 @@ fn step(app: &mut App, effects: &mut Vec<Effect>) {
 
 /// Switches the anchoring of the active slot, for its run as it is and for those to come.
 fn next_anchoring(app: &mut App, effects: &mut Vec<Effect>) {
+    let is_done = is_done(app);
     let Some(slot) = app.slots.get_mut(app.active) else {
         return;
     };
@@ -235,6 +286,10 @@ fn next_anchoring(app: &mut App, effects: &mut Vec<Effect>) {
         Some(AnchoringKind::Parallel) => AnchoringKind::None,
         Some(AnchoringKind::None) => AnchoringKind::Homeotropic,
     };
+    if is_done {
+        ask(app, Question::GoBeyond(Beyond::Anchor(kind)), effects);
+        return;
+    }
     let scene = Arc::make_mut(&mut slot.scene);
     scene.anchoring.get_or_insert_default().kind = kind;
     let mut text = format!("the anchoring is {kind} from here on");

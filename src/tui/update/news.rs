@@ -78,6 +78,10 @@ pub(super) fn hear(app: &mut App, message: WorkerMessage) {
                 take(run, report, law_tolerance);
             }
         }
+        News::Underway(underway) => {
+            run.underway = Some(underway);
+            run.unsaved = true;
+        }
         News::Event(event) => {
             // A switch is told as `Anchored` too, and marked then.
             if !matches!(event.kind, EventKind::AnchoringSwitched { .. }) {
@@ -101,6 +105,7 @@ pub(super) fn hear(app: &mut App, message: WorkerMessage) {
         }
         News::Failed(reason) => {
             run.reins.hear(Stand::Over);
+            run.underway = None;
             run.status = Status::Failed(reason.clone());
             run.notify(Notice {
                 severity: Severity::Error,
@@ -133,6 +138,7 @@ fn take(run: &mut Run, report: Report, law_tolerance: f64) {
         // Of the energy that it rises from.
         run.report = report.clone();
     }
+    run.underway = None;
     run.pace.take(&report, steps);
     run.history.take(&report);
     let finite = [

@@ -194,7 +194,9 @@ fn own_name(app: &App, name: String, file: Option<&Path>) -> String {
 fn is_unchanged(slot: &Slot, loaded: &Slot) -> bool {
     let run = slot.run.as_ref();
     let started = run.and_then(|run| run.setting.as_ref());
-    slot.scene == loaded.scene || started.is_some_and(|setting| setting.scene == *loaded.scene)
+    slot.scene == loaded.scene
+        || slot.loaded == loaded.loaded
+        || started.is_some_and(|setting| setting.scene == *loaded.scene)
 }
 
 /// Takes what effects cost, if that is still looked at.

@@ -128,6 +128,10 @@ impl Played {
             None if rest.is_none() => self.take_step(&mut news),
             Some(Command::Resume) => self.going = true,
             Some(Command::Horizon(horizon)) => self.orders.horizon = horizon,
+            Some(Command::Until(end)) => {
+                self.going &= rest != Some("done");
+                self.scene.time.end = end;
+            }
             Some(Command::Anchor(kind)) => {
                 self.anchoring = kind;
                 self.measure();

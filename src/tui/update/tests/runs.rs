@@ -3,11 +3,13 @@
 use crossterm::event::KeyCode;
 
 use super::super::super::message::{Effect, Message};
-use super::super::super::state::{Overlay, Question, Severity, Status};
+use super::super::super::state::{Beyond, Overlay, Question, Severity, Status};
 use super::rig::{Rig, scene, slot};
 use crate::physics::NamedValue;
 use crate::scene::{AnchoringKind, Warning};
-use crate::simulation::{Event, EventKind, Message as WorkerMessage, News, Report, RunId};
+use crate::simulation::{
+    Event, EventKind, Message as WorkerMessage, News, Report, RunId, Underway,
+};
 
 /// A worker of the active run says this.
 fn say(rig: &mut Rig, news: News) {
@@ -57,10 +59,109 @@ fn the_status_is_what_the_worker_has_told() {
     rig.work(2000);
     assert_eq!(status(&rig, 2), Status::Done);
     assert_eq!(rig.run(2).report.step, 1000);
-    rig.keys(" ");
-    let remark = rig.app.remark.clone().unwrap();
-    assert!(remark.contains("r begins it anew"), "{remark}");
-    assert_eq!(status(&rig, 2), Status::Done);
+}
+
+/// A step that takes long: how far it is shows, and leaving it asks.
+#[test]
+fn a_hard_first_step_is_shown_and_asked_about() {
+    let mut rig = Rig::new();
+    let run = rig.run(2).id;
+    rig.turn(run);
+    while let Some(message) = rig.on_the_way.pop_front() {
+        // Set up, and at no step.
+        if matches!(message.news, News::Ready(_)) {
+            rig.tell(Message::Solver(message));
+        }
+    }
+    assert!(!rig.run(2).unsaved);
+    let underway = Underway {
+        step: 1,
+        t: 2.6e-8,
+        end: 1e-6,
+        dt: 1.5e-11,
+        parts: 84,
+        refused: 14,
+    };
+    say(&mut rig, News::Underway(underway));
+    assert_eq!(rig.run(2).underway, Some(underway));
+    let told = underway.to_string();
+    for words in [
+        "step 1 takes long",
+        "t = 2.600e-8 of 1.000e-6",
+        "84 parts",
+        "= 1.5e-11",
+    ] {
+        assert!(told.contains(words), "{told}");
+    }
+    rig.keys("q");
+    assert_eq!(rig.app.overlay, Some(Overlay::Confirm(Question::Quit)));
+    rig.press(KeyCode::Esc);
+    let report = Report {
+        step: 1,
+        ..Report::default()
+    };
+    say(&mut rig, News::Reports(vec![report]));
+    assert_eq!(rig.run(2).underway, None);
+}
+
+/// A run that has reached its end goes on to a later one if that is wanted, and else stays as it was.
+#[test]
+fn keys_that_a_run_at_its_end_cannot_follow_ask_whether_it_goes_on() {
+    for (key, beyond) in [
+        (" ", Beyond::Run),
+        ("n", Beyond::Step),
+        ("a", Beyond::Anchor(AnchoringKind::Parallel)),
+    ] {
+        let mut rig = Rig::new();
+        rig.work(2000);
+        rig.keys(key);
+        let question = Overlay::Confirm(Question::GoBeyond(beyond));
+        assert_eq!(rig.app.overlay, Some(question.clone()), "{key:?}");
+        rig.press(KeyCode::Esc);
+        rig.settle();
+        assert_eq!(
+            (rig.run(2).report.step, status(&rig, 2)),
+            (1000, Status::Done)
+        );
+        assert_eq!(rig.run(2).anchoring, Some(AnchoringKind::Homeotropic));
+        assert_eq!(
+            rig.app.slots[2].anchoring(),
+            Some(AnchoringKind::Homeotropic)
+        );
+        assert!(rig.run(2).history.marks.is_empty() && rig.app.remark.is_none());
+
+        rig.keys(key);
+        assert_eq!(rig.app.overlay, Some(question), "{key:?}");
+        rig.keys("y");
+        rig.settle();
+        assert_eq!(rig.run(2).steps(), Some(2000));
+        if key == "n" {
+            assert_eq!(
+                (rig.run(2).report.step, status(&rig, 2)),
+                (1001, Status::Paused)
+            );
+            rig.keys(" ");
+        } else {
+            assert_eq!(status(&rig, 2), Status::Running);
+        }
+        let marks = match key {
+            "a" => vec![(1000, AnchoringKind::Parallel)],
+            _ => Vec::new(),
+        };
+        assert_eq!(rig.run(2).history.marks, marks);
+        rig.work(2000);
+        assert_eq!(
+            (rig.run(2).report.step, status(&rig, 2)),
+            (2000, Status::Done)
+        );
+        // Once more, and anew to the end that the scene has.
+        rig.keys(" y");
+        rig.settle();
+        assert_eq!(rig.run(2).steps(), Some(4000));
+        rig.keys("ry");
+        rig.work(2);
+        assert_eq!(rig.run(2).steps(), Some(1000));
+    }
 }
 
 #[test]
