@@ -364,3 +364,32 @@ fn the_volume_stays_where_newton_s_method_is_damped() {
     ";
     assert_eq!(take_steps(text), Ok(Ending::Solved));
 }
+
+/// Found at random: rounding let the residual of a solved step fall no further, so that each was divided into
+/// hundreds of parts, and the combination of the third order moved ∫φ by rounding in every part.
+#[test]
+fn the_volume_stays_in_long_steps_of_the_third_order() {
+    let text = "
+        domain.boundary = 'natural'
+        mesh = { kind = 'delaunay', size = 0.2069, seed = 419 }
+        vesicle = { shape = 'cassini', ratio = 0.136, half_length = 0.1, angle = 260.5, scale = 0.9, \
+                    center = [-0.12444830242533517, 0.10900268690741782] }
+        membrane = { interface_width = 0.0082, mobility = 0.42, \
+                     spontaneous_curvature = '20*sin(30*x)*y' }
+        area = { target = 0.147, penalty = 0.027 }
+        time = { step = 0.00187, order = 3, end = 1.8727261290136479 }
+        solver = { quadrature = 'consistent', iteration = 'newton', tolerance = 2e-7 }
+    ";
+    let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+    let scene = Scene::parse(text, "random", &[], &mut no_files).expect("a scene");
+    let mut simulation = Simulation::new(&scene).expect("a run");
+    let volume = simulation.report().phase_integral;
+    for step in 1..=20 {
+        let report = simulation.advance().expect("a step");
+        let drift = (report.phase_integral - volume).abs();
+        assert!(drift <= 1e-14, "step {step}: {drift:e}");
+        // The first steps are hard: the state comes to rest in them.
+        let is_whole = report.ladder.parts == 1;
+        assert!(step <= 10 || is_whole, "step {step}: {:?}", report.ladder);
+    }
+}
