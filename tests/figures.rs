@@ -287,10 +287,10 @@ fn an_interrupt_saves_what_was_computed() {
         std::thread::sleep(std::time::Duration::from_millis(10));
     }
     let killed = Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
+        .args(["-TERM", &child.id().to_string()])
         .status();
     assert!(killed.expect("kill starts").success());
-    assert_eq!(child.wait().expect("it ends").code(), Some(130));
+    assert_eq!(child.wait().expect("it ends").code(), Some(143));
     let summary = fs::read_to_string(path.join("a/runs/circle/run.json")).expect("a run");
     assert!(summary.contains(r#""status": "interrupted""#), "{summary}");
     // Its folder can be drawn.
