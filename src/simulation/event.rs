@@ -76,7 +76,8 @@ pub enum EventKind {
 }
 
 impl EventKind {
-    /// That the steps have become short, if they have just become so: where Δt was `before` and is `dt` next.
+    /// That the steps have become short, if they have just become so: where the least Δt of the step was `before`
+    /// and is `dt` now.
     pub(super) fn of_short_steps(
         [before, dt]: [f64; 2],
         first: f64,

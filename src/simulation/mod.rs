@@ -412,6 +412,7 @@ impl Simulation {
                 }
                 Err(reason) => {
                     taken.ladder.refuse();
+                    let shortest = dt * division.smallest();
                     if !division.refuse() {
                         let steps = [dt, dt * division.smallest()];
                         return Err(SimulationError::Step {
@@ -421,7 +422,7 @@ impl Simulation {
                             source: reason,
                         });
                     }
-                    let lengths = [piece, dt * division.piece()];
+                    let lengths = [shortest, dt * division.smallest()];
                     if let Some(kind) = EventKind::of_short_steps(lengths, dt, &reason) {
                         let t = self.report.t;
                         self.events.push(Event { step, t, kind });
