@@ -488,6 +488,7 @@ fn tables_that_another_program_has_rewritten_are_brought_back() {
         text.lines().map(quote).collect()
     };
     let german: fn(String) -> String = |text| text.replace(',', ";").replace('.', ",");
+    let of_excel: fn(String) -> String = |text| format!("sep=,\r\n{text}");
     let blank: fn(String) -> String = |text| text.replace('\n', ",,\n") + ",,,\n\n\n";
     let cut: fn(String) -> String = |text| text.trim_end().to_owned();
     let backward: fn(String) -> String = |text| {
@@ -504,6 +505,7 @@ fn tables_that_another_program_has_rewritten_are_brought_back() {
         (windows, "byte-order mark, CR LF"),
         (quoted, "quoted cells"),
         (german, "other separators"),
+        (of_excel, "other separators"),
         (blank, "blank lines"),
         (cut, "no end of the last line"),
         (backward, "rows in another order"),

@@ -15,7 +15,7 @@ use crate::record::{
 };
 use crate::scene::{Scene, preset};
 use crate::signals::EndingSignal;
-use crate::simulation::{Simulation, SimulationError, free_memory, memory_needed};
+use crate::simulation::{Simulation, SimulationError, check_outlines, free_memory, memory_needed};
 use indicatif::MultiProgress;
 use std::ffi::{OsStr, OsString};
 use std::fmt;
@@ -187,6 +187,7 @@ impl Source {
         }
         let loaded = load_scene(source, overrides)?;
         some_step(&loaded.scene.time)?;
+        check_outlines(&loaded.scene).map_err(CliError::SetUp)?;
         Ok(Source::Scene {
             name: loaded.name.to_string_lossy().into_owned(),
             scene: Box::new(loaded.scene),
@@ -214,9 +215,13 @@ fn tell_missing(folder: &Path, run: &RecordedRun) {
         output::warning(format_args!(
             "{folder} has no fields (fields/*.vtu, final.vtu): nothing of this run is drawn"
         ));
-    } else if run.history.known("length").is_none() {
+    } else if run.history.column("length").is_none() {
         output::warning(format_args!(
             "{folder} has no shape.csv: there is no figure of the vesicle's size"
+        ));
+    } else if run.history.known("length").is_none() {
+        output::note(format_args!(
+            "{folder} never has one vesicle alone: there is no figure of its size"
         ));
     }
 }

@@ -12,7 +12,7 @@ use crate::record::{
 };
 use crate::scene::{Scene, Time, preset};
 use crate::signals::EndingSignal;
-use crate::simulation::{Simulation, SimulationError, Underway, check_memory};
+use crate::simulation::{Simulation, SimulationError, Underway, check_memory, check_outlines};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -90,6 +90,8 @@ impl Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let (scene, name) = scene(arguments)?;
     check_memory(&scene).map_err(CliError::SetUp)?;
+    // Before a folder is made.
+    check_outlines(&scene).map_err(CliError::SetUp)?;
     let signal = EndSignal::listen()?;
     let found = if arguments.resume {
         find(arguments, &scene, &name)?

@@ -74,7 +74,12 @@ impl<'a> LenientTable<'a> {
             rest: text.split_inclusive('\n').enumerate(),
             differences,
         };
-        let (_, header) = table.rest.next()?;
+        let (_, mut header) = table.rest.next()?;
+        let of_spreadsheet = header.get(..4);
+        if of_spreadsheet.is_some_and(|word| word.eq_ignore_ascii_case("sep=")) {
+            table.differences.insert(Difference::Separator);
+            (_, header) = table.rest.next()?;
+        }
         let of = |separator: &char| header.contains(*separator);
         table.separator = [',', ';', '\t'].into_iter().find(of).unwrap_or(',');
         if table.separator != ',' {

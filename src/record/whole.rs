@@ -16,8 +16,23 @@ const PATIENCE: Duration = Duration::from_secs(5);
 /// # Errors
 /// Those of [`read_bytes`], or that it is no text.
 pub(super) fn read_text(path: &Path, limit: u64) -> io::Result<String> {
-    String::from_utf8(read_bytes(path, limit)?)
-        .map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is no text in UTF-8"))
+    let bytes = read_bytes(path, limit)?;
+    let text = match bytes.first_chunk().copied() {
+        Some([0xff, 0xfe]) => utf_16(&bytes, u16::from_le_bytes),
+        Some([0xfe, 0xff]) => utf_16(&bytes, u16::from_be_bytes),
+        _ => String::from_utf8(bytes).ok(),
+    };
+    let wrong = "it is no text in UTF-8, nor in UTF-16 with a byte-order mark";
+    text.ok_or_else(|| io::Error::new(io::ErrorKind::InvalidData, wrong))
+}
+
+/// Text in UTF-16, as some spreadsheets save it.
+fn utf_16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> Option<String> {
+    let (pairs, []) = bytes.as_chunks() else {
+        return None;
+    };
+    let units = pairs.iter().map(|pair| unit(*pair));
+    char::decode_utf16(units).collect::<Result<_, _>>().ok()
 }
 
 /// The bytes of a file, at most `limit` of them. A pipe will do where somebody writes into it, as what
@@ -96,9 +111,15 @@ mod tests {
         assert_eq!(read_text(&path, 4).expect("four bytes"), "four");
         let error = read_text(&path, 3).expect_err("too large");
         assert_eq!(error.kind(), io::ErrorKind::FileTooLarge);
-        fs::write(&path, b"\xff").expect("it is written");
-        let error = read_text(&path, 9).expect_err("no text");
-        assert_eq!(error.kind(), io::ErrorKind::InvalidData);
+        for text in [b"\xff\xfef\0\xb1\x03", b"\xfe\xff\0f\x03\xb1"] {
+            fs::write(&path, text).expect("it is written");
+            assert_eq!(read_text(&path, 9).expect("text"), "\u{feff}fα");
+        }
+        for text in [&b"\xff\xfef"[..], b"\xff\xfe\0\xd8", b"\xff"] {
+            fs::write(&path, text).expect("it is written");
+            let error = read_text(&path, 9).expect_err("no text");
+            assert_eq!(error.kind(), io::ErrorKind::InvalidData);
+        }
         let error = read_text(folder.path(), 9).expect_err("a folder");
         assert_eq!(error.kind(), io::ErrorKind::IsADirectory);
         let error = read_text(&path.join("b"), 9).expect_err("below a file");

@@ -582,7 +582,8 @@ impl Simulation {
             let error = self.recovery.interpolation_error(&self.mesh, phi);
             self.report.budget.space = Some(error);
         }
-        if self.near_wall.is_reached(phi) {
+        // φ > 0 throughout is no vesicle.
+        if presence::sign(phi).is_none() && self.near_wall.is_reached(phi) {
             let (step, t) = (self.report.step, self.report.t);
             self.events.push(Event {
                 step,

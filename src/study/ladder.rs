@@ -44,7 +44,7 @@ pub enum StudyError {
     /// The budget does not pay for an answer.
     #[error(
         "a budget of {budget:.0} s is too little: a run with {own} and a reference with {reference} take \
-         about {price:.0} s; give --budget {enough:.0}, or a coarser mesh"
+         about {price:.0} s, and {left:.0} s are left; give --budget {enough:.0}, or a coarser mesh"
     )]
     Budget {
         /// What there is, in seconds.
@@ -55,6 +55,8 @@ pub enum StudyError {
         reference: String,
         /// What they are to take, in seconds.
         price: f64,
+        /// What is left of the budget, in seconds.
+        left: f64,
         /// With how much there is an answer, with a good reference.
         enough: f64,
     },
@@ -270,6 +272,7 @@ impl Runs<'_> {
             own: words(own_mesh.or(self.own_mesh)),
             reference: words(reference),
             price,
+            left: self.left(1.0).max(0.0),
             enough: round_up(MARGIN * (self.begun.elapsed().as_secs_f64() + own_price + good)),
         })
     }

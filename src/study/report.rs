@@ -341,8 +341,13 @@ impl Study {
             let error = point.time_error.filter(|_| !is_smallest(point))?;
             Some([point.estimated_time?, error])
         };
+        let is_off_reference = |point: &Point| {
+            let reference = self.reference.as_ref();
+            reference.is_some_and(|reference| reference.nodes != point.nodes)
+        };
         let space = |point: &Point| {
-            let error = point.error()?;
+            // Against a run on the same mesh there is no error of the mesh.
+            let error = point.error().filter(|_| is_off_reference(point))?;
             let is_of_mesh = point
                 .time_error
                 .is_some_and(|time| time.get() < 0.1 * error.get());

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use super::keeping::SharedLogbook;
-use super::state::{App, Keeping, Run, Slot};
+use super::state::{App, Keeping, Run, Slot, Status};
 use crate::record::{Brief, KeptAt, Leftover};
 use crate::simulation::RunId;
 
@@ -86,9 +86,9 @@ fn kept_words(left: &[Left]) -> Option<String> {
     match &kept[..] {
         [] => None,
         [(step, kept)] => {
+            // The news of the last steps may be on their way still.
             let at = match kept.step {
-                at if at < *step => format!(" at step {at}"),
-                // The news of the last steps are on their way.
+                at if at != *step => format!(" at step {at}"),
                 _ => String::new(),
             };
             let path = whole(&kept.folder);
@@ -148,15 +148,22 @@ pub(super) fn line(app: &App, saved: &[PathBuf], left: &[Left]) -> String {
 
 fn progress(run: &Run) -> String {
     let Some(setting) = &run.setting else {
-        return "not yet at its first state".to_owned();
+        return match &run.status {
+            Status::Failed(why) => format!("failed: {why}"),
+            _ => "not yet at its first state".to_owned(),
+        };
     };
     let report = &run.report;
     let of = match setting.steps {
         Some(steps) => format!(" of {steps}"),
         None => String::new(),
     };
+    let failed = match &run.status {
+        Status::Failed(why) => format!("; failed: {why}"),
+        _ => String::new(),
+    };
     format!(
-        "step {}{of}, t = {}, E_total = {}",
+        "step {}{of}, t = {}, E_total = {}{failed}",
         report.step,
         Brief(report.t),
         Brief(report.total_energy),
@@ -205,6 +212,11 @@ mod tests {
         assert_eq!(
             tail(&[], &one),
             "; kept in /here/saved/unfinished/a (2.70 MB)"
+        );
+        let ahead = [kept("a", 11, 999)];
+        assert_eq!(
+            tail(&[], &ahead),
+            "; kept at step 11 in /here/saved/unfinished/a (999 B)"
         );
         let late = [kept("a", 7, 999)];
         assert_eq!(

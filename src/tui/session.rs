@@ -582,7 +582,8 @@ impl Session {
                 Some(_) => {}
             }
         }
-        if self.saver.is_busy() {
+        let is_abandoned = self.saver.is_busy();
+        if is_abandoned {
             self.saver.abandon();
         }
         // Each keeps its state. A step of a large run may take seconds: then the state is the one of up to
@@ -593,8 +594,11 @@ impl Session {
         }
         modes.settle(restored);
         let left = farewell::left(&self.app, &self.logbooks);
-        self.terminal
-            .leave_behind(&farewell::line(&self.app, &self.saved, &left));
+        let mut line = farewell::line(&self.app, &self.saved, &left);
+        if is_abandoned {
+            line.push_str("; what was being saved could not be finished in time, and is not saved");
+        }
+        self.terminal.leave_behind(&line);
         // A step of a large run may take seconds: its thread ends with the process.
         std::mem::take(&mut self.workers)
             .into_values()
