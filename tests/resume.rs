@@ -902,7 +902,7 @@ fn a_folder_that_moves_away_and_a_link_that_leads_nowhere_are_told() {
         std::thread::sleep(Duration::from_millis(5));
     }
     fs::rename(path.join("r"), path.join("elsewhere")).expect("it can be moved");
-    send(&child, "-INT");
+    send(&child, "-TERM");
     let told = check(child.wait_with_output().expect("it ends"), 1);
     assert!(!told.contains("stands in r\n"), "{told}");
     if cfg!(target_os = "linux") {

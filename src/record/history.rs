@@ -5,6 +5,7 @@ use super::folder::remove;
 use super::table::{Extent, Found, Rows, Table};
 use crate::simulation::{NamedValue, Report};
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 /// The columns of `history.csv` that every run has. Effects beyond these append theirs,
@@ -46,6 +47,15 @@ pub(super) struct Tables {
     last_row: Option<u64>,
     /// The law's residual of largest magnitude since the last row.
     law_residual: f64,
+    terms: StepTerms,
+}
+
+/// The terms of the law of the last step that was observed. A run that is taken up again after it does not know them
+/// any more, and the step may yet get a row.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+struct StepTerms {
+    step: u64,
+    values: Vec<(Cow<'static, str>, f64)>,
 }
 
 /// How far the tables have come, and what the next row is made from.
@@ -56,6 +66,7 @@ pub(super) struct TablesMemory {
     ledger: Option<Extent>,
     last_row: Option<u64>,
     law_residual: f64,
+    terms: StepTerms,
 }
 
 /// Tables that were found to go as far as they must.
@@ -67,6 +78,7 @@ pub(super) struct FoundTables {
     ledger_path: PathBuf,
     last_row: Option<u64>,
     law_residual: f64,
+    terms: StepTerms,
 }
 
 /// The rows that the tables have at some moment.
@@ -134,6 +146,7 @@ impl FoundTables {
             ledger_path: self.ledger_path,
             last_row: self.last_row,
             law_residual: self.law_residual,
+            terms: self.terms,
         })
     }
 }
@@ -147,6 +160,7 @@ impl Tables {
             ledger: self.ledger.as_ref().map(Table::extent),
             last_row: self.last_row,
             law_residual: self.law_residual,
+            terms: self.terms.clone(),
         }
     }
 
@@ -166,6 +180,7 @@ impl Tables {
             ledger_path,
             last_row: memory.last_row,
             law_residual: memory.law_residual,
+            terms: memory.terms.clone(),
         })
     }
 
@@ -190,6 +205,7 @@ impl Tables {
             ledger_path: folder.join(LEDGER),
             last_row: None,
             law_residual: 0.0,
+            terms: StepTerms::default(),
         }
     }
 
@@ -220,6 +236,13 @@ impl Tables {
         // Written so that a residual which is no number is not passed over.
         if self.law_residual.abs() < report.law_residual.abs() || report.law_residual.is_nan() {
             self.law_residual = report.law_residual;
+        }
+        if !report.ledger.is_empty() {
+            self.terms.step = report.step;
+            self.terms.values.clear();
+            let terms = report.ledger.iter();
+            let terms = terms.map(|term| (Cow::Borrowed(term.name), term.value));
+            self.terms.values.extend(terms);
         }
     }
 
@@ -255,7 +278,12 @@ impl Tables {
     }
 
     fn append_ledger(&mut self, report: &Report) {
-        if self.ledger.is_none() && report.ledger.is_empty() {
+        let is_taken_up = report.ledger.is_empty() && self.terms.step == report.step;
+        let terms = match is_taken_up {
+            true => &self.terms.values[..],
+            false => &[],
+        };
+        if self.ledger.is_none() && report.ledger.is_empty() && terms.is_empty() {
             return;
         }
         let ledger = self
@@ -263,12 +291,18 @@ impl Tables {
             .get_or_insert_with(|| Table::new(self.ledger_path.clone(), owned(&LEDGER_COLUMNS)));
         let is_known = |name: &str| ledger.columns().iter().any(|column| column == name);
         let all = ledger_cells(report, is_known);
-        let late = missing(ledger.columns(), &all, str::to_owned);
+        let names = terms.iter().map(|(name, _)| name.clone().into_owned());
+        let mut late: Vec<String> = names.filter(|name| !is_known(name)).collect();
+        late.extend(missing(ledger.columns(), &all, str::to_owned));
         ledger.add_columns(late);
-        let terms = &ledger.columns()[LEDGER_COLUMNS.len()..];
+        let value = |name: &String| {
+            let term = terms.iter().find(|(known, _)| known == name);
+            term.map(|(_, value)| *value).or_else(|| value(&all, name))
+        };
+        let names = &ledger.columns()[LEDGER_COLUMNS.len()..];
         let cells: Vec<_> = [Some(report.step as f64), Some(report.t)]
             .into_iter()
-            .chain(terms.iter().map(|term| value(&all, term)))
+            .chain(names.iter().map(value))
             .collect();
         ledger.append(cells);
     }

@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{OutlineMeasure, Report};
+use super::Report;
 use crate::scheme::State;
 
 /// The last whole step: the scalars and the fields at its end.
@@ -49,11 +49,6 @@ impl LastWhole {
 }
 
 impl LastWholeMemory {
-    /// The fields.
-    pub(super) fn state(&self) -> &State {
-        &self.state
-    }
-
     /// Whether its fields are as long as these.
     pub(super) fn fits(&self, state: &State) -> bool {
         let lengths = |state: &State| {
@@ -68,13 +63,8 @@ impl LastWholeMemory {
     }
 
     /// Puts it back: `within` is the report of the state within the step, which has everything else in
-    /// common with it but the outline, which is measured.
-    pub(super) fn recall(
-        &self,
-        within: &Report,
-        outline: Option<OutlineMeasure>,
-        isoperimetric_quotient: Option<f64>,
-    ) -> LastWhole {
+    /// common with it but the vesicle's sizes, which are to be measured.
+    pub(super) fn recall(&self, within: &Report) -> LastWhole {
         let mut report = Report {
             t: self.t,
             dt: self.dt,
@@ -83,8 +73,6 @@ impl LastWholeMemory {
             surface_area: self.surface_area,
             law_residual: self.law_residual,
             time_error: self.time_error,
-            outline,
-            isoperimetric_quotient,
             ..within.clone()
         };
         [report.newton, report.krylov, report.director_iterations] = self.work;

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::last_whole::LastWholeMemory;
 use super::underway::Left;
-use super::{ErrorBudget, Ladder, Pacing, Simulation};
+use super::{ErrorBudget, Ladder, Pacing, Simulation, measure_vesicle};
 use crate::scene::Anchoring;
 use crate::scheme::{self, RecallError};
 
@@ -114,10 +114,10 @@ impl Simulation {
         self.events.clear();
         self.last_whole = None;
         if let Some(whole) = whole {
-            self.contour.trace(&self.mesh, &whole.state().phi);
-            let outline = self.contour.measure(self.axis);
-            let quotient = self.contour.isoperimetric_quotient();
-            let whole = whole.recall(&self.report, outline, quotient);
+            let mut whole = whole.recall(&self.report);
+            let places = (&mut self.pieces, &mut self.contour);
+            let phi = &whole.state.phi;
+            measure_vesicle(&mut whole.report, &self.mesh, phi, places, self.axis);
             self.last_whole = Some(Box::new(whole));
         }
         self.measure();

@@ -157,6 +157,24 @@ impl Default for Pacing {
     }
 }
 
+/// Measures the vesicle of φ, if there is one: of several, extents and areas together mean nothing.
+fn measure_vesicle(
+    report: &mut Report,
+    mesh: &Mesh,
+    phi: &[f64],
+    (pieces, contour): (&mut Pieces, &mut Contour),
+    axis: [f64; 2],
+) {
+    let vesicles = pieces.count(mesh, phi);
+    report.vesicles = Some(vesicles);
+    (report.outline, report.isoperimetric_quotient) = if vesicles == 1 {
+        contour.trace(mesh, phi);
+        (contour.measure(axis), contour.isoperimetric_quotient())
+    } else {
+        (None, None)
+    };
+}
+
 impl Simulation {
     /// Builds the mesh, the initial fields and the scheme of a scene.
     ///
@@ -593,18 +611,11 @@ impl Simulation {
         }
     }
 
-    /// Measures the vesicle, if there is one: of several, extents and areas together mean nothing.
+    /// Measures the vesicle of the state.
     fn measure(&mut self) {
         let phi = &self.scheme.state().phi;
-        let vesicles = self.pieces.count(&self.mesh, phi);
-        self.report.vesicles = Some(vesicles);
-        (self.report.outline, self.report.isoperimetric_quotient) = if vesicles == 1 {
-            self.contour.trace(&self.mesh, phi);
-            let outline = self.contour.measure(self.axis);
-            (outline, self.contour.isoperimetric_quotient())
-        } else {
-            (None, None)
-        };
+        let places = (&mut self.pieces, &mut self.contour);
+        measure_vesicle(&mut self.report, &self.mesh, phi, places, self.axis);
     }
 
     /// The scene.

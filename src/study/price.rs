@@ -144,13 +144,15 @@ pub fn run_price(
         return calibrate(scene, go_on);
     };
     let foresight = loop {
+        if !go_on() {
+            break Foresight::Ended;
+        }
         match told.recv_timeout(PAUSE) {
             Ok(foresight) => return foresight,
             Err(RecvTimeoutError::Disconnected) => match thread.join() {
                 Err(panic) => std::panic::resume_unwind(panic),
                 Ok(()) => break Foresight::Ended,
             },
-            Err(RecvTimeoutError::Timeout) if !go_on() => break Foresight::Ended,
             Err(RecvTimeoutError::Timeout) if begun.elapsed() > LONGEST + GRACE => {
                 break Foresight::Unsolved(Unsolved {
                     seconds: begun.elapsed().as_secs_f64(),

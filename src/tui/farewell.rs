@@ -86,10 +86,9 @@ fn kept_words(left: &[Left]) -> Option<String> {
     match &kept[..] {
         [] => None,
         [(step, kept)] => {
-            // The news of the last steps may be on their way still.
             let at = match kept.step {
-                at if at != *step => format!(" at step {at}"),
-                _ => String::new(),
+                at if at == *step => String::new(),
+                at => format!(" at step {at}"),
             };
             let path = whole(&kept.folder);
             Some(format!("kept{at} in {} ({bytes})", path.display()))

@@ -82,7 +82,7 @@ mod tests {
     fn bytes_that_are_no_text_are_an_error_with_the_path() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("history.csv");
-        fs::write(&path, [0xff, 0xfe]).expect("it is written");
+        fs::write(&path, [b's', 0xff]).expect("it is written");
         let text = read_table(&path).expect_err("no text").to_string();
         assert!(
             text.contains("history.csv") && text.contains("UTF-8"),
