@@ -579,9 +579,6 @@ impl Session {
                     break;
                 }
                 Some(Incoming::Crashed(_)) | None => break,
-                Some(Incoming::Message(news @ Message::Solver(_))) => {
-                    update(&mut self.app, news);
-                }
                 Some(_) => {}
             }
         }
@@ -596,12 +593,6 @@ impl Session {
             std::thread::sleep(Duration::from_millis(5));
         }
         modes.settle(restored);
-        // The news of the last steps, so that what is said of them is what was kept.
-        while let Ok(incoming) = self.queue.try_recv() {
-            if let Incoming::Message(news @ Message::Solver(_)) = incoming {
-                update(&mut self.app, news);
-            }
-        }
         let left = farewell::left(&self.app, &self.logbooks);
         let mut line = farewell::line(&self.app, &self.saved, &left);
         if is_abandoned {
