@@ -20,15 +20,19 @@ without_wall() {
 
 hash() { sha256sum | cut -c1-16; }
 
-# run NAME PRESET STEPS [KEY=VALUE]...
+# run NAME PRESET END [KEY=VALUE]...: END is a number of steps, or a time where steps are chosen
 run() {
-    local name=$1 preset=$2 steps=$3
+    local name=$1 preset=$2 end=$3
     shift 3
     local settings=(--set membrane.interface_width=0.03)
     local setting
     for setting in "$@"; do settings+=(--set "$setting"); done
     local status=0
-    "$program" run "$preset" --steps "$steps" --out "$name" "${settings[@]}" >"$name.log" 2>&1 || status=$?
+    case $end in
+        *e*) settings+=(--until "$end") ;;
+        *) settings+=(--steps "$end") ;;
+    esac
+    "$program" run "$preset" --out "$name" "${settings[@]}" >"$name.log" 2>&1 || status=$?
     if [ "$status" != 0 ]; then
         echo "$name: exit status $status: $(tail -n 1 "$name.log")"
         return
@@ -63,11 +67,11 @@ run delaunay-lumped case4 8 "${delaunay[@]}" solver.quadrature=lumped vesicle.pr
 run graded case3 8 "${graded[@]}"
 
 # Chosen steps.
-run order-1 case3 6 $small time.tolerance=1e-2 time.order=1
-run order-2 case3 6 $small time.tolerance=1e-2 time.order=2
-run order-3 case3 6 $small time.tolerance=1e-2 time.order=3
-run order-3-graded case4 6 "${graded[@]}" time.tolerance=3e-3 time.order=3
-run order-2-lumped case4 6 $small time.tolerance=3e-3 time.order=2 solver.quadrature=lumped
+run order-1 case3 2e-6 $small time.tolerance=1e-2 time.order=1
+run order-2 case3 2e-6 $small time.tolerance=1e-2 time.order=2
+run order-3 case3 2e-6 $small time.tolerance=1e-2 time.order=3
+run order-3-graded case4 2e-6 "${graded[@]}" time.tolerance=3e-3 time.order=3
+run order-2-lumped case4 2e-6 $small time.tolerance=3e-3 time.order=2 solver.quadrature=lumped
 
 # Effects, shapes, directors.
 run bending bending 8 $small
