@@ -31,7 +31,7 @@ pub(super) struct Arguments {
     color: Color,
 }
 
-/// What TERM says where nobody knows of a terminal that it can place text, as within an editor's shell.
+/// Values of TERM for terminals that cannot place text, as in an editor's shell.
 const INCAPABLE: [&str; 4] = ["", "dumb", "none", "unknown"];
 
 /// How many colours to use.
