@@ -3,13 +3,19 @@
 //! Not all that a terminal sends was typed: it also answers questions, perhaps those of a program that has
 //! ended, and it sends what is pasted. Such bytes must never count as keys, however many there are, wherever
 //! a slow link cuts them, and however long it pauses. So the decoder is the state machine of the control
-//! sequences (ECMA-48): what belongs to a sequence is decided by its bytes alone, and only what is kept of
-//! it is bounded.
+//! sequences (ECMA-48, as the VT500 parses them): what belongs to a sequence is decided by its bytes alone,
+//! and only what is kept of it is bounded.
 //!
-//! Time decides two things, for bytes cannot. Escape is a key where nothing follows it for [`LONE`]; if the
-//! rest of a sequence follows after all, within [`LATE`], it is still one. And where a string or a paste is
-//! not ended for [`LATE`] that is reported, with the key that leaves it: Ctrl-C. (CAN, SUB and Escape end a
-//! string too; in a paste they are text.)
+//! It differs from the VT500 where that would make keys of damaged sequences. A control or a byte above ASCII
+//! within a sequence is skipped, and what it broke is no key. In a control string Escape begins something
+//! else only before the byte of an introducer; before another byte both are a part of the string.
+//!
+//! CAN, SUB and Ctrl-C leave a sequence at once, and any letter ends it. CAN and SUB leave a control string,
+//! too; in a paste they are text. Ctrl-C may be a part of a string or a paste. It leaves them, and Escape
+//! leaves a string, when they have been silent for [`QUIET`]: then a message says that they have not ended.
+//!
+//! Time decides one more thing, for bytes cannot. Escape is a key where nothing follows it for [`LONE`]; if
+//! the rest of a sequence follows after all, within [`LATE`], it is still one.
 
 use rustix::event::Timespec;
 use terminput::Event;
@@ -23,10 +29,14 @@ const LONE: Timespec = Timespec {
     tv_sec: 0,
     tv_nsec: 40_000_000,
 };
-/// How long the rest may take after that and still be the rest; and how long a string or a paste may pause
-/// without a word to the user.
+/// How long the rest may take after that and still be the rest.
 const LATE: Timespec = Timespec {
     tv_sec: 3,
+    tv_nsec: 0,
+};
+/// How long a string or a paste may pause before the user is told, and can leave it.
+const QUIET: Timespec = Timespec {
+    tv_sec: 1,
     tv_nsec: 0,
 };
 
@@ -70,23 +80,29 @@ enum State {
     Escape,
     /// Behind an ESC that counted as the key a short time ago.
     LateEscape,
+    /// Behind ESC and an intermediate, as in `ESC ( B`.
+    EscapeIntermediate,
+    /// Behind SS2: one character belongs to it.
+    SingleShift2,
     /// In a key's sequence that begins with SS3, as in `ESC O A`.
-    SingleShift,
+    SingleShift3,
     /// In a control sequence, as in `ESC [ 1 ; 5 C`.
-    ControlSequence,
-    /// So many bytes are to come that follow a control sequence and belong to it.
-    Appendix(u8),
-    /// In a control string: OSC, DCS, SOS, PM or APC.
-    String {
-        /// Whether it is an OSC, which BEL ends, too.
-        is_osc: bool,
+    ControlSequence {
+        /// Whether something stood in it that cannot: it is no key then.
+        is_broken: bool,
         /// So many bytes are to come of a character in it.
         continuation: u8,
-        /// Whether it was reported that it does not end.
-        is_reported: bool,
     },
-    /// Behind an ESC in a control string: its end, or the begin of something else.
-    StringEscape,
+    /// So many bytes are to come that follow a sequence and belong to it.
+    Appendix(u8),
+    /// In a control string.
+    String(ControlString),
+    /// Behind an ESC in a control string: its end, the begin of something else, or a part of it.
+    StringEscape {
+        string: ControlString,
+        /// Whether ESC came after it was reported that the string does not end: then it ends it.
+        is_way_out: bool,
+    },
     /// In a pasted text.
     Paste {
         /// So many bytes of [`PASTE_END`] have come.
@@ -94,6 +110,17 @@ enum State {
         /// Whether it was reported that it does not end.
         is_reported: bool,
     },
+}
+
+/// OSC, DCS, SOS, PM or APC.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct ControlString {
+    /// Whether it is an OSC, which BEL ends, too.
+    is_osc: bool,
+    /// So many bytes are to come of a character in it.
+    continuation: u8,
+    /// Whether it was reported that it does not end.
+    is_reported: bool,
 }
 
 impl Decoder {
@@ -109,15 +136,19 @@ impl Decoder {
         match self.state {
             State::Escape => Some(LONE),
             State::LateEscape => Some(LATE),
-            State::String { is_reported, .. } | State::Paste { is_reported, .. } => {
-                (!is_reported).then_some(LATE)
+            State::String(ControlString { is_reported, .. })
+            | State::StringEscape {
+                string: ControlString { is_reported, .. },
+                ..
             }
+            | State::Paste { is_reported, .. } => (!is_reported).then_some(QUIET),
             State::Ground
             | State::Character(_)
-            | State::SingleShift
-            | State::ControlSequence
-            | State::Appendix(_)
-            | State::StringEscape => None,
+            | State::EscapeIntermediate
+            | State::SingleShift2
+            | State::SingleShift3
+            | State::ControlSequence { .. }
+            | State::Appendix(_) => None,
         }
     }
 
@@ -129,8 +160,8 @@ impl Decoder {
                 self.state = State::LateEscape;
             }
             State::LateEscape => self.state = State::Ground,
-            State::String { is_reported, .. } => {
-                *is_reported = true;
+            State::String(string) | State::StringEscape { string, .. } => {
+                string.is_reported = true;
                 sink(Incoming::Message(Message::Remark(UNENDED_STRING.into())));
             }
             State::Paste { is_reported, .. } => {
@@ -159,6 +190,7 @@ impl Decoder {
                 }
                 // The end of a string that was left before.
                 (None, b'\\') => State::Ground,
+                (None, b' '..=b'/') => State::EscapeIntermediate,
                 (None, 0x80..) => match self.begin(byte, sink) {
                     State::Character(left) => {
                         self.pending.insert(0, ESC);
@@ -169,58 +201,68 @@ impl Decoder {
                 // With Alt.
                 (None, _) => self.end_key(byte, sink),
             },
-            State::LateEscape => match introduced(byte) {
-                Some(state) => {
-                    self.pending.clear();
-                    self.pending.extend([ESC, byte]);
-                    state
-                }
-                None => self.begin(byte, sink),
-            },
-            State::SingleShift => match byte {
-                b' '..=b'?' => self.keep(byte, State::SingleShift),
-                b'@'..=b'~' => self.end_key(byte, sink),
-                CAN | SUB | ETX => State::Ground,
-                _ => self.begin(byte, sink),
-            },
-            State::ControlSequence => match byte {
-                b' '..=b'?' => self.keep(byte, State::ControlSequence),
-                b'@'..=b'~' => self.end_control_sequence(byte, sink),
-                CAN | SUB | ETX => State::Ground,
-                _ => self.begin(byte, sink),
-            },
-            State::Appendix(left) => match byte {
-                0..b' ' => self.begin(byte, sink),
-                _ if left > 1 => State::Appendix(left - 1),
-                _ => State::Ground,
-            },
-            State::String {
-                is_osc,
-                continuation,
-                is_reported,
-            } => {
-                let inside = |continuation| State::String {
-                    is_osc,
-                    continuation,
-                    is_reported,
-                };
-                match byte {
-                    0x80..=0xbf if continuation > 0 => inside(continuation - 1),
-                    ESC => State::StringEscape,
-                    ST | CAN | SUB | ETX => State::Ground,
-                    BEL if is_osc => State::Ground,
-                    _ => inside(continuations(byte).unwrap_or(0)),
-                }
-            }
-            State::StringEscape => match (introduced(byte), byte) {
-                (_, ESC) => self.begin(byte, sink),
+            State::LateEscape => match (introduced(byte), byte) {
                 (Some(state), _) => {
                     self.pending.clear();
                     self.pending.extend([ESC, byte]);
                     state
                 }
-                // The string's end; or a key with Alt, which may as well be a piece of the string.
-                (None, _) => State::Ground,
+                // Keys of the app, which are pressed after Escape; no terminal sends such a sequence by itself.
+                (None, b' ' | b'+' | b'-') => self.begin(byte, sink),
+                (None, b' '..=b'/') => State::EscapeIntermediate,
+                (None, _) => self.begin(byte, sink),
+            },
+            State::EscapeIntermediate => match byte {
+                b' '..=b'/' => State::EscapeIntermediate,
+                b'0'..=b'~' => State::Ground,
+                _ => self.within(byte, State::EscapeIntermediate, sink),
+            },
+            State::SingleShift2 => match byte {
+                b' '..=b'~' => State::Ground,
+                _ => self.within(byte, State::SingleShift2, sink),
+            },
+            State::SingleShift3 => match byte {
+                b' '..=b'?' => self.keep(byte, State::SingleShift3),
+                b'@'..=b'~' => self.end_key(byte, sink),
+                _ => self.within(byte, State::SingleShift3, sink),
+            },
+            State::ControlSequence {
+                is_broken,
+                continuation,
+            } => {
+                let broken = |continuation| State::ControlSequence {
+                    is_broken: true,
+                    continuation,
+                };
+                let goes_on = State::ControlSequence {
+                    is_broken,
+                    continuation: 0,
+                };
+                match (byte, continuations(byte)) {
+                    (0x80..=0xbf, _) if continuation > 0 => broken(continuation - 1),
+                    (_, Some(continuation)) => broken(continuation),
+                    (b' '..=b'?', _) => self.keep(byte, goes_on),
+                    (b'@'..=b'~', _) => self.end_control_sequence(byte, is_broken, sink),
+                    _ => self.within(byte, broken(0), sink),
+                }
+            }
+            State::Appendix(left) => match byte {
+                0..b' ' => self.begin(byte, sink),
+                _ if left > 1 => State::Appendix(left - 1),
+                _ => State::Ground,
+            },
+            State::String(string) => self.string(byte, string),
+            State::StringEscape { string, is_way_out } => match (introduced(byte), byte) {
+                (Some(state), _) => {
+                    self.pending.clear();
+                    self.pending.extend([ESC, byte]);
+                    state
+                }
+                (None, b'\\') => State::Ground,
+                (None, ESC) => self.string(byte, string),
+                // A person who reads that the string does not end.
+                (None, _) if is_way_out => State::Ground,
+                (None, _) => self.string(byte, string),
             },
             State::Paste {
                 matched,
@@ -250,6 +292,41 @@ impl Decoder {
         }
     }
 
+    /// The state after a byte that does not belong to the sequence which has begun: that goes on in `state`,
+    /// or is left.
+    fn within(&mut self, byte: u8, state: State, sink: &mut dyn FnMut(Incoming)) -> State {
+        match byte {
+            CAN | SUB | ETX => State::Ground,
+            ESC => self.begin(byte, sink),
+            0x80..=0x9f if introduced(byte - 0x40).is_some() => self.begin(byte, sink),
+            _ => continuations(byte).map_or(state, State::Appendix),
+        }
+    }
+
+    /// The state after a byte of a control string.
+    fn string(&self, byte: u8, string: ControlString) -> State {
+        let inside = |continuation| {
+            State::String(ControlString {
+                continuation,
+                ..string
+            })
+        };
+        match byte {
+            0x80..=0xbf if string.continuation > 0 => inside(string.continuation - 1),
+            ESC => State::StringEscape {
+                string: ControlString {
+                    continuation: 0,
+                    ..string
+                },
+                is_way_out: string.is_reported,
+            },
+            ST | CAN | SUB => State::Ground,
+            ETX if string.is_reported => State::Ground,
+            BEL if string.is_osc => State::Ground,
+            _ => inside(continuations(byte).unwrap_or(0)),
+        }
+    }
+
     fn keep(&mut self, byte: u8, state: State) -> State {
         if self.pending.len() < LONGEST_KEY {
             self.pending.push(byte);
@@ -265,7 +342,12 @@ impl Decoder {
     }
 
     /// The last byte of a control sequence.
-    fn end_control_sequence(&mut self, byte: u8, sink: &mut dyn FnMut(Incoming)) -> State {
+    fn end_control_sequence(
+        &mut self,
+        byte: u8,
+        is_broken: bool,
+        sink: &mut dyn FnMut(Incoming),
+    ) -> State {
         self.keep(byte, State::Ground);
         if self.pending == PASTE_BEGIN {
             self.pending.clear();
@@ -283,9 +365,10 @@ impl Decoder {
         // Those of keys have nothing but numbers before their last byte. What begins with one of <=>? is an
         // answer or the mouse, what ends otherwise too: R is the cursor's place before it is F3.
         let numbers = &self.pending[2..self.pending.len() - 1];
-        let is_key = numbers
-            .iter()
-            .all(|byte| matches!(byte, b'0'..=b'9' | b';' | b':'))
+        let is_key = !is_broken
+            && numbers
+                .iter()
+                .all(|byte| matches!(byte, b'0'..=b'9' | b';' | b':'))
             && matches!(
                 byte,
                 b'A'..=b'D' | b'F' | b'H' | b'P' | b'Q' | b'S' | b'Z' | b'~' | b'u'
@@ -348,13 +431,17 @@ impl Decoder {
 /// The state after ESC and this byte, where they begin a sequence.
 fn introduced(byte: u8) -> Option<State> {
     match byte {
-        b'O' => Some(State::SingleShift),
-        b'[' => Some(State::ControlSequence),
-        b'P' | b'X' | b']' | b'^' | b'_' => Some(State::String {
+        b'N' => Some(State::SingleShift2),
+        b'O' => Some(State::SingleShift3),
+        b'[' => Some(State::ControlSequence {
+            is_broken: false,
+            continuation: 0,
+        }),
+        b'P' | b'X' | b']' | b'^' | b'_' => Some(State::String(ControlString {
             is_osc: byte == b']',
             continuation: 0,
             is_reported: false,
-        }),
+        })),
         _ => None,
     }
 }

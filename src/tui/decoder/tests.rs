@@ -117,7 +117,7 @@ fn a_key_may_come_in_pieces_and_escape_alone_is_one() {
 }
 
 /// What terminals send by themselves.
-const ANSWERS: [&[u8]; 36] = [
+const ANSWERS: [&[u8]; 62] = [
     // Colours, the clipboard, a title: OSC, ended by ST, BEL and the ST of eight bits.
     b"\x1b]11;rgb:1e1e/1e1e/2e2e\x1b\\",
     b"\x1b]11;rgb:aaaa/aaaa/aaaa\x07",
@@ -160,9 +160,41 @@ const ANSWERS: [&[u8]; 36] = [
     b"\x1b[<35;1;2m",
     b"\x1b[M qe",
     b"\x1b[I",
+    // Character sets and the like: an intermediate before the last byte.
+    b"\x1b(2",
+    b"\x1b#2",
+    b"\x1b%2",
+    b"\x1b$(q",
+    // A character of another set.
+    b"\x1bN2",
+    b"\x8e2",
+    "\x1bN✜".as_bytes(),
+    b"\x1bOx",
+    b"\x1bO2\x07x",
+    // Controls and bytes above ASCII in the midst; ESC and a byte that begins nothing.
+    b"\x1b(\n\xff2",
+    b"\x1bN\t\x802",
+    b"\x1b[1\x012C",
+    b"\x1b[1;\xff2C",
+    b"\x1b[\x7f2C",
+    "\x1b[1é2C".as_bytes(),
+    "\x1b[1✜2C".as_bytes(),
+    "\x1b[Û2C".as_bytes(),
+    b"\x1b[1\x84\x9c2C",
+    b"\x1bP2\x1b22\x1b\\",
+    b"\x1bP2\x1b\x1b2\x1b(2\x1b\x1b\\",
+    b"\x1b]2;\x03q\x1bq2\x07",
+    b"\x1b_\xc3\x1b\x9c",
+    b"\x1bXq\x032\x1b\\",
+    b"\x1b[1 q",
+    b"\x1b[1!2~",
+    b"\x1b[2\x00 ~",
     // Longer than any key.
     b"\x1b[1;1111111111111111111111111111111111111111111111111111111111111111111111111111A",
 ];
+
+/// The intermediates that are keys of the app: they are no part of a sequence whose ESC came long before.
+const KEYS_AFTER_ESCAPE: [&[u8]; 3] = [b"\x1b 2", b"\x1b+2", b"\x1b-q"];
 
 /// What is reported of an answer where it is cut, and of a key behind it.
 fn assert_no_key(answer: &[u8], cuts: &[usize], expected: &[Reported]) {
@@ -196,6 +228,16 @@ fn no_byte_of_an_answer_is_a_key_wherever_it_is_cut() {
         }
         let everywhere: Vec<usize> = (1..answer.len()).collect();
         assert_no_key(answer, &everywhere, &[]);
+    }
+}
+
+#[test]
+fn an_intermediate_that_is_a_key_is_one_some_time_after_escape() {
+    for sequence in KEYS_AFTER_ESCAPE {
+        assert_no_key(sequence, &[], &[]);
+        assert_no_key(sequence, &[2], &[]);
+        let keys = [sequence[1], sequence[2]].map(|byte| letter(char::from(byte)));
+        assert_no_key(sequence, &[1], &keys);
     }
 }
 
@@ -250,8 +292,10 @@ fn what_does_not_end_is_reported_once_and_can_be_left() {
     for begin in begins {
         for way_out in [&b"\x03"[..], b"\x18", b"\x1a", b"\x1bq"] {
             let mut decoder = Decoder::default();
-            assert_eq!(report(|sink| decoder.take(begin, sink)), []);
-            assert_eq!(decoder.patience(), Some(LATE));
+            // Before a silence Ctrl-C may be a part of it, and so may ESC.
+            let begun = [begin, b"\x03\x1bq2\x1b"].concat();
+            assert_eq!(report(|sink| decoder.take(&begun, sink)), []);
+            assert_eq!(decoder.patience(), Some(QUIET));
             let remark = [Reported::Remark];
             assert_eq!(report(|sink| decoder.lose_patience(sink)), remark);
             assert_eq!(decoder.patience(), None);
@@ -269,11 +313,21 @@ fn what_does_not_end_is_reported_once_and_can_be_left() {
     // In the midst of a paste it is text.
     let paste = b"\x1b[200~a\x03q";
     assert_eq!(report(|sink| decoder.take(paste, sink)), []);
+    assert_eq!(decoder.patience(), Some(QUIET));
     let remark = [Reported::Remark];
     assert_eq!(report(|sink| decoder.lose_patience(sink)), remark);
     assert_eq!(report(|sink| decoder.take(b"\x03", sink)), []);
     assert_eq!(report(|sink| decoder.take(b"q", sink)), [letter('q')]);
-    for begin in [&b"\x1b["[..], b"\x1b[1;2", b"\x1bO", b"\x1b[M"] {
+    let begins: [&[u8]; 7] = [
+        b"\x1b[",
+        b"\x1b[1;2",
+        b"\x1b[1\xc3",
+        b"\x1bO",
+        b"\x1b[M",
+        b"\x1b(",
+        b"\x1bN",
+    ];
+    for begin in begins {
         for way_out in [&b"\x03"[..], b"\x18", b"\x1a"] {
             let mut decoder = Decoder::default();
             let _ = report(|sink| decoder.take(&[begin, way_out].concat(), sink));
@@ -289,7 +343,7 @@ fn nonsense_does_not_hide_what_follows() {
         b"\xc3",
         b"\xf0\x9f",
         b"\x80\x85\x9c\xa0\xc0",
-        b"\x1b[999;;;\xff",
+        b"\x1b[999;;;\xffx",
         b"\x1bOz",
         b"\x1b[[A",
     ];
@@ -312,7 +366,87 @@ fn piece() -> impl Strategy<Value = (Vec<u8>, Vec<Reported>)> {
     prop_oneof![answer, typed, arrow, text]
 }
 
+/// A sequence that is damaged, or that no key has: none of its bytes is one. The first is ESC or an introducer
+/// of eight bits.
+fn no_key() -> impl Strategy<Value = Vec<u8>> {
+    let bytes = |allowed: fn(u8) -> bool, count: std::ops::Range<usize>| {
+        let allowed: Vec<u8> = (0..=255).filter(|byte| allowed(*byte)).collect();
+        prop::collection::vec(prop::sample::select(allowed), count)
+    };
+    fn is_skipped(byte: u8) -> bool {
+        let leaves = matches!(byte, ETX | CAN | SUB | ESC);
+        !leaves && !matches!(byte, b' '..=b'~' | 0x80..=0x9f)
+    }
+    let begin = |seven: &'static [u8], eight: &'static [u8]| {
+        prop::sample::select(vec![seven.to_vec(), eight.to_vec()])
+    };
+    let sequence = (
+        begin(b"\x1b[", b"\x9b"),
+        bytes(|byte| matches!(byte, b'0'..=b'?') || is_skipped(byte), 0..6),
+        bytes(is_skipped, 1..2),
+        bytes(|byte| matches!(byte, b'0'..=b'?') || is_skipped(byte), 0..6),
+        // Neither the mouse nor the Linux console, which have something behind it, nor a paste.
+        bytes(
+            |byte| matches!(byte, b'@'..=b'}') && !matches!(byte, b'M' | b'['),
+            1..2,
+        ),
+    )
+        .prop_map(|(begin, one, broken, other, end)| [begin, one, broken, other, end].concat());
+    let string = (
+        prop::sample::select(vec![
+            &b"\x1bP"[..],
+            b"\x1bX",
+            b"\x1b^",
+            b"\x1b_",
+            b"\x1b]",
+            b"\x90",
+            b"\x9d",
+        ]),
+        prop::collection::vec(
+            prop_oneof![
+                bytes(|byte| !matches!(byte, BEL | CAN | SUB | ESC | ST), 1..4),
+                bytes(
+                    |byte| introduced(byte).is_none()
+                        && !matches!(byte, BEL | CAN | SUB | ESC | ST | b'\\'),
+                    1..2
+                )
+                .prop_map(|byte| [vec![ESC], byte].concat()),
+            ],
+            0..6,
+        ),
+    )
+        .prop_map(|(begin, body)| [begin, &body.concat(), b"\x1b\\"].concat());
+    let intermediate = (
+        bytes(
+            |byte| matches!(byte, b'!'..=b'*' | b',' | b'.' | b'/'),
+            1..2,
+        ),
+        bytes(|byte| matches!(byte, b' '..=b'/'), 0..3),
+        bytes(|byte| matches!(byte, b'0'..=b'~'), 1..2),
+    )
+        .prop_map(|(first, others, end)| [vec![ESC], first, others, end].concat());
+    let shift = (
+        begin(b"\x1bN", b"\x8e"),
+        any::<char>().prop_filter("no control", |character| !character.is_control()),
+    )
+        .prop_map(|(begin, character)| [begin, character.to_string().into_bytes()].concat());
+    prop_oneof![sequence, string, intermediate, shift]
+}
+
 proptest! {
+    #[test]
+    fn no_byte_of_a_damaged_sequence_is_a_key_wherever_it_is_cut(sequence in no_key()) {
+        assert_no_key(&sequence, &[], &[]);
+        for first in 1..sequence.len() {
+            assert_no_key(&sequence, &[first], &[]);
+            for second in first + 1..sequence.len() {
+                assert_no_key(&sequence, &[first, second], &[]);
+            }
+        }
+        let everywhere: Vec<usize> = (1..sequence.len()).collect();
+        assert_no_key(&sequence, &everywhere, &[]);
+    }
+
     #[test]
     fn in_any_stream_keys_are_what_was_typed(
         pieces in prop::collection::vec(piece(), 0..12),
