@@ -62,6 +62,6 @@ pub use resume::{Found, Resumption};
 
 pub use crate::simulation::{Schedule, step_count};
 pub use source::{LoadError, LoadedScene, load_scene};
-pub use states::write_states;
+pub use states::{write_state, write_states};
 pub use summary::{Ending, EventRecord, OutlineChange, OutlineRecord, RunSummary, Status};
 pub use vtu::{write_fields, write_series};

@@ -1,19 +1,38 @@
 //! Single states of a run, saved on demand.
 
+use super::atomic::write_whole;
 use super::folder::SERIES;
-use super::history::Tables;
+use super::history::{LEDGER, Tables};
 use super::scene_file::write_scene;
 use super::{KeptRows, RecordError, RunFolder, vtu};
 use crate::fem::Mesh;
 use crate::scene::Scene;
 use crate::simulation::{Report, State};
+use std::path::Path;
 
 /// Digits of a step in a file name, at least.
 const STEP_DIGITS: usize = 7;
 
-/// Writes states of a run into a folder: `scene.toml`, the tables, and the fields; of one state as
-/// `state.vtu`, of several in `fields/`, as a run's snapshots. The tables are those of the run where its
-/// rows are given, else they have a row a state, in which `wall` is not a number: only the run knows it.
+/// Writes one state of a run into a folder: `scene.toml`, the tables with its row, in which `wall` is not a
+/// number (only the run knows it), and the fields as `state.vtu`.
+///
+/// # Errors
+/// [`RecordError`] with the file that could not be written. What was written before stays.
+pub fn write_state(
+    folder: &RunFolder,
+    scene: &Scene,
+    mesh: &Mesh,
+    (report, state): (&Report, &State),
+) -> Result<(), RecordError> {
+    write_scene(folder.path(), scene)?;
+    write_rows(folder.path(), &[(report, state)])?;
+    let path = folder.path().join("state.vtu");
+    vtu::write_fields(&path, mesh, state, report.t)
+}
+
+/// Writes a run up to now into a folder, as a run's own has it: `scene.toml`, the tables, and states in
+/// `fields/`. The tables are those of the run where its rows are given, else they have a row a state. A run
+/// that has no step yet has a ledger without rows.
 ///
 /// # Errors
 /// [`RecordError`] with the file that could not be written. What was written before stays.
@@ -25,23 +44,13 @@ pub fn write_states(
     rows: Option<KeptRows>,
 ) -> Result<(), RecordError> {
     write_scene(folder.path(), scene)?;
-    let Some((first, _)) = states.first() else {
-        return Ok(());
-    };
     match rows {
         Some(rows) => rows.0.write(folder.path())?,
-        None => {
-            let mut tables = Tables::create(folder.path(), first)?;
-            for (report, _) in states {
-                tables.observe(report);
-                tables.append(report, f64::NAN);
-            }
-            tables.finish()?;
-        }
+        None => write_rows(folder.path(), states)?,
     }
-    if let [(report, state)] = states {
-        let path = folder.path().join("state.vtu");
-        return vtu::write_fields(&path, mesh, state, report.t);
+    let ledger = folder.path().join(LEDGER);
+    if !ledger.exists() {
+        write_whole(&ledger, |file| file.write_all(b"step,t\n"))?;
     }
     let fields = folder.make_fields()?;
     let mut series = Vec::with_capacity(states.len());
@@ -51,6 +60,19 @@ pub fn write_states(
         series.push((report.t, name));
     }
     vtu::write_series(&fields.join(SERIES), &series)
+}
+
+/// Writes tables with a row a state.
+fn write_rows(folder: &Path, states: &[(&Report, &State)]) -> Result<(), RecordError> {
+    let Some((first, _)) = states.first() else {
+        return Ok(());
+    };
+    let mut tables = Tables::create(folder, first)?;
+    for (report, _) in states {
+        tables.observe(report);
+        tables.append(report, f64::NAN);
+    }
+    tables.finish()
 }
 
 #[cfg(test)]
@@ -77,13 +99,21 @@ mod tests {
         let states = [(&initial.0, &initial.1), (&stepped.0, &stepped.1)];
 
         let one = RunFolder::numbered(parent.path(), OsStr::new("one")).unwrap();
-        write_states(&one, &scene, simulation.mesh(), &states[1..], None).unwrap();
+        write_state(&one, &scene, simulation.mesh(), states[1]).unwrap();
         let history = fs::read_to_string(one.path().join("history.csv")).unwrap();
         assert_eq!(history.lines().count(), 2);
         assert!(history.lines().nth(1).unwrap().starts_with("2,2e-7,1e-7,"));
         assert!(one.path().join("state.vtu").is_file());
         assert!(one.path().join("scene.toml").is_file());
         assert!(!one.path().join("fields").exists());
+
+        // Of a run without a step, as far as it is known.
+        let begun = RunFolder::numbered(parent.path(), OsStr::new("begun")).unwrap();
+        write_states(&begun, &scene, simulation.mesh(), &states[..1], None).unwrap();
+        assert!(begun.path().join("fields/step-0000000.vtu").is_file());
+        assert!(begun.path().join("fields").join(SERIES).is_file());
+        let ledger = fs::read_to_string(begun.path().join("ledger.csv")).unwrap();
+        assert_eq!(ledger, "step,t\n");
 
         let both = RunFolder::numbered(parent.path(), OsStr::new("both")).unwrap();
         let scene = Arc::new(scene);

@@ -13,7 +13,7 @@ use super::keeping::SharedLogbook;
 use super::message::Message;
 use super::state::View;
 use crate::fem::Mesh;
-use crate::record::{RunFolder, write_states};
+use crate::record::{RunFolder, write_state, write_states};
 use crate::scene::{AnchoringKind, Scene};
 use crate::simulation::Picture;
 
@@ -63,19 +63,23 @@ pub type Save = fn(&Job, &RunFolder) -> Result<(), String>;
 /// # Errors
 /// What could not be written, and why.
 pub fn save_states(job: &Job, folder: &RunFolder) -> Result<(), String> {
-    let (pictures, rows) = match &job.what {
-        What::View(picture, _) => (std::slice::from_ref(picture), None),
+    let written = match &job.what {
+        What::View(picture, _) => {
+            let state = (&picture.report, &picture.state);
+            write_state(folder, &job.scene, &job.mesh, state)
+        }
         What::Set(pictures, logbook) => {
             let mut logbook = logbook.lock().unwrap_or_else(PoisonError::into_inner);
             let rows = logbook.rows().map_err(|error| error.to_string())?;
-            (&pictures[..], rows)
+            drop(logbook);
+            let states: Vec<_> = pictures
+                .iter()
+                .map(|picture| (&picture.report, &picture.state))
+                .collect();
+            write_states(folder, &job.scene, &job.mesh, &states, rows)
         }
     };
-    let states: Vec<_> = pictures
-        .iter()
-        .map(|picture| (&picture.report, &picture.state))
-        .collect();
-    write_states(folder, &job.scene, &job.mesh, &states, rows).map_err(|error| error.to_string())
+    written.map_err(|error| error.to_string())
 }
 
 /// The saving thread.
@@ -227,7 +231,8 @@ mod tests {
         let second = carry_out(save_states, &job(3), parent.path()).unwrap();
         assert_eq!(first, parent.path().join("circle-set"));
         assert_eq!(second, parent.path().join("circle-set-2"));
-        assert!(first.is_absolute() && first.join("state.vtu").is_file());
+        assert!(first.is_absolute() && first.join("fields/step-0000000.vtu").is_file());
+        assert!(first.join("ledger.csv").is_file());
         assert!(second.join("history.csv").is_file());
     }
 
