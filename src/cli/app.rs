@@ -4,7 +4,7 @@ use super::error::CliError;
 use super::numbers;
 use crate::tui::figures::save_figures;
 use crate::tui::theme::ColorTier;
-use crate::tui::{self, Options};
+use crate::tui::{self, Failed, Options};
 use clap::ValueEnum;
 use std::ffi::OsString;
 use std::io::{self, IsTerminal};
@@ -31,8 +31,37 @@ pub(super) struct Arguments {
     color: Color,
 }
 
-/// Values of TERM for terminals that cannot place text, as in an editor's shell.
-const INCAPABLE: [&str; 4] = ["", "dumb", "none", "unknown"];
+/// Values of TERM for what cannot place text, such as an editor's shell or a printer, or has no second screen
+/// to leave the first one as it was.
+const INCAPABLE: [&str; 19] = [
+    "",
+    "adm3a",
+    "ansi",
+    "ansi-m",
+    "ansi-mini",
+    "ansi.sys",
+    "dialup",
+    "dumb",
+    "dumb-emacs-ansi",
+    "emacs",
+    "glasstty",
+    "hardcopy",
+    "network",
+    "none",
+    "plugboard",
+    "switch",
+    "tty",
+    "unknown",
+    "vt52",
+];
+
+/// Whether the app cannot be drawn on a terminal of this name.
+fn is_incapable(name: &str) -> bool {
+    let name = name.trim();
+    INCAPABLE
+        .iter()
+        .any(|known| name.eq_ignore_ascii_case(known))
+}
 
 /// How many colours to use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -78,18 +107,52 @@ pub(super) fn open(arguments: Arguments) -> Result<(), CliError> {
         }
     }
     let name = std::env::var("TERM").unwrap_or_default();
-    if INCAPABLE.contains(&name.as_str()) {
+    if is_incapable(&name) {
         return Err(CliError::IncapableTerminal { name, scene });
     }
-    let ending = tui::run(Options {
+    let outcome = tui::run(Options {
         slots,
         active,
         frames_per_second: arguments.fps,
         tier: arguments.color.tier(),
         save: save_figures,
     })?;
-    match ending.signal() {
-        Some(number) => Err(CliError::AppEnded { number }),
-        None => Ok(()),
+    match (outcome.ending.signal(), outcome.failed) {
+        (Some(number), _) => Err(CliError::AppEnded { number }),
+        (None, Some(Failed { is_of_scene })) => Err(CliError::AppFailed { is_of_scene }),
+        (None, None) => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn terminals_that_can_show_the_app_are_told_from_those_that_cannot() {
+        for name in [
+            "", "dumb", "DUMB", "Unknown", "none", "vt52", "ansi", " dumb",
+        ] {
+            assert!(is_incapable(name), "{name}");
+        }
+        for name in [
+            "xterm",
+            "xterm-256color",
+            "screen",
+            "screen.xterm-256color",
+            "tmux",
+            "tmux-256color",
+            "linux",
+            "rxvt-unicode-256color",
+            "foot",
+            "alacritty",
+            "kitty",
+            "xterm-kitty",
+            "wezterm",
+            "vt100",
+            "vt220",
+        ] {
+            assert!(!is_incapable(name), "{name}");
+        }
     }
 }

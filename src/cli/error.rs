@@ -79,6 +79,12 @@ pub(super) enum CliError {
     /// The app could not start or go on.
     #[error(transparent)]
     App(#[from] AppError),
+    /// A run of the app had failed when it was left.
+    #[error("a run failed in the app")]
+    AppFailed {
+        /// Whether its scene asks for what cannot be.
+        is_of_scene: bool,
+    },
     /// A signal ended the app.
     #[error("the app was ended by signal {number}")]
     AppEnded {
@@ -260,16 +266,10 @@ impl CliError {
                 | FigureError::Occupied { .. }
                 | FigureError::Nothing,
             )
-            | CliError::Study(
-                SimulationError::Mesh(_)
-                | SimulationError::NoVesicle(_)
-                | SimulationError::Memory { .. },
-            )
-            | CliError::SetUp(
-                SimulationError::Mesh(_)
-                | SimulationError::NoVesicle(_)
-                | SimulationError::Memory { .. },
-            ) => CliError::USAGE,
+            | CliError::AppFailed { is_of_scene: true } => CliError::USAGE,
+            CliError::Study(error) | CliError::SetUp(error) if error.is_of_scene() => {
+                CliError::USAGE
+            }
             CliError::SetUp(_)
             | CliError::Study(_)
             | CliError::Run { .. }
@@ -278,6 +278,7 @@ impl CliError {
             | CliError::Accuracy(_)
             | CliError::Unrecorded { .. }
             | CliError::App(_)
+            | CliError::AppFailed { is_of_scene: false }
             | CliError::Figure(_)
             | CliError::RunsFailed { .. }
             | CliError::Signals(_)
@@ -301,8 +302,8 @@ impl CliError {
             | CliError::FiguresInterrupted { .. }
             | CliError::AccuracyInterrupted { .. }
             | CliError::StudyEnded { .. } => output::note(self),
-            // It has left a line that says how far it came.
-            CliError::AppEnded { .. } => {}
+            // It has left a line that says how far it came, and what failed.
+            CliError::AppEnded { .. } | CliError::AppFailed { .. } => {}
             _ => output::error(self),
         }
     }

@@ -128,6 +128,11 @@ impl RunFolder {
         })
     }
 
+    /// Whether a process holds it at present: it records a run there, or goes on with the one that it has.
+    pub fn is_in_use(path: &Path) -> bool {
+        matches!(lock(path), Err(RecordError::InUse { .. }))
+    }
+
     /// A new folder `parent/name`, or if that is there, `parent/name-2`, `parent/name-3`, ….
     ///
     /// The first that can be made is taken, so that runs started at the same moment do not meet.

@@ -47,6 +47,17 @@ pub enum LoadError {
         /// Whether a run stands in it.
         is_run: bool,
     },
+    /// The run in a folder goes on.
+    #[error(
+        "the run in {} is in use by another process, or open here: end that first, or open {} to begin its \
+         scene anew",
+        folder.display(),
+        folder.join("scene.toml").display()
+    )]
+    InUse {
+        /// The folder.
+        folder: PathBuf,
+    },
     /// The file cannot be read.
     #[error("cannot read {}: {reason}", path.display())]
     Unreadable {

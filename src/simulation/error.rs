@@ -95,6 +95,16 @@ pub enum SimulationError {
     },
 }
 
+impl SimulationError {
+    /// Whether the scene asks for what cannot be, for its mesh, its vesicle or its size.
+    pub fn is_of_scene(&self) -> bool {
+        matches!(
+            self,
+            Self::Mesh(_) | Self::NoVesicle(_) | Self::Memory { .. }
+        )
+    }
+}
+
 impl From<FemError> for SimulationError {
     fn from(error: FemError) -> Self {
         match error {

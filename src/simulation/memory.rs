@@ -4,7 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::last_whole::LastWholeMemory;
-use super::underway::Left;
+use super::underway::{Left, Underway};
 use super::{ErrorBudget, Ladder, Pacing, Simulation, measure_vesicle};
 use crate::scene::Anchoring;
 use crate::scheme::{self, RecallError};
@@ -47,6 +47,11 @@ impl Memory {
     /// The time that was reached.
     pub fn t(&self) -> f64 {
         self.t
+    }
+
+    /// How far the step after that was, if it had been begun.
+    pub fn underway(&self) -> Option<Underway> {
+        self.left.as_ref()?.underway
     }
 
     /// Whether anything of the run was computed: a step, or a part of the first one.

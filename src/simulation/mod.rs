@@ -45,7 +45,7 @@ pub use schedule::{Schedule, step_count};
 pub use underway::Underway;
 pub use warnings::warnings;
 pub use worker::{
-    Command, Continuity, Mailbox, Message, News, Orders, Picture, RunId, Setting, Worker,
+    Command, Continuity, Failure, Mailbox, Message, News, Orders, Picture, RunId, Setting, Worker,
 };
 
 use controller::Controller;

@@ -10,8 +10,8 @@ use super::pace::Pace;
 use super::past::{self, Past};
 use super::reins::Reins;
 use super::state::{
-    App, DirectorStyle, Expectation, Field, Keeping, Notice, Overlay, Panel, Question, Run, Saving,
-    Screen, Slot, Status, View,
+    App, DirectorStyle, Expectation, Field, Keeping, Notice, Overlay, Panel, Question, Run, Save,
+    Saving, Screen, Slot, Status, View,
 };
 use super::update::SNAPSHOTS;
 use crate::scene::{AnchoringKind, Scene};
@@ -115,6 +115,16 @@ impl App {
             Screen::Run => self.active_slot().is_some_and(goes),
             Screen::Gallery => self.slots[self.cases()].iter().any(goes),
         }
+    }
+
+    /// Up to which step figures of a run are being saved, or wait for that.
+    pub fn is_saving(&self, wanted: RunId) -> Option<u64> {
+        let saves = [&self.saving_now, &self.saving_next];
+        let steps = saves.into_iter().flatten().filter_map(|save| match save {
+            Save::Set { run, step, .. } => (*run == wanted).then_some(*step),
+            Save::View(..) => None,
+        });
+        steps.max()
     }
 
     /// Whether anything would be lost if the app ended now.

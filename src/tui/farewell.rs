@@ -5,9 +5,10 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use super::keeping::SharedLogbook;
-use super::state::{App, Keeping, Run, Slot, Status};
+use super::session::Failed;
+use super::state::{App, Keeping, Run, Slot};
 use crate::record::{Brief, KeptAt, Leftover};
-use crate::simulation::RunId;
+use crate::simulation::{Failure, Report, RunId, Underway};
 
 /// More folders than this are counted, not named.
 const NAMED: usize = 3;
@@ -15,35 +16,73 @@ const NAMED: usize = 3;
 /// How a run is left.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Left {
+    /// Which slot's it is.
+    pub slot: usize,
     /// The word for its scene.
     pub name: String,
     /// The step that it came to.
     pub step: u64,
+    /// The time and the energy of that step, where they are known.
+    pub scalars: Option<(f64, f64)>,
+    /// How far it is kept in the next step.
+    pub underway: Option<Underway>,
+    /// Why it could not go on.
+    pub failed: Option<Failure>,
     /// Whether its state is kept.
     pub keeping: Keeping,
 }
 
-/// How the runs are left, whose workers have been told to end.
+/// How the runs are left, whose workers have been told to end: what their logbooks know, for the last news are
+/// not on the screen any more.
 pub(super) fn left(app: &App, logbooks: &BTreeMap<RunId, SharedLogbook>) -> Vec<Left> {
-    let of_slot = |slot: &Slot| {
-        let run = slot.run.as_ref()?;
+    let of_slot = |(slot, place): (usize, &Slot)| {
+        let run = place.run.as_ref()?;
         let logbook = logbooks.get(&run.id)?;
+        let left = |report: Option<&Report>, keeping| Left {
+            slot,
+            name: place.name.clone(),
+            step: report.map_or(0, |report| report.step),
+            scalars: report.map(|report| (report.t, report.total_energy)),
+            underway: None,
+            failed: None,
+            keeping,
+        };
         // Where the disk does not answer nobody waits for it.
-        let keeping = match logbook.try_lock() {
-            Ok(logbook) if logbook.keeping() != Keeping::Pending => logbook.keeping(),
-            Ok(logbook) if logbook.has_steps() => {
+        let Ok(logbook) = logbook.try_lock() else {
+            let why = "it could not be written in time".to_owned();
+            let report = run.setting.is_some().then_some(&run.report);
+            return Some(left(report, Keeping::Failed(why)));
+        };
+        let keeping = match logbook.keeping() {
+            Keeping::Pending if logbook.has_steps() => {
                 Keeping::Failed("the step in hand took too long".to_owned())
             }
-            Ok(_) => return None,
-            Err(_) => Keeping::Failed("it could not be written in time".to_owned()),
+            keeping => keeping,
         };
+        let kept_step = match &keeping {
+            Keeping::Kept(kept) => kept.step,
+            Keeping::Pending | Keeping::Failed(_) => 0,
+        };
+        let left = left(logbook.latest(), keeping);
         Some(Left {
-            name: slot.name.clone(),
-            step: run.report.step,
-            keeping,
+            // Before it has told its first state it is where it was kept.
+            step: left.scalars.map_or(kept_step, |_| left.step),
+            underway: logbook.underway(),
+            failed: logbook.failed().cloned(),
+            ..left
         })
     };
-    app.slots.iter().filter_map(of_slot).collect()
+    let slots = app.slots.iter().enumerate();
+    slots.filter_map(of_slot).collect()
+}
+
+/// Whether runs have failed.
+pub(super) fn failed(left: &[Left]) -> Option<Failed> {
+    let failures = || left.iter().filter_map(|left| left.failed.as_ref());
+    failures().next()?;
+    Some(Failed {
+        is_of_scene: failures().all(|failure| failure.is_of_scene),
+    })
 }
 
 /// Why the states of runs are lost.
@@ -88,7 +127,6 @@ fn kept_words(left: &[Left]) -> Option<String> {
         [(step, kept)] => {
             let at = match kept.step {
                 at if at < *step => format!(" at step {at}"),
-                // The news of the last steps are on their way.
                 _ => String::new(),
             };
             let path = whole(&kept.folder);
@@ -106,7 +144,10 @@ fn kept_words(left: &[Left]) -> Option<String> {
 pub(super) fn line(app: &App, saved: &[PathBuf], left: &[Left]) -> String {
     let mut line = match app.slots.get(app.active) {
         Some(slot) => match &slot.run {
-            Some(run) => format!("{}: {}", slot.name, progress(run)),
+            Some(run) => {
+                let left = left.iter().find(|left| left.slot == app.active);
+                format!("{}: {}", slot.name, progress(run, left))
+            }
             None => format!("{}: not run", slot.name),
         },
         None => "nothing was run".to_owned(),
@@ -123,6 +164,11 @@ pub(super) fn line(app: &App, saved: &[PathBuf], left: &[Left]) -> String {
         1 => write!(line, " (and 1 other run)"),
         _ => write!(line, " (and {others} other runs)"),
     };
+    for left in left.iter().filter(|left| left.slot != app.active) {
+        if let Some(failure) = &left.failed {
+            let _ = write!(line, "; {} failed: {failure}", left.name);
+        }
+    }
     let kept = kept_words(left);
     if let Some(kept) = &kept {
         let _ = write!(line, "; {kept}");
@@ -146,38 +192,50 @@ pub(super) fn line(app: &App, saved: &[PathBuf], left: &[Left]) -> String {
     line
 }
 
-fn progress(run: &Run) -> String {
-    let Some(setting) = &run.setting else {
-        return match &run.status {
-            Status::Failed(why) => format!("failed: {why}"),
-            _ => "not yet at its first state".to_owned(),
+/// How far a run came, and why it failed, if it did.
+fn progress(run: &Run, left: Option<&Left>) -> String {
+    let failure = left.and_then(|left| left.failed.as_ref());
+    let left = left.filter(|left| left.scalars.is_some() || left.step > 0);
+    let Some(left) = left else {
+        return match failure {
+            Some(failure) => format!("failed: {failure}"),
+            None => "not yet at its first state".to_owned(),
         };
     };
-    let report = &run.report;
-    let of = match setting.steps {
+    let of = match run.steps() {
         Some(steps) => format!(" of {steps}"),
         None => String::new(),
     };
-    let failed = match &run.status {
-        Status::Failed(why) => format!("; failed: {why}"),
-        _ => String::new(),
-    };
-    format!(
-        "step {}{of}, t = {}, E_total = {}{failed}",
-        report.step,
-        Brief(report.t),
-        Brief(report.total_energy),
-    )
+    let mut words = format!("step {}{of}", left.step);
+    // Writing to a String cannot fail.
+    if let Some((t, energy)) = left.scalars {
+        let _ = write!(words, ", t = {}, E_total = {}", Brief(t), Brief(energy));
+    }
+    if let Some(Underway { step, t, .. }) = left.underway {
+        let _ = write!(words, ", and within step {step} at t = {}", Brief(t));
+    }
+    if let Some(failure) = failure {
+        let _ = write!(words, "; failed: {failure}");
+    }
+    words
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fem::Mesh;
+    use crate::scene::Scene;
+    use crate::simulation::Setting;
+    use std::sync::Arc;
 
     fn left(name: &str, step: u64, keeping: Keeping) -> Left {
         Left {
+            slot: 0,
             name: name.to_owned(),
             step,
+            scalars: None,
+            underway: None,
+            failed: None,
             keeping,
         }
     }
@@ -222,6 +280,74 @@ mod tests {
         assert_eq!(
             tail(&[], &two),
             "; 2 runs kept in /here/saved/unfinished (3.00 MB)"
+        );
+    }
+
+    fn run_of(steps: u64) -> (Slot, Run) {
+        let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+        let text = "[time]\nstep = 1e-6\nend = 1e-3";
+        let scene = Scene::parse(text, "the test", &[], &mut no_files).unwrap();
+        let mut run = Run::new(RunId(1), None, None);
+        run.setting = Some(Arc::new(Setting {
+            scene: scene.clone(),
+            mesh: Arc::new(Mesh::structured(2, 0.0, 1).unwrap()),
+            steps: Some(steps),
+            warnings: Vec::new(),
+        }));
+        (Slot::new("a", None, scene), run)
+    }
+
+    #[test]
+    fn the_line_tells_what_the_logbook_knows_and_not_the_screen() {
+        let (_, mut run) = run_of(1000);
+        run.report.step = 7;
+        let mut left = kept("a", 9, 1);
+        left.scalars = Some((9e-6, 30.5));
+        assert_eq!(
+            progress(&run, Some(&left)),
+            "step 9 of 1000, t = 9e-6, E_total = 30.5"
+        );
+        left.underway = Some(Underway {
+            step: 10,
+            t: 9.5e-6,
+            end: 1e-5,
+            dt: 1e-9,
+            parts: 3,
+            refused: 2,
+        });
+        assert_eq!(
+            progress(&run, Some(&left)),
+            "step 9 of 1000, t = 9e-6, E_total = 30.5, and within step 10 at t = 9.5e-6"
+        );
+        left.failed = Some(Failure {
+            words: "it did not converge".to_owned(),
+            is_of_scene: false,
+        });
+        assert!(progress(&run, Some(&left)).ends_with("t = 9.5e-6; failed: it did not converge"));
+        left.scalars = None;
+        left.step = 0;
+        assert_eq!(progress(&run, Some(&left)), "failed: it did not converge");
+        assert_eq!(progress(&run, None), "not yet at its first state");
+    }
+
+    #[test]
+    fn a_run_that_failed_is_named_and_decides_the_exit_status() {
+        let failing = |slot, is_of_scene| Left {
+            slot,
+            failed: Some(Failure {
+                words: "too large".to_owned(),
+                is_of_scene,
+            }),
+            ..left("b", 0, Keeping::Pending)
+        };
+        let good = left("a", 4, Keeping::Pending);
+        assert_eq!(failed(std::slice::from_ref(&good)), None);
+        let of = |runs: &[Left]| failed(runs).map(|failed| failed.is_of_scene);
+        assert_eq!(of(&[good.clone(), failing(1, true)]), Some(true));
+        assert_eq!(of(&[failing(0, false), failing(1, true)]), Some(false));
+        assert_eq!(
+            tail(&[], &[good, failing(1, true)]),
+            "; b failed: too large; nothing was saved"
         );
     }
 

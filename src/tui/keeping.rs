@@ -1,11 +1,11 @@
 //! The runs of the app, kept from one time to the next: what a worker tells is noted down on its own
 //! thread, and written about once a second; its state whenever it tells that.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
-use crate::record::{KeptRows, KeptRun, KeptRuns, RecordError, RunKeeper};
-use crate::simulation::News;
+use crate::record::{Brief, KeptRows, KeptRun, KeptRuns, RecordError, RunKeeper};
+use crate::simulation::{Failure, News, Report, Underway};
 
 use super::saving::PARENT;
 use super::state::{History, Keeping, Slot};
@@ -20,6 +20,24 @@ pub struct Kept {
     pub run: KeptRun,
     /// Its scalars up to now.
     pub curves: History,
+    /// The folders of other runs of the scene that are kept.
+    pub others: Vec<PathBuf>,
+}
+
+impl Kept {
+    /// How far it has come: at a step, or within one.
+    pub fn place(&self) -> String {
+        let memory = self.run.memory();
+        place(memory.step(), memory.t(), memory.underway().as_ref())
+    }
+}
+
+/// Where a run is: at a step and its time, or within the next one.
+pub(super) fn place(step: u64, t: f64, underway: Option<&Underway>) -> String {
+    match underway {
+        None => format!("at step {step} (t = {})", Brief(t)),
+        Some(underway) => format!("within step {} (t = {})", underway.step, Brief(underway.t)),
+    }
 }
 
 /// The kept runs of a slot's scene.
@@ -56,7 +74,11 @@ pub(super) fn look_for(slot: &mut Slot) {
                 History::default()
             }
         };
-        Arc::new(Kept { run, curves })
+        Arc::new(Kept {
+            run,
+            curves,
+            others: search.others,
+        })
     });
     if !words.is_empty() {
         slot.remark = Some(words.join("\n"));
@@ -81,10 +103,10 @@ pub(super) fn begin(slot: &Slot, kept: Option<&Kept>) -> (Logbook, Option<String
 pub(super) fn put_aside(slots: &[Slot], kept: &[(usize, Arc<Kept>)]) -> String {
     let words = kept.iter().filter_map(|(slot, kept)| {
         let slot = slots.get(*slot)?;
-        let step = kept.run.step();
+        let place = kept.place();
         Some(match runs_of(slot).put_aside(&kept.run) {
-            Ok(path) => format!("{} at step {step}: vesica {}", slot.name, path.display()),
-            Err(error) => format!("{} at step {step} stays where it is: {error}", slot.name),
+            Ok(path) => format!("{} {place}: vesica {}", slot.name, path.display()),
+            Err(error) => format!("{} {place} stays where it is: {error}", slot.name),
         })
     });
     let words: Vec<String> = words.collect();
@@ -105,6 +127,8 @@ pub struct Logbook {
     from: Option<u64>,
     /// Why nothing could be written when it was tried last.
     failure: Option<String>,
+    /// Why the run has ended before its end.
+    failed: Option<Failure>,
 }
 
 /// What remains to be told of news that were noted down.
@@ -125,6 +149,7 @@ impl Logbook {
             from: keeper.reached(),
             keeper,
             failure: None,
+            failed: None,
         }
     }
 
@@ -152,6 +177,10 @@ impl Logbook {
                 self.hear(outcome);
                 noted.keeping = Some(self.keeping());
             }
+            News::Failed(failure) => {
+                self.failed = Some(failure.clone());
+                noted.news = Some(News::Failed(failure));
+            }
             other => noted.news = Some(other),
         }
         noted.lost = self.keeper.take_lost().map(|lost| lost.to_string());
@@ -169,6 +198,21 @@ impl Logbook {
             (None, Some(kept)) => Keeping::Kept(kept.clone()),
             (None, None) => Keeping::Pending,
         }
+    }
+
+    /// The scalars of the last step.
+    pub fn latest(&self) -> Option<&Report> {
+        self.keeper.latest()
+    }
+
+    /// How far the run is kept in the step after that.
+    pub fn underway(&self) -> Option<Underway> {
+        self.keeper.underway()
+    }
+
+    /// Why the run could not go on.
+    pub fn failed(&self) -> Option<&Failure> {
+        self.failed.as_ref()
     }
 
     /// Whether it has steps that it did not begin with.

@@ -32,8 +32,8 @@ pub enum Message {
     Loaded(Result<Box<Slot>, String>),
     /// The prices of effects as a table, or how far measuring them is, or why they cannot be had.
     Prices(String),
-    /// What a scene of this name would take, in words.
-    Expected(String, Option<String>),
+    /// What a scene of this name would take, in words, or why it cannot be run.
+    Expected(String, Option<Result<String, String>>),
     /// What was to be saved is saved, or why not.
     Saved(Result<PathBuf, String>),
     /// A signal asks the process to end.

@@ -40,4 +40,4 @@ pub mod update;
 mod watch;
 
 pub use opening::{open, open_with_cases};
-pub use session::{AppError, Options, run};
+pub use session::{AppError, Failed, Options, Outcome, run};

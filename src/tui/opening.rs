@@ -4,7 +4,7 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use super::state::{App, Slot};
-use crate::record::{LoadError, load_scene};
+use crate::record::{LoadError, RunFolder, load_scene};
 
 /// The scene in a run's folder.
 const SCENE_FILE: &str = "scene.toml";
@@ -17,7 +17,7 @@ const CASES: [&str; App::CASES] = ["case1", "case2", "case3", "case4"];
 /// for the other cases too: they are there to be compared.
 ///
 /// # Errors
-/// Those of [`open`].
+/// Those of [`open`], and [`LoadError::InUse`].
 pub fn open_with_cases(
     source: &OsStr,
     overrides: &[String],
@@ -31,7 +31,9 @@ pub fn open_with_cases(
     if let Some(place) = place {
         return Ok((slots, place));
     }
-    slots.push(open(source, overrides)?);
+    let slot = open(source, overrides)?;
+    check_free(&slot)?;
+    slots.push(slot);
     Ok((slots, App::CASES))
 }
 
@@ -60,6 +62,20 @@ pub fn open(source: &OsStr, overrides: &[String]) -> Result<Slot, LoadError> {
         return slot(source, None, overrides);
     }
     open_file(path, overrides)
+}
+
+/// Checks that nobody goes on with the run whose folder was opened: whoever names it means that run and not
+/// another of its scene.
+///
+/// # Errors
+/// [`LoadError::InUse`].
+pub(super) fn check_free(slot: &Slot) -> Result<(), LoadError> {
+    match &slot.folder {
+        Some(folder) if RunFolder::is_in_use(folder) => Err(LoadError::InUse {
+            folder: folder.clone(),
+        }),
+        _ => Ok(()),
+    }
 }
 
 /// What a person typed: `~` is the home folder, as in a shell.
@@ -133,6 +149,24 @@ mod tests {
         assert!(error.contains("is a folder"), "{error}");
         let error = open(OsStr::new("case33"), &[]).unwrap_err().to_string();
         assert!(error.contains("did you mean 'case3'?"), "{error}");
+    }
+
+    #[test]
+    fn the_folder_of_a_run_that_goes_on_is_refused() {
+        let parent = tempfile::tempdir().unwrap();
+        let folder = parent.path().join("long");
+        fs::create_dir(&folder).unwrap();
+        fs::write(folder.join("scene.toml"), "[mesh]\ncells = 8\n").unwrap();
+        let held = fs::File::open(&folder).unwrap();
+        held.try_lock().unwrap();
+        let error = open_with_cases(folder.as_os_str(), &[]).unwrap_err();
+        let scene = folder.join("scene.toml");
+        assert!(matches!(error, LoadError::InUse { .. }), "{error}");
+        assert!(error.to_string().contains(scene.to_str().unwrap()));
+        // Its scene can be begun anew.
+        assert!(open_with_cases(scene.as_os_str(), &[]).is_ok());
+        drop(held);
+        assert!(open_with_cases(folder.as_os_str(), &[]).is_ok());
     }
 
     #[test]

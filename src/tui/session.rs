@@ -76,12 +76,28 @@ pub enum AppError {
     Crashed(String),
 }
 
+/// How the app was left.
+#[derive(Debug)]
+pub struct Outcome {
+    /// By whom.
+    pub ending: Ending,
+    /// Whether a run had failed then.
+    pub failed: Option<Failed>,
+}
+
+/// That runs have failed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Failed {
+    /// Whether their scenes ask for what cannot be; else the solver failed.
+    pub is_of_scene: bool,
+}
+
 /// Runs the app on the terminal that the standard input and output are, until it ends: how, is told.
 /// A line stays in the scrollback.
 ///
 /// # Errors
 /// [`AppError`]; the terminal is as it was before.
-pub fn run(options: Options) -> Result<Ending, AppError> {
+pub fn run(options: Options) -> Result<Outcome, AppError> {
     heap::give_back_large_blocks();
     let theme = Theme::detect(options.tier, |name| std::env::var(name).ok());
     // NO_COLOR is the theme's affair, and a person may overrule it. (crossterm, on its own, would
@@ -154,7 +170,7 @@ struct Session {
 }
 
 impl Session {
-    fn run(mut self) -> Result<Ending, AppError> {
+    fn run(mut self) -> Result<Outcome, AppError> {
         // The first message starts the run, whatever it is.
         self.message(Message::Tick)?;
         self.draw();
@@ -305,7 +321,15 @@ impl Session {
             Effect::Load(text) => {
                 let home = std::env::var_os("HOME").map(PathBuf::from);
                 let source = opening::typed_path(&text, home);
-                self.load(move || opening::open(source.as_os_str(), &[]))?;
+                // It is only looked at then.
+                let is_open = (self.app.slots.iter()).any(|it| it.folder.as_ref() == Some(&source));
+                self.load(move || {
+                    let slot = opening::open(source.as_os_str(), &[])?;
+                    if !is_open {
+                        opening::check_free(&slot)?;
+                    }
+                    Ok(slot)
+                })?;
             }
             Effect::Price(scene) => self.price(scene)?,
             Effect::Expect(name, scene) => self.expect(name, scene)?,
@@ -543,7 +567,7 @@ impl Session {
 
     /// Ends: the terminal is given back first, so that nobody waits before a dead screen; then what
     /// is being saved is waited for, within reason. A link that stalls has that time, too.
-    fn end(mut self) -> Result<Ending, AppError> {
+    fn end(mut self) -> Result<Outcome, AppError> {
         let ending = self.app.ending.clone().unwrap_or(Ending::Quit);
         for worker in self.workers.values() {
             worker.tell(Command::End);
@@ -605,7 +629,8 @@ impl Session {
             .for_each(std::mem::forget);
         let words = farewell::failures(&left);
         if words.is_empty() {
-            Ok(ending)
+            let failed = farewell::failed(&left);
+            Ok(Outcome { ending, failed })
         } else {
             Err(AppError::NotKept { words })
         }

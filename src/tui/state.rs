@@ -71,15 +71,15 @@ pub struct App {
 pub struct Expectation {
     /// The name of the scene that is being measured.
     pub asked: Option<String>,
-    /// The name of the one that was measured last, and what came out, in words.
-    pub known: Option<(String, String)>,
+    /// The name of the one that was measured last, and what came out, in words; or why it cannot be run.
+    pub known: Option<(String, Result<String, String>)>,
 }
 
 impl Expectation {
     /// What is known of a scene.
-    pub fn words(&self, name: &str) -> Option<&str> {
+    pub fn words(&self, name: &str) -> Option<Result<&str, &str>> {
         let (known, words) = self.known.as_ref()?;
-        (known == name).then_some(words)
+        (known == name).then(|| words.as_deref().map_err(String::as_str))
     }
 }
 

@@ -7,6 +7,15 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 use tempfile::TempDir;
 
+/// Its first step takes minutes, in many parts.
+const HARD: &str = "
+mesh.cells = 20
+membrane = { interface_width = 0.05, spontaneous_curvature = '1e6*sign(x-0.5)' }
+vesicle = { shape = 'circle', radius = 0.25 }
+area = { target = 1.25, penalty = 1e-3 }
+time = { step = 1e-6, end = 1.0 }
+";
+
 /// How long the process may outlive its terminal.
 const OUTLIVE: Duration = Duration::from_secs(2);
 
@@ -37,6 +46,96 @@ fn quitting_asks_restores_the_terminal_and_leaves_a_line() {
         "{line}"
     );
     assert!(line.ends_with("kB)"), "{line}");
+}
+
+/// The step that the last line tells.
+fn step_of_line(line: &str) -> u64 {
+    let after = line.strip_prefix("small: step ").expect(line);
+    let step = after.split(' ').next().expect("a word");
+    step.parse().expect(line)
+}
+
+#[test]
+fn the_line_tells_the_step_that_is_kept_and_asked_about_the_next_time() {
+    let folder = folder();
+    // Also where it was not asked to leave, and runs on until the last moment.
+    for end in ["quit", "signal"] {
+        let mut app = running(&folder, (120, 40));
+        if end == "quit" {
+            app.type_keys("q");
+            app.wait_text("The states are kept");
+            app.type_keys("y");
+            app.assert_restored(0);
+        } else {
+            app.signal(Signal::SIGTERM);
+            app.assert_restored(143);
+        }
+        let line = app.seen().text().trim().replace('\n', "");
+        let step = step_of_line(&line);
+        let mut app = Pty::start((120, 40), folder.path(), &[VESICA, "small.toml"], &[]);
+        app.wait_text(&format!("small at step {step} (t = "));
+        app.type_keys("\x03");
+        app.assert_restored(0);
+        std::fs::remove_dir_all(folder.path().join("saved")).expect("a folder");
+    }
+}
+
+#[test]
+fn a_run_that_failed_is_told_by_the_line_and_by_the_exit_status() {
+    for (setting, status, why) in [
+        ("solver.law_tolerance=1e-300", 1, "failed: step 1 to t = "),
+        ("mesh.cells=20000", 2, "failed: a mesh "),
+    ] {
+        let folder = folder();
+        let program = [VESICA, "small.toml", "--set", setting];
+        let mut app = Pty::start((120, 40), folder.path(), &program, &[]);
+        app.wait("the failure", |seen| seen.shows(" failed "));
+        // It asks where a part of the step was taken.
+        app.type_keys("qy");
+        app.assert_restored(status);
+        let line = app.seen().text().trim().replace('\n', "");
+        assert!(line.starts_with("small: ") && line.contains(why), "{line}");
+    }
+}
+
+#[test]
+fn a_run_that_is_left_within_its_first_step_is_told_and_saved_as_far_as_it_is_known() {
+    let folder = folder();
+    std::fs::write(folder.path().join("hard.toml"), HARD).expect("a file");
+    let program = [VESICA, "hard.toml"];
+    let mut app = Pty::start((120, 40), folder.path(), &program, &[]);
+    app.wait_text("hard step");
+    app.type_keys("q");
+    app.wait_text("step 1, t = ");
+    app.type_keys("nS");
+    app.wait("the path", |seen| seen.shows("hard-set"));
+    let set = folder.path().join("saved/hard-set");
+    for file in [
+        "history.csv",
+        "ledger.csv",
+        "fields/fields.pvd",
+        "fields/step-0000000.vtu",
+    ] {
+        assert!(set.join(file).is_file(), "{file}");
+    }
+    app.signal(Signal::SIGTERM);
+    app.assert_restored(143);
+    let line = app.seen().text().trim().replace('\n', "");
+    assert!(
+        line.starts_with("hard: step 0 of 1000000, t = 0, E_total = "),
+        "{line}"
+    );
+    let (_, after) = line.split_once(", and within step 1 at t = ").expect(&line);
+    let t = after.split(';').next().expect("a time").to_owned();
+    assert!(
+        t.parse::<f64>().is_ok_and(|t| t > 0.0 && t < 1e-6),
+        "{line}"
+    );
+    let mut app = Pty::start((120, 40), folder.path(), &program, &[]);
+    app.wait_text("hard within step 1");
+    app.wait_text(&format!("{t})?"));
+    app.type_keys("\x03");
+    app.assert_restored(0);
 }
 
 #[test]
@@ -200,7 +299,8 @@ fn a_terminal_that_can_place_no_text_is_refused_as_a_pipe_is() {
     let unset = format!("unset TERM; exec {VESICA} small.toml");
     for (term, program) in [
         ("dumb", &[VESICA, "small.toml"][..]),
-        ("none", &[VESICA, "small.toml"]),
+        ("DUMB", &[VESICA, "small.toml"]),
+        ("vt52", &[VESICA, "small.toml"]),
         ("", &[VESICA, "small.toml"]),
         ("dumb", &[VESICA, "small.toml", "--color", "none"]),
         ("xterm", &["sh", "-c", &unset]),

@@ -1,6 +1,6 @@
 //! What the app keeps from one time to the next, and what it says of that.
 
-use super::pty::{LIMIT, Pty};
+use super::pty::{ENTER, LIMIT, Pty};
 use super::{VESICA, folder, kept, pause, running, step, wait_running};
 use nix::sys::signal::Signal;
 use std::fs;
@@ -149,6 +149,43 @@ fn a_second_app_on_the_scene_says_so_and_keeps_its_own() {
 }
 
 #[test]
+fn the_folder_of_a_run_that_goes_on_is_refused_and_the_other_runs_are_named() {
+    let folder = folder();
+    left_behind(&folder);
+    let first = kept(&folder).remove(0);
+    let name = first.file_name().unwrap().to_string_lossy().into_owned();
+    let source = format!("saved/unfinished/{name}");
+    let program = [VESICA, source.as_str()];
+    let mut one = Pty::start((120, 40), folder.path(), &program, &[]);
+    one.wait_text("Go on where you were");
+    let mut other = Pty::start((120, 40), folder.path(), &program, &[]);
+    assert_eq!(other.exit_status(LIMIT), 2);
+    let text = other.seen().text().replace('\n', "");
+    assert!(text.contains("is in use by another process"), "{text}");
+    assert!(text.contains(&format!("{source}/scene.toml")), "{text}");
+    assert_eq!(other.seen().times(ENTER), 0);
+    // Where it is open already it is looked at.
+    one.type_keys("y");
+    wait_running(&one);
+    one.type_keys(&format!("o{source}\r"));
+    one.wait_text("is unchanged");
+    one.type_keys("osmall.toml\r");
+    one.wait_text("in use by another app");
+    wait_running(&one);
+    one.type_keys("qy");
+    one.assert_restored(0);
+    assert_eq!(kept(&folder).len(), 2);
+    let mut app = start(&folder);
+    app.wait_text("Of small another run is kept in");
+    app.wait("its folder", |seen| {
+        let text = seen.text();
+        text.contains(&format!("{name}-2")) && text.contains("o opens a run")
+    });
+    app.type_keys("\x03");
+    app.assert_restored(0);
+}
+
+#[test]
 fn a_state_that_cannot_be_kept_is_an_error_before_the_end_and_after_it() {
     for end in ["quit", "signal"] {
         let folder = folder();
@@ -236,6 +273,9 @@ fn a_wrong_scene_in_the_dialog_is_told_once_and_rightly() {
     pause(&mut app);
     app.type_keys("owrong.toml");
     app.wait_text("sells");
+    let text = app.seen().text();
+    assert_eq!(text.matches("wrong.toml:2").count(), 1, "{text}");
+    assert!(!text.contains("wrong.toml: "), "{text}");
     app.type_keys("\r");
     app.wait_text("wrong.toml:2");
     app.wait_quiet();

@@ -8,7 +8,7 @@ use crate::record::history::{Tables, TablesRows};
 use crate::record::scene_file::write_scene;
 use crate::record::{RecordError, RunFolder};
 use crate::scene::AnchoringKind;
-use crate::simulation::{Memory, Report};
+use crate::simulation::{Memory, Report, Underway};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -173,6 +173,18 @@ impl RunKeeper {
     /// Where and how far the run is kept, if it is.
     pub fn kept(&self) -> Option<&KeptAt> {
         self.kept.as_ref()
+    }
+
+    /// How far the run was in the step after the last one that was noted down, when it was kept.
+    pub fn underway(&self) -> Option<Underway> {
+        let memory = &self.content.memory;
+        let is_kept = self.kept.is_some() && self.reached == Some(memory.step());
+        memory.underway().filter(|_| is_kept)
+    }
+
+    /// The scalars of the last step that was noted down, where they are known.
+    pub fn latest(&self) -> Option<&Report> {
+        self.latest.as_ref()
     }
 
     /// The last step that was noted down.

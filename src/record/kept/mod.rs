@@ -86,6 +86,8 @@ impl KeptRun {
 pub struct Search {
     /// The run to go on with, if there is one.
     pub run: Option<KeptRun>,
+    /// The folders of others that are kept behind it, in their order.
+    pub others: Vec<PathBuf>,
     /// What is to be said.
     pub notes: Vec<KeptNote>,
 }
@@ -114,13 +116,15 @@ impl KeptRuns {
         }
     }
 
-    /// Looks for the first that can be gone on with. What is damaged is put aside.
+    /// Looks for the first that can be gone on with. What is damaged is put aside; those behind it are only
+    /// named.
     pub fn find(&self) -> Search {
         let mut search = Search::default();
         for path in all_numbered(&self.parent, &self.name) {
-            self.look_at(&path, &mut search);
-            if search.run.is_some() {
-                break;
+            if search.run.is_none() {
+                self.look_at(&path, &mut search);
+            } else if Keeper::names().iter().any(|name| path.join(name).is_file()) {
+                search.others.push(path);
             }
         }
         search
@@ -152,7 +156,7 @@ impl KeptRuns {
         for name in Keeper::names() {
             let file = path.join(name);
             match self.read(path, &file) {
-                Ok(content) => {
+                Ok((content, repairs)) => {
                     let note = |(path, problem): (PathBuf, Problem)| KeptNote::Older {
                         aside: aside(&problem, || {
                             let damaged = folder.join(DAMAGED);
@@ -162,6 +166,7 @@ impl KeptRuns {
                         problem,
                     };
                     search.notes.extend(problems.into_iter().map(note));
+                    search.notes.extend(KeptNote::of_repairs(repairs));
                     search.run = Some(KeptRun {
                         content,
                         folder,
@@ -195,14 +200,15 @@ impl KeptRuns {
         });
     }
 
-    fn read(&self, folder: &Path, file: &Path) -> Result<Content, Problem> {
+    /// Reads a state, and what is to be said of the tables that go with it.
+    fn read(&self, folder: &Path, file: &Path) -> Result<(Content, Vec<String>), Problem> {
         let content = Keeper::read::<Content>(APP, file)?;
         if content.scene != self.identity {
             let words = "its values are other ones".to_owned();
             return Err(Problem::Scene(words));
         }
-        Tables::find(folder, &content.tables).map_err(Problem::Tables)?;
-        Ok(content)
+        let tables = Tables::find(folder, &content.tables).map_err(Problem::Tables)?;
+        Ok((content, tables.remarks()))
     }
 
     fn look_at_recorded(&self, path: &Path, search: &mut Search) {
@@ -220,10 +226,14 @@ impl KeptRuns {
         let Some(content) = found.content() else {
             return;
         };
-        if let Err(error) = Tables::find(path, &content.tables) {
-            let problem = error.to_string();
-            return search.notes.push(KeptNote::Recorded { folder, problem });
-        }
+        let repairs = match Tables::find(path, &content.tables) {
+            Ok(tables) => tables.remarks(),
+            Err(error) => {
+                let problem = error.to_string();
+                return search.notes.push(KeptNote::Recorded { folder, problem });
+            }
+        };
+        search.notes.extend(KeptNote::of_repairs(repairs));
         if !found.problems().is_empty() {
             search.notes.push(KeptNote::RecordedOlder {
                 folder: folder.clone(),

@@ -138,6 +138,41 @@ fn the_state_does_not_grow_with_the_steps_and_every_step_has_its_row() {
 }
 
 #[test]
+fn the_runs_behind_the_first_are_named() {
+    let mut place = place();
+    let first = place.kept(1);
+    assert!(place.runs.find().others.is_empty());
+    let beside = [place.kept(1), place.kept(1)];
+    // What has no state is none.
+    fs::create_dir(format!("{}-4", first.display())).unwrap();
+    let search = place.runs.find();
+    assert_eq!(search.run.unwrap().folder(), first);
+    assert_eq!(search.others, beside);
+}
+
+#[test]
+fn a_table_that_another_program_has_rewritten_is_told_when_its_run_is_found() {
+    let mut place = place();
+    let folder = place.kept(2);
+    let table = folder.join("history.csv");
+    let text = fs::read_to_string(&table).unwrap();
+    let rewritten = text.replace('\n', "\r\n");
+    fs::write(&table, &rewritten).unwrap();
+    let search = place.runs.find();
+    assert!(
+        matches!(&search.notes[..], [KeptNote::Repaired { repairs }] if repairs.len() == 1),
+        "{}",
+        notes(&search)
+    );
+    assert!(notes(&search).contains("history.csv had been rewritten by another program"));
+    // To look at it changes nothing.
+    assert_eq!(fs::read_to_string(&table).unwrap(), rewritten);
+    drop(place.runs.go_on(&search.run.unwrap()).unwrap());
+    assert_eq!(fs::read_to_string(&table).unwrap(), text);
+    assert_eq!(notes(&place.runs.find()), "");
+}
+
+#[test]
 fn a_run_has_one_process_and_a_second_one_a_folder_of_its_own() {
     let mut place = place();
     let first = place.kept(1);
@@ -316,7 +351,9 @@ fn a_recorded_run_is_found_up_to_its_checkpoint_and_left_as_it_is() {
         .unwrap();
     let read = || fs::read_to_string(recorded.join("history.csv")).unwrap();
     let text = read();
-    let run = place.runs.find_in(&recorded).run.expect("a checkpoint");
+    let search = place.runs.find_in(&recorded);
+    assert_eq!(notes(&search), "");
+    let run = search.run.expect("a checkpoint");
     assert_eq!(run.step(), 3);
     // The last row was for the end: the checkpoint is before it.
     assert_eq!(steps(&run.rows().unwrap()), [0.0, 2.0]);
@@ -326,6 +363,11 @@ fn a_recorded_run_is_found_up_to_its_checkpoint_and_left_as_it_is() {
     let kept = place.keep(&mut keeper);
     assert_eq!(read(), text);
     assert_eq!(steps(&Columns::read(&kept).unwrap()), [0.0, 2.0, 4.0]);
+    fs::write(recorded.join("history.csv"), text.replace('\n', "\r\n")).unwrap();
+    drop(run);
+    let search = place.runs.find_in(&recorded);
+    assert!(search.run.is_some() && notes(&search).contains("rewritten by another program"));
+    drop(search);
     let other = Arc::new(self::scene(""));
     let other = KeptRuns::new(place.parent.path(), "small", &other);
     let search = other.find_in(&recorded);

@@ -1,9 +1,10 @@
 //! What is told to a worker, and what it tells.
 
+use std::fmt;
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::super::{Event, Memory, Report, SetUp, Underway};
+use super::super::{Event, Memory, Report, SetUp, SimulationError, Underway};
 use crate::fem::Mesh;
 use crate::scene::{AnchoringKind, Scene, Warning};
 use crate::scheme::State;
@@ -100,7 +101,41 @@ pub enum News {
     Done,
     /// The run cannot start or go on, and why; the last good state stays what it is. After this the
     /// thread has ended. A panic of the thread arrives here too.
-    Failed(String),
+    Failed(Failure),
+}
+
+/// Why a run cannot start or go on.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Failure {
+    /// In words.
+    pub words: String,
+    /// Whether the scene asks for what cannot be; else the solver failed, or the system.
+    pub is_of_scene: bool,
+}
+
+impl Failure {
+    /// One that the scene is not to blame for.
+    pub(super) fn other(words: String) -> Self {
+        Self {
+            words,
+            is_of_scene: false,
+        }
+    }
+}
+
+impl From<SimulationError> for Failure {
+    fn from(error: SimulationError) -> Self {
+        Self {
+            words: error.to_string(),
+            is_of_scene: error.is_of_scene(),
+        }
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.words)
+    }
 }
 
 /// What does not change over a run.

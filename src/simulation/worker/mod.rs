@@ -21,7 +21,7 @@ use super::Memory;
 use crate::scene::Scene;
 
 pub use mailbox::Mailbox;
-pub use message::{Command, Message, News, Orders, Picture, RunId, Setting};
+pub use message::{Command, Failure, Message, News, Orders, Picture, RunId, Setting};
 
 use runner::Runner;
 
@@ -90,7 +90,7 @@ impl Worker {
             Err(reason) => {
                 if let Some(sink) = take(&sink) {
                     let text = format!("the system starts no thread for the run: {reason}");
-                    let news = News::Failed(text);
+                    let news = News::Failed(Failure::other(text));
                     sink(Message { run, news });
                 }
                 None

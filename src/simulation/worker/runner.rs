@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use super::super::{EventKind, Memory, Report, Schedule, Simulation, SimulationError};
 use super::mailbox::{Canvases, Mailbox, PictureOf};
-use super::{Command, Continuity, Message, News, Orders, RunId, Setting};
+use super::{Command, Continuity, Failure, Message, News, Orders, RunId, Setting};
 use crate::scene::{AnchoringKind, Scene, Time};
 
 /// The thread's own: everything but the simulation.
@@ -127,15 +127,15 @@ impl<Sink: Fn(Message)> Runner<Sink> {
         let outcome = catch_unwind(AssertUnwindSafe(|| self.simulate(scene, continuity)));
         let failure = match outcome {
             Ok(Ok(())) => None,
-            Ok(Err(error)) => Some(error.to_string()),
-            Err(panic) => Some(format!(
+            Ok(Err(error)) => Some(Failure::from(error)),
+            Err(panic) => Some(Failure::other(format!(
                 "the solver has a mistake and stopped: {}",
                 words_of(&*panic)
-            )),
+            ))),
         };
         // The sink itself may be what panicked; then there is nobody left to tell.
         let _ = catch_unwind(AssertUnwindSafe(|| match failure {
-            Some(text) => self.teller.tell(News::Failed(text)),
+            Some(failure) => self.teller.tell(News::Failed(failure)),
             None => self.teller.flush(),
         }));
     }

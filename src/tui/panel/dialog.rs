@@ -1,5 +1,7 @@
 //! What asks or tells something over the screen: questions, the name of a scene, long texts.
 
+use std::path::PathBuf;
+
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::Modifier;
@@ -9,16 +11,19 @@ use super::text;
 use crate::record::Brief;
 use crate::scene::preset_description;
 use crate::tui::layout::centred;
-use crate::tui::state::{App, Beyond, Keeping, Question};
+use crate::tui::state::{App, Beyond, Keeping, Question, Run};
 use crate::tui::theme::{Role, Theme};
 use crate::tui::update::{expectation_wanted, offered};
+
+/// Of other kept runs of a scene so many are named beside the first.
+const NAMED_OTHERS: usize = 4;
 
 /// Draws a question.
 pub fn confirm(app: &App, question: Question, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
     let slot = app.slots.get(app.active);
     let name = slot.map_or("the run", |slot| slot.name.as_str());
     let run = slot.and_then(|slot| slot.run.as_ref());
-    let step = run.map_or(0, |run| run.report.step);
+    let place = run.map_or("at step 0".to_owned(), place);
     let saved = match run.and_then(|run| run.saved) {
         Some(step) => format!("saved up to step {step}"),
         None => "not saved".to_owned(),
@@ -26,11 +31,11 @@ pub fn confirm(app: &App, question: Question, theme: &Theme, screen: Rect, buffe
     let title = question.title();
     let words = match question {
         Question::Restart => {
-            format!("Begin {name} anew? It is at step {step}, and {saved}: n, then S saves it.")
+            format!("Begin {name} anew? It is {place}, and {saved}: n, then S saves it.")
         }
         Question::Reload => format!(
             "Begin {name} anew with the scene as it stands in its file now? \
-             It is at step {step}, and {saved}."
+             It is {place}, and {saved}."
         ),
         Question::Quit => quit_words(app),
         Question::GoOn => kept_words(app),
@@ -62,6 +67,14 @@ pub fn confirm(app: &App, question: Question, theme: &Theme, screen: Rect, buffe
     text::line(buffer, inside, count + 1, Line::from(answers));
 }
 
+/// Where a run is.
+fn place(run: &Run) -> String {
+    match &run.underway {
+        None => format!("at step {}", run.report.step),
+        Some(underway) => format!("within step {}, t = {}", underway.step, Brief(underway.t)),
+    }
+}
+
 /// To what end a run would go on, and with what.
 fn beyond_words(app: &App, beyond: Beyond) -> String {
     let Some(slot) = app.active_slot() else {
@@ -81,20 +94,47 @@ fn beyond_words(app: &App, beyond: Beyond) -> String {
 }
 
 /// Which runs can be gone on with.
-fn kept_words(app: &App) -> String {
+pub(in crate::tui) fn kept_words(app: &App) -> String {
     let kept: Vec<String> = app
         .slots
         .iter()
         .filter_map(|slot| {
             let kept = slot.kept.as_ref()?;
-            Some(format!("{} at step {}", slot.name, kept.run.step()))
+            Some(format!("{} {}", slot.name, kept.place()))
         })
         .collect();
-    format!(
+    let mut words = format!(
         "Go on where you were: {}? With n the runs begin anew and these are put aside; with Esc they stay, to be \
          asked about the next time.",
         kept.join(", ")
-    )
+    );
+    let others = app.slots.iter().filter_map(|slot| {
+        let kept = slot.kept.as_ref()?;
+        others_words(&slot.name, &kept.others)
+    });
+    others.for_each(|others| words = format!("{words} {others}"));
+    words
+}
+
+/// Where more runs of a scene are kept: the first by its path, the others by the ends of their names.
+fn others_words(name: &str, others: &[PathBuf]) -> Option<String> {
+    let (first, rest) = others.split_first()?;
+    let mut folders = first.display().to_string();
+    for other in rest.iter().take(NAMED_OTHERS) {
+        let name = other.file_name().unwrap_or_default().to_string_lossy();
+        let end = name.rsplit('-').next().unwrap_or_default();
+        folders += &format!(", -{end}");
+    }
+    if rest.len() > NAMED_OTHERS {
+        folders += &format!(" and {} more", rest.len() - NAMED_OTHERS);
+    }
+    let (runs, are) = match others.len() {
+        1 => ("another run".to_owned(), "is"),
+        count => (format!("{count} more runs"), "are"),
+    };
+    Some(format!(
+        "Of {name} {runs} {are} kept in {folders}: o opens a run by its folder."
+    ))
 }
 
 /// What would be changed, why, and what the run would take.
@@ -104,7 +144,8 @@ fn improve_words(app: &App) -> String {
     };
     let why = slot.remark.as_deref().unwrap_or_default();
     let price = match app.expectation.words(&name) {
-        Some(words) => format!("It takes {words}."),
+        Some(Ok(words)) => format!("It takes {words}."),
+        Some(Err(why)) => why.to_owned(),
         None => "What it takes is being measured.".to_owned(),
     };
     format!("{why} A new run of {name}? {price}")
@@ -118,12 +159,17 @@ pub(in crate::tui) fn quit_words(app: &App) -> String {
     });
     let mut words = vec!["Leave vesica?".to_owned()];
     let (mut pictured, mut bare, mut pending) = (Vec::new(), Vec::new(), false);
+    let mut saving = Vec::new();
     let mut lost = Vec::new();
     for (name, run) in named {
         let step = run.report.step;
+        if let Some(step) = app.is_saving(run.id) {
+            saving.push(format!("{name} up to step {step}"));
+        }
         match run.saved {
+            _ if app.is_saving(run.id) == Some(step) => {}
             Some(saved) => pictured.push(format!("{name} are saved up to step {saved} of {step}")),
-            None => bare.push(format!("{name} (step {step})")),
+            None => bare.push(format!("{name} ({})", place(run).trim_start_matches("at "))),
         }
         match &run.keeping {
             Keeping::Pending => pending = true,
@@ -135,7 +181,13 @@ pub(in crate::tui) fn quit_words(app: &App) -> String {
             }
         }
     }
-    let is_asked = !pictured.is_empty() || !bare.is_empty();
+    let is_asked = !pictured.is_empty() || !bare.is_empty() || !saving.is_empty();
+    if !saving.is_empty() {
+        words.push(format!(
+            "Figures of {} are being saved: the end waits for them.",
+            saving.join(", ")
+        ));
+    }
     if !pictured.is_empty() {
         words.push(format!("Figures of {}.", pictured.join(", of ")));
     }
@@ -217,7 +269,9 @@ pub fn open(
         && let Some(name) = expectation_wanted(app)
     {
         let words = match app.expectation.words(&name) {
-            Some(words) => format!("{name}: {words}"),
+            Some(Ok(words)) => format!("{name}: {words}"),
+            // It names what is wrong itself.
+            Some(Err(why)) => why.to_owned(),
             None => format!("{name}: what it takes is being measured"),
         };
         let last = inside.height.saturating_sub(1);

@@ -31,7 +31,7 @@ use super::theme::{Role, Theme};
 use shown::Shown;
 
 #[cfg(test)]
-pub(super) use dialog::quit_words;
+pub(super) use dialog::{kept_words, quit_words};
 
 /// How a panel is to look.
 #[derive(Debug, Clone, Copy)]

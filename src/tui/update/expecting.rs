@@ -39,7 +39,7 @@ pub fn wanted(app: &App) -> Option<String> {
 }
 
 /// Takes what was measured; `None`: nothing, for nobody looked at it any more.
-pub(super) fn expected(app: &mut App, name: String, words: Option<String>) {
+pub(super) fn expected(app: &mut App, name: String, words: Option<Result<String, String>>) {
     app.stale |= wanted(app).as_ref() == Some(&name);
     let known = words.map(|words| (name, words));
     app.expectation = Expectation {

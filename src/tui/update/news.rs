@@ -103,7 +103,8 @@ pub(super) fn hear(app: &mut App, message: WorkerMessage) {
             run.reins.hear(Stand::Over);
             run.status = Status::Done;
         }
-        News::Failed(reason) => {
+        News::Failed(failure) => {
+            let reason = failure.words;
             run.reins.hear(Stand::Over);
             run.underway = None;
             run.status = Status::Failed(reason.clone());

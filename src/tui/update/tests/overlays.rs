@@ -1,16 +1,18 @@
 //! Help, questions, opening and reloading scenes.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use crossterm::event::{KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 
+use super::super::super::keeping::Kept;
 use super::super::super::message::{Effect, Message};
-use super::super::super::panel::quit_words;
+use super::super::super::panel::{kept_words, quit_words};
 use super::super::super::state::{Ending, Keeping, Overlay, Question, Slot, Status};
 use super::super::offered;
 use super::rig::{Rig, scene, slot};
 use crate::record::KeptAt;
-use crate::simulation::ErrorBudget;
+use crate::simulation::{ErrorBudget, Message as WorkerMessage, News, Underway};
 
 fn typed(rig: &Rig) -> (&str, Option<usize>, Option<&str>) {
     let Some(Overlay::Open {
@@ -340,6 +342,96 @@ fn states_are_kept_before_it_is_said_that_they_are() {
 }
 
 #[test]
+fn figures_that_are_being_saved_are_not_said_to_be_missing() {
+    let mut rig = Rig::new();
+    rig.work(5);
+    rig.fetch();
+    rig.keys(" ");
+    rig.settle();
+    let step = rig.run(2).report.step;
+    rig.keys("Sq");
+    let words = quit_words(&rig.app);
+    assert!(!words.contains("No figures"), "{words}");
+    let expected = format!("Figures of case3 up to step {step} are being saved");
+    assert!(words.contains(&expected), "{words}");
+    // There are none of the steps after those.
+    rig.keys("nn");
+    rig.settle();
+    rig.keys("q");
+    let words = quit_words(&rig.app);
+    let missing = format!("No figures are saved of case3 (step {}).", step + 1);
+    assert!(
+        words.contains(&missing) && words.contains(&expected),
+        "{words}"
+    );
+    rig.tell(Message::Saved(Ok("set".into())));
+    let words = quit_words(&rig.app);
+    let saved = format!("case3 are saved up to step {step} of {}", step + 1);
+    assert!(
+        words.contains(&saved) && !words.contains("being saved"),
+        "{words}"
+    );
+}
+
+#[test]
+fn a_run_within_a_hard_step_is_said_to_be_there() {
+    let mut rig = Rig::new();
+    rig.settle();
+    let run = rig.run(2).id;
+    let news = News::Underway(Underway {
+        step: 1,
+        t: 3e-7,
+        end: 1e-6,
+        dt: 1e-9,
+        parts: 3,
+        refused: 2,
+    });
+    rig.tell(Message::Solver(WorkerMessage { run, news }));
+    rig.keys("q");
+    let words = quit_words(&rig.app);
+    assert!(words.contains("case3 (within step 1, t = 3e-7)"), "{words}");
+}
+
+#[test]
+fn the_question_whether_to_go_on_names_the_other_runs_of_the_scene() {
+    let words = |others: &[&str]| {
+        let mut slots: Vec<Slot> = ["case1", "case2", "case3"].map(slot).into();
+        slots[2].kept = Some(Arc::new(Kept {
+            others: others.iter().map(PathBuf::from).collect(),
+            ..Kept::default()
+        }));
+        kept_words(&Rig::asked(slots).app)
+    };
+    let none = words(&[]);
+    assert!(
+        none.starts_with("Go on where you were: case3 at step 0 (t = 0)? "),
+        "{none}"
+    );
+    assert!(none.ends_with("the next time."), "{none}");
+    let one = words(&["saved/unfinished/case3-1a2b-2"]);
+    assert!(
+        one.ends_with(
+            "Of case3 another run is kept in saved/unfinished/case3-1a2b-2: o opens a run by its folder."
+        ),
+        "{one}"
+    );
+    let names: Vec<String> = (2..9)
+        .map(|number| format!("kept/case3-1a2b-{number}"))
+        .collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let three = words(&names[..3]);
+    assert!(
+        three.contains("3 more runs are kept in kept/case3-1a2b-2, -3, -4: o opens"),
+        "{three}"
+    );
+    let many = words(&names);
+    assert!(
+        many.contains("7 more runs are kept in kept/case3-1a2b-2, -3, -4, -5, -6 and 2 more: o"),
+        "{many}"
+    );
+}
+
+#[test]
 fn the_prices_are_shown_while_they_are_looked_at() {
     let mut rig = Rig::new();
     rig.keys("p");
@@ -373,18 +465,21 @@ fn the_dialog_tells_what_the_chosen_scene_would_take() {
     rig.press_control('u');
     rig.keys("case1");
     assert!(asked_prices(&mut rig).is_empty());
-    rig.tell(Message::Expected("circle".into(), Some("about 3 s".into())));
+    rig.tell(Message::Expected(
+        "circle".into(),
+        Some(Ok("about 3 s".into())),
+    ));
     assert_eq!(asked_prices(&mut rig), ["case1"]);
     // What is not looked at any more may be left unknown.
     rig.tell(Message::Expected("case1".into(), None));
     assert_eq!(asked_prices(&mut rig), ["case1"]);
-    assert_eq!(rig.app.expectation.words("circle"), Some("about 3 s"));
+    assert_eq!(rig.app.expectation.words("circle"), Some(Ok("about 3 s")));
     rig.tell(Message::Expected(
         "case1".into(),
-        Some("about 9 min".into()),
+        Some(Ok("about 9 min".into())),
     ));
     assert!(asked_prices(&mut rig).is_empty());
-    assert_eq!(rig.app.expectation.words("case1"), Some("about 9 min"));
+    assert_eq!(rig.app.expectation.words("case1"), Some(Ok("about 9 min")));
     rig.press(KeyCode::Esc);
     assert!(asked_prices(&mut rig).is_empty());
 }

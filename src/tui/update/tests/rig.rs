@@ -14,7 +14,8 @@ use crate::physics::NamedValue;
 use crate::scene::{AnchoringKind, Scene};
 use crate::scheme::State;
 use crate::simulation::{
-    Command, Message as WorkerMessage, News, Orders, Picture, Report, RunId, Setting, step_count,
+    Command, Failure, Message as WorkerMessage, News, Orders, Picture, Report, RunId, Setting,
+    step_count,
 };
 
 /// A worker that is played.
@@ -282,7 +283,10 @@ impl Rig {
             && worker.told != Some("done")
         {
             worker.failed = true;
-            let news = News::Failed("it did not converge".to_owned());
+            let news = News::Failed(Failure {
+                words: "it did not converge".to_owned(),
+                is_of_scene: false,
+            });
             self.on_the_way.push_back(WorkerMessage { run, news });
         }
     }
