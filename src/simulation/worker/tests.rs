@@ -483,7 +483,8 @@ fn a_hard_step_is_told_and_kept_in_its_midst() {
         "{underway:?}"
     );
     let kept = kept.expect("it is kept too");
-    assert!(kept.is_begun() && kept.step() == 0 && kept.t() <= underway.t);
+    assert!(kept.is_begun() && kept.step() == 0);
+    assert!(0.0 < kept.t() && kept.t() <= underway.t, "{}", kept.t());
     drop(worker);
 
     let (_worker, news) = start(Some(kept.clone()));
@@ -501,6 +502,7 @@ fn a_hard_step_is_told_and_kept_in_its_midst() {
     };
     assert_eq!((reports[0].step, reports[0].t), (0, 0.0));
     assert_eq!((again.step, again.t), (1, kept.t()));
+    assert_eq!(Some(again), kept.underway());
 }
 
 #[test]
