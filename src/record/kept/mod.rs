@@ -267,10 +267,11 @@ impl KeptRuns {
     }
 }
 
-/// Puts something aside that is damaged. What cannot be read at present may be good another time.
+/// Puts something aside that is damaged. What cannot be read at present may be good another time, and what is of
+/// another scene is good for that.
 fn aside(problem: &Problem, rename: impl FnOnce() -> Option<PathBuf>) -> Option<PathBuf> {
     match problem {
-        Problem::Unreadable(_) => None,
+        Problem::Unreadable(_) | Problem::Scene(_) => None,
         _ => rename(),
     }
 }

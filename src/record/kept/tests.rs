@@ -100,7 +100,7 @@ fn the_rows_after_the_state_are_taken_back_and_the_file_grows() {
     // To look at it changes nothing.
     assert!(text().len() > kept.len());
     let mut keeper = place.runs.go_on(run).unwrap();
-    assert_eq!(text(), kept);
+    assert_eq!((text(), keeper.reached()), (kept, Some(1)));
     let again = scene("[nematic]\n");
     place.simulation = Simulation::new(&again).unwrap();
     place.simulation.recall(run.memory()).unwrap();
@@ -213,6 +213,23 @@ fn what_is_put_aside_stays_whole_under_another_name() {
     assert_eq!(place.runs.put_aside(&run).unwrap(), aside);
     let mut keeper = place.runs.go_on(&run).unwrap();
     assert_eq!(place.keep(&mut keeper), aside);
+}
+
+#[test]
+fn a_run_of_another_scene_is_left_as_it_is() {
+    let mut place = place();
+    let folder = place.kept(1);
+    let other = Arc::new(scene(""));
+    let other = KeptRuns::new(&place.parent.path().join("unfinished"), "small", &other);
+    let search = other.find_in(&folder);
+    assert!(search.run.is_none());
+    assert!(
+        notes(&search).contains("of another scene"),
+        "{}",
+        notes(&search)
+    );
+    assert!(!notes(&search).contains("put aside"), "{}", notes(&search));
+    assert_eq!(place.runs.find().run.unwrap().folder(), folder);
 }
 
 #[test]

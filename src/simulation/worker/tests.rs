@@ -444,12 +444,15 @@ fn check_life_cycle(news: &[News]) {
 /// from there is told the last whole step first.
 #[test]
 fn a_hard_step_is_told_and_kept_in_its_midst() {
-    let scene = small(&[
-        "mesh.cells=24",
-        "vesicle={ shape = 'random', amplitude = 9.0, seed = 1 }",
-        "membrane.interface_width=0.03",
-        "area={ target = 1.25, penalty = 1e-8 }",
-    ]);
+    let text = "
+        mesh.cells = 20
+        membrane = { interface_width = 0.05, spontaneous_curvature = '1e6*sign(x-0.5)' }
+        vesicle = { shape = 'circle', radius = 0.25 }
+        area = { target = 1.25, penalty = 1e-3 }
+        time = { step = 1e-6, end = 1.0 }
+    ";
+    let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+    let scene = Scene::parse(text, "the test", &[], &mut no_files).unwrap();
     let start = |from: Option<Box<Memory>>| {
         let (sender, news) = mpsc::channel();
         let sink = move |message: Message| {
@@ -468,10 +471,13 @@ fn a_hard_step_is_told_and_kept_in_its_midst() {
         (worker, news)
     };
     let (worker, news) = start(None);
-    let mut kept = None;
+    // Until a part of the step is behind it.
+    let mut kept: Option<Box<Memory>> = None;
     let underway = loop {
         match news.recv_timeout(PATIENCE).unwrap() {
-            News::Underway(underway) => break underway,
+            News::Underway(underway) if kept.as_ref().is_some_and(|kept| kept.t() > 0.0) => {
+                break underway;
+            }
             News::State(memory) => kept = Some(memory),
             News::Reports(reports) => assert!(reports.iter().all(|report| report.step == 0)),
             _ => {}
