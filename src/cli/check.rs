@@ -5,7 +5,7 @@ use super::output;
 use super::run::some_step;
 use crate::fem::Quality;
 use crate::record::{load_scene, step_count};
-use crate::scene::{self, Mesh, Scene, Warning};
+use crate::scene::{self, Mesh, Scene, Warning, significant};
 use crate::simulation::{self, Examination, memory_needed};
 use crate::study::{Foresight, MOST_NODES, run_price};
 use std::ffi::{OsStr, OsString};
@@ -160,9 +160,10 @@ fn triangles(scene: &Scene, found: &Found) -> Option<String> {
     };
     let [shortest, mean, longest] = quality.edges;
     let mut words = format!(
-        "triangles with angles from {:.1}° to {:.1}°, edges from {shortest:.3e} to {longest:.3e}, \
+        "triangles with angles from {}° to {:.1}°, edges from {shortest:.3e} to {longest:.3e}, \
          {mean:.3e} in the mean",
-        quality.least_angle, quality.greatest_angle,
+        significant(quality.least_angle, 3),
+        quality.greatest_angle,
     );
     if turned > 0 {
         words += &format!("; {turned} were turned round in the file");
