@@ -1,7 +1,7 @@
 //! Random scenes of everything that a scene may say, a few steps each on a small mesh: no panic, and
 //! either the energy law closes, the energy falls, the volume stays and every value is finite, or there
-//! is a typed error that says what was tried. Of the scenes at most one in ten may end so, or be left for
-//! the many parts that a step of theirs takes.
+//! is a typed error that says what was tried. Of the scenes at most one in twenty may end so, or be left for
+//! the many parts that a step of theirs takes (19 of 900 were, most with long steps of the third order).
 //!
 //! Some seconds of it run with all tests, more with
 //!
@@ -308,6 +308,8 @@ fn the_checks_can_fail() {
             assert!(check(&report, 1.0, 0.0, 1.0).is_err(), "{report:?}");
         }
     }
+    assert!(are_solved(48, 40, 2) && are_solved(48, 24, 0));
+    assert!(!are_solved(48, 40, 3) && !are_solved(48, 23, 0));
 }
 
 /// How many scenes: the same 48 every time, or by PROPTEST_CASES more, and others each time.
@@ -323,12 +325,19 @@ fn config() -> ProptestConfig {
 }
 
 /// Of so many scenes one may be refused or left.
-const FEW: u32 = 10;
+const FEW: u32 = 20;
+
+/// Whether enough scenes have a vesicle, and few of these are not solved.
+fn are_solved(cases: u32, taken: u32, unsolved: u32) -> bool {
+    2 * taken >= cases && FEW * unsolved <= taken
+}
 
 #[test]
 fn any_scene_is_solved_or_refused_with_reasons() {
     let (taken, unsolved) = (Cell::new(0), Cell::new(0));
-    let outcome = TestRunner::new(config()).run(&scene(), |text| {
+    let config = config();
+    let cases = config.cases;
+    let outcome = TestRunner::new(config).run(&scene(), |text| {
         let ending =
             take_steps(&text).map_err(|words| TestCaseError::fail(format!("{words}\n{text}")))?;
         if ending == Ending::Empty {
@@ -343,9 +352,10 @@ fn any_scene_is_solved_or_refused_with_reasons() {
     });
     outcome.unwrap_or_else(|error| panic!("{error}"));
     let (taken, unsolved) = (taken.get(), unsolved.get());
+    println!("of {cases} scenes {taken} have a vesicle, {unsolved} of these are not solved");
     assert!(
-        FEW * unsolved <= taken,
-        "{unsolved} of {taken} are not solved"
+        are_solved(cases, taken, unsolved),
+        "of {cases} scenes {taken} have a vesicle, and {unsolved} of these are not solved"
     );
 }
 
