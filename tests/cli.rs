@@ -256,10 +256,11 @@ fn wrong_arguments_are_refused() {
         let arguments = ["run", "small.toml", "--until", time];
         refused(path, &arguments, &["--until", time, "a finite number > 0"]);
     }
-    let nothing = ["first step of length 1e-7", "time.end"];
-    refused(path, &["run", "small.toml", "--until", "4e-8"], &nothing);
-    let end = ["--set", "time.end=4e-8"];
-    refused(path, &[&["run", "small.toml"][..], &end].concat(), &nothing);
+    let nothing = |raise| ["first step of length 1e-7", raise];
+    let until = ["run", "small.toml", "--until", "4e-8"];
+    refused(path, &until, &nothing("Raise --until, or"));
+    let end = ["run", "small.toml", "--set", "time.end=4e-8"];
+    refused(path, &end, &nothing("Raise time.end, or"));
     refused(
         path,
         &["run", "small.toml", "--until", "1", "--steps", "1"],
@@ -394,6 +395,10 @@ fn a_scene_that_fails_at_its_first_step_is_not_ok() {
     let told = stdout(&output);
     assert!(
         told.contains("no step was tried") && !told.contains("ok"),
+        "{told}"
+    );
+    assert!(
+        told.contains("small.toml: about ") && told.contains(" MB of memory"),
         "{told}"
     );
 }

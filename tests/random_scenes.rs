@@ -1,7 +1,7 @@
 //! Random scenes of everything that a scene may say, a few steps each on a small mesh: no panic, and
 //! either the energy law closes, the energy falls, the volume stays and every value is finite, or there
-//! is a typed error that says what was tried. Of the scenes at most one in ten may end so, or be left for
-//! the many parts that a step of theirs takes.
+//! is a typed error that says what was tried. Of the scenes at most one in twenty may end so, or be left for
+//! the many parts that a step of theirs takes (19 of 900 were, most with long steps of the third order).
 //!
 //! Some seconds of it run with all tests, more with
 //!
@@ -11,8 +11,10 @@ use std::cell::Cell;
 
 use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestRunner};
+use vesica::fem::Mesh;
 use vesica::physics::NamedValue;
-use vesica::scene::Scene;
+use vesica::scene::{NodalValues, Scene, Shape};
+use vesica::scheme::initial_fields;
 use vesica::simulation::{Report, Simulation, SimulationError, Underway};
 
 /// One of these texts.
@@ -306,6 +308,8 @@ fn the_checks_can_fail() {
             assert!(check(&report, 1.0, 0.0, 1.0).is_err(), "{report:?}");
         }
     }
+    assert!(are_solved(48, 40, 2) && are_solved(48, 24, 0));
+    assert!(!are_solved(48, 40, 3) && !are_solved(48, 23, 0));
 }
 
 /// How many scenes: the same 48 every time, or by PROPTEST_CASES more, and others each time.
@@ -321,12 +325,19 @@ fn config() -> ProptestConfig {
 }
 
 /// Of so many scenes one may be refused or left.
-const FEW: u32 = 10;
+const FEW: u32 = 20;
+
+/// Whether enough scenes have a vesicle, and few of these are not solved.
+fn are_solved(cases: u32, taken: u32, unsolved: u32) -> bool {
+    2 * taken >= cases && FEW * unsolved <= taken
+}
 
 #[test]
 fn any_scene_is_solved_or_refused_with_reasons() {
     let (taken, unsolved) = (Cell::new(0), Cell::new(0));
-    let outcome = TestRunner::new(config()).run(&scene(), |text| {
+    let config = config();
+    let cases = config.cases;
+    let outcome = TestRunner::new(config).run(&scene(), |text| {
         let ending =
             take_steps(&text).map_err(|words| TestCaseError::fail(format!("{words}\n{text}")))?;
         if ending == Ending::Empty {
@@ -341,60 +352,92 @@ fn any_scene_is_solved_or_refused_with_reasons() {
     });
     outcome.unwrap_or_else(|error| panic!("{error}"));
     let (taken, unsolved) = (taken.get(), unsolved.get());
+    println!("of {cases} scenes {taken} have a vesicle, {unsolved} of these are not solved");
     assert!(
-        FEW * unsolved <= taken,
-        "{unsolved} of {taken} are not solved"
+        are_solved(cases, taken, unsolved),
+        "of {cases} scenes {taken} have a vesicle, and {unsolved} of these are not solved"
     );
 }
 
-/// Found at random: Newton's method is damped in nearly all of some 500 iterations, and every damped
-/// one leaves a part of what the guess's ∫φ is off by.
+/// A discocyte for which Newton's method is damped in nearly all of some 500 iterations.
+const DAMPED: &str = "
+    domain.boundary = 'natural'
+    mesh = { kind = 'delaunay', size = 0.13530354281791257, seed = 50 }
+    vesicle = { shape = 'discocyte', radius = 0.5575824614689584, \
+                center = [0.23976181348621184, 0.15792460468712952], scale = 2.4985971473071635 }
+    membrane = { interface_width = 0.03830135412051155, mobility = 1.0, \
+                 spontaneous_curvature = '20*sin(30*x)*y' }
+    area = { target = 3.315506371027456, penalty = 0.0035695793466126915 }
+    time = { step = 0.015948485483149206, end = 10.0 }
+    solver = { quadrature = 'lumped' }
+";
+
+/// A vesicle outside of the domain, where only the tail of φ is: −0.9 throughout, nearly.
+const DRIFTING: &str = "
+    domain.boundary = 'natural'
+    mesh = { kind = 'delaunay', size = 0.2069, seed = 419 }
+    vesicle = { parts = [{ shape = 'cassini', ratio = 0.136, half_length = 0.1, \
+                center = [-0.12444830242533517, 0.10900268690741782], angle = 260.5 }], \
+                scale = 0.9, projection = 'ritz' }
+    membrane = { interface_width = 0.0082, mobility = 0.42, \
+                 spontaneous_curvature = '20*sin(30*x)*y' }
+    area = { target = 0.147, penalty = 0.027 }
+    time = { step = 0.00187, order = 3, end = 1.8727261290136479 }
+    solver = { quadrature = 'consistent', iteration = 'newton', linear = 'automatic', tolerance = 2e-7 }
+";
+
+/// A run of a scene from its φ⁰ as nodal values: from those a run may begin though no vesicle is in the domain.
+fn from_nodal_values(text: &str, overrides: &[&str]) -> Simulation {
+    let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
+    let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+    let mut scene = Scene::parse(text, "random", &overrides, &mut no_files).expect("a scene");
+    let mesh = Mesh::of(&scene).expect("a mesh");
+    let initial = initial_fields(&scene, &mesh).expect("initial fields");
+    scene.vesicle.shape = Shape::File(NodalValues {
+        path: "phi.txt".to_owned(),
+        values: mesh.outward(&initial.phi).into(),
+        columns: 1,
+    });
+    scene.vesicle.scale = 1.0;
+    let simulation = Simulation::new(&scene).expect("a run");
+    assert_eq!(simulation.state().phi, initial.phi);
+    simulation
+}
+
+/// Takes steps; ∫φ must stay what it is but for this.
+#[track_caller]
+fn keep_volume(simulation: &mut Simulation, steps: u64, tolerance: f64) {
+    let volume = simulation.report().phase_integral;
+    for step in 1..=steps {
+        let report = simulation.advance().expect("a step");
+        let drift = (report.phase_integral - volume).abs();
+        assert!(drift <= tolerance, "step {step}: {drift:e}");
+    }
+}
+
+/// Found at random: every damped iteration leaves a part of what the guess's ∫φ is off by, 6e-15 to 2e-14 here in
+/// all if the guess is not put right.
 #[test]
 fn the_volume_stays_where_newton_s_method_is_damped() {
-    let text = "
-        domain.boundary = 'natural'
-        mesh = { kind = 'delaunay', size = 0.13530354281791257, seed = 50 }
-        vesicle = { shape = 'discocyte', radius = 0.5575824614689584, \
-                    center = [0.23976181348621184, 0.15792460468712952], scale = 2.4985971473071635 }
-        membrane = { interface_width = 0.03830135412051155, mobility = 1.0, \
-                     spontaneous_curvature = '20*sin(30*x)*y' }
-        area = { target = 3.315506371027456, penalty = 0.0035695793466126915 }
-        time = { step = 0.015948485483149206, end = 10.0 }
-        solver = { quadrature = 'lumped' }
-    ";
-    assert_eq!(take_steps(text), Ok(Ending::Solved));
+    assert_eq!(take_steps(DAMPED), Ok(Ending::Solved));
+    for order in ["time.order=1", "time.order=2", "time.order=3"] {
+        keep_volume(&mut from_nodal_values(DAMPED, &[order]), 5, 5e-15);
+    }
 }
 
 /// Found at random: rounding let the residual of a solved step fall no further, so that each was divided into
 /// hundreds of parts, and the combination of the third order moved ∫φ by rounding in every part.
 #[test]
 fn the_volume_stays_in_long_steps_of_the_third_order() {
-    let text = "
-        domain.boundary = 'natural'
-        mesh = { kind = 'delaunay', size = 0.2069, seed = 419 }
-        vesicle = { shape = 'file', values = 'phi.txt' }
-        membrane = { interface_width = 0.0082, mobility = 0.42, \
-                     spontaneous_curvature = '20*sin(30*x)*y' }
-        area = { target = 0.147, penalty = 0.027 }
-        time = { step = 0.00187, order = 3, end = 1.8727261290136479 }
-        solver = { quadrature = 'consistent', iteration = 'newton', tolerance = 2e-7 }
-    ";
-    // φ = −0.9 throughout, which comes to rest.
-    let parse = |overrides: &[String], nodes: usize| {
-        let mut file = |_: &str| Ok("-0.9\n".repeat(nodes).into_bytes());
-        Scene::parse(text, "random", overrides, &mut file).expect("a scene")
-    };
-    let circle = ["vesicle={ shape = 'circle', radius = 0.3 }".to_owned()];
-    let nodes = Simulation::new(&parse(&circle, 0)).expect("a run");
-    let nodes = nodes.mesh().nodes().len();
-    let mut simulation = Simulation::new(&parse(&[], nodes)).expect("a run");
+    let mut simulation = from_nodal_values(DRIFTING, &[]);
+    // The first steps are hard.
+    keep_volume(&mut simulation, 10, 1e-14);
     let volume = simulation.report().phase_integral;
-    for step in 1..=20 {
-        let report = simulation.advance().expect("a step");
-        let drift = (report.phase_integral - volume).abs();
-        assert!(drift <= 1e-14, "step {step}: {drift:e}");
-        // The first steps are hard.
-        let is_whole = report.ladder.parts == 1;
-        assert!(step <= 10 || is_whole, "step {step}: {:?}", report.ladder);
+    for _ in 11..=40 {
+        keep_volume(&mut simulation, 1, 1e-14);
+        let ladder = &simulation.report().ladder;
+        assert_eq!(ladder.parts, 1, "{ladder:?}");
     }
+    let drift = (simulation.report().phase_integral - volume).abs();
+    assert!(drift <= 1e-14, "{drift:e}");
 }

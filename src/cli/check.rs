@@ -5,8 +5,8 @@ use super::output;
 use super::run::some_step;
 use crate::fem::Quality;
 use crate::record::{load_scene, step_count};
-use crate::scene::{self, Mesh, Scene, Warning};
-use crate::simulation::{self, Examination};
+use crate::scene::{self, Mesh, Scene, Warning, significant};
+use crate::simulation::{self, Examination, memory_needed};
 use crate::study::{Foresight, MOST_NODES, run_price};
 use std::ffi::{OsStr, OsString};
 
@@ -14,7 +14,10 @@ use std::ffi::{OsStr, OsString};
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 A scene is ok when its first step was solved. That and what the run would take is tried for some ten seconds \
-at most, and not on meshes of more than 60000 nodes; what was not found out is said.")]
+at most, and not on meshes of more than 60000 nodes; what was not found out is said.
+
+Exit status: 0 every scene is ok, or well formed where no step was tried; 1 a first step was not solved in the \
+time (\"undecided\"); 2 a scene cannot be run, or the arguments are wrong.")]
 pub(super) struct Arguments {
     /// Scenes: TOML files or presets
     #[arg(required = true, value_name = "FILE")]
@@ -31,10 +34,11 @@ pub(super) struct Arguments {
 
 /// Checks every scene, also after one that is wrong.
 pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
-    let mut wrong = 0;
+    let (mut wrong, mut undecided) = (0, 0);
     for source in &arguments.scenes {
         match check_one(source, arguments) {
-            Ok(()) => {}
+            Ok(true) => {}
+            Ok(false) => undecided += 1,
             Err(error @ CliError::Output(_)) => return Err(error),
             Err(error) => {
                 wrong += 1;
@@ -45,16 +49,11 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
             }
         }
     }
-    match wrong {
-        0 => Ok(()),
-        _ => Err(CliError::Check {
-            wrong,
-            checked: arguments.scenes.len(),
-        }),
-    }
+    ending(wrong, undecided, arguments.scenes.len())
 }
 
-fn check_one(source: &OsStr, arguments: &Arguments) -> Result<(), CliError> {
+/// Checks a scene; whether all was found out that was tried.
+fn check_one(source: &OsStr, arguments: &Arguments) -> Result<bool, CliError> {
     let name = source.display();
     let (scene, found) = examine(source, &arguments.set)?;
     // Before the first step is tried: it may be what is warned of that makes it fail.
@@ -66,8 +65,19 @@ fn check_one(source: &OsStr, arguments: &Arguments) -> Result<(), CliError> {
         // Nobody is there who might not want to wait: Ctrl-C ends the process.
         false => Some(run_price(&scene, &mut || true).map_err(CliError::Foreseen)?),
     };
-    let size = describe(&scene, &found);
-    let tried = match &foresight {
+    let tried = tried(foresight.as_ref(), &describe(&scene, &found));
+    output::line(format_args!("{name}: {tried}"))?;
+    if let Some(triangles) = triangles(&scene, &found) {
+        output::line(format_args!("{name}: {triangles}"))?;
+    }
+    let needs = needs(foresight.as_ref(), &scene);
+    output::line(format_args!("{name}: {needs}"))?;
+    Ok(!matches!(foresight, Some(Foresight::Unsolved(_))))
+}
+
+/// What came out of a scene's first step.
+fn tried(foresight: Option<&Foresight>, size: &str) -> String {
+    match foresight {
         Some(Foresight::Price(_)) => format!("ok, {size}"),
         Some(Foresight::Unsolved(unsolved)) => {
             format!("undecided, {size}: {unsolved}; whether it can be run was not found out")
@@ -76,15 +86,27 @@ fn check_one(source: &OsStr, arguments: &Arguments) -> Result<(), CliError> {
             "well formed, {size}; no step was tried, for the mesh has more than {MOST_NODES} nodes"
         ),
         Some(Foresight::Ended) | None => format!("well formed, {size}; no step was tried"),
-    };
-    output::line(format_args!("{name}: {tried}"))?;
-    if let Some(triangles) = triangles(&scene, &found) {
-        output::line(format_args!("{name}: {triangles}"))?;
     }
-    if let Some(Foresight::Price(price)) = foresight {
-        output::line(format_args!("{name}: on this machine {price}"))?;
+}
+
+/// What a run needs, as far as it is known: the memory always.
+fn needs(foresight: Option<&Foresight>, scene: &Scene) -> String {
+    match foresight {
+        Some(Foresight::Price(price)) => format!("on this machine {price}"),
+        _ => format!(
+            "about {:.0} MB of memory",
+            memory_needed(scene) as f64 / 1e6
+        ),
     }
-    Ok(())
+}
+
+/// How a check ends in which so many scenes are wrong, and of so many it was not found out.
+fn ending(wrong: usize, undecided: usize, checked: usize) -> Result<(), CliError> {
+    match (wrong, undecided) {
+        (0, 0) => Ok(()),
+        (0, _) => Err(CliError::Undecided { undecided, checked }),
+        _ => Err(CliError::Check { wrong, checked }),
+    }
 }
 
 /// Loads a scene and goes as far as a run would before its first step.
@@ -138,9 +160,10 @@ fn triangles(scene: &Scene, found: &Found) -> Option<String> {
     };
     let [shortest, mean, longest] = quality.edges;
     let mut words = format!(
-        "triangles with angles from {:.1}° to {:.1}°, edges from {shortest:.3e} to {longest:.3e}, \
+        "triangles with angles from {}° to {:.1}°, edges from {shortest:.3e} to {longest:.3e}, \
          {mean:.3e} in the mean",
-        quality.least_angle, quality.greatest_angle,
+        significant(quality.least_angle, 3),
+        quality.greatest_angle,
     );
     if turned > 0 {
         words += &format!("; {turned} were turned round in the file");
@@ -159,5 +182,53 @@ fn describe(scene: &Scene, found: &Found) -> String {
     match steps {
         Some(steps) => format!("{nodes} nodes, {steps} steps"),
         None => format!("{nodes} nodes, chosen steps"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::Unsolved;
+
+    #[test]
+    fn an_undecided_scene_has_a_status_of_its_own_and_its_memory_is_told() {
+        let unsolved = Foresight::Unsolved(Unsolved {
+            seconds: 12.0,
+            underway: None,
+        });
+        let words = tried(Some(&unsolved), "9 nodes, 3 steps");
+        assert!(
+            words.starts_with("undecided, 9 nodes, 3 steps: the first step was not solved in 12 s"),
+            "{words}"
+        );
+        let scene = Scene::default();
+        let memory = format!(
+            "about {:.0} MB of memory",
+            memory_needed(&scene) as f64 / 1e6
+        );
+        for foresight in [
+            None,
+            Some(unsolved),
+            Some(Foresight::TooLarge(70_000)),
+            Some(Foresight::Ended),
+        ] {
+            assert_eq!(needs(foresight.as_ref(), &scene), memory);
+        }
+        let status = |wrong, undecided| {
+            let ended = ending(wrong, undecided, 3);
+            ended.map_or_else(|error| error.exit_status(), |()| 0)
+        };
+        assert_eq!(
+            [status(0, 0), status(0, 1), status(2, 1), status(1, 0)],
+            [0, 1, 2, 2]
+        );
+        let mut command = <Arguments as clap::Args>::augment_args(clap::Command::new("check"));
+        let help = command.render_long_help().to_string();
+        // It is wrapped.
+        let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(
+            help.contains("1 a first step was not solved in the time (\"undecided\")"),
+            "{help}"
+        );
     }
 }

@@ -31,9 +31,11 @@ pub(super) enum CliError {
     /// The scene ends before its first step.
     #[error(
         "the end, t = {end:e}, comes before the first step of length {step:e}: nothing would be \
-         simulated. Raise time.end, or lower time.step"
+         simulated. Raise {end_key}, or lower time.step"
     )]
     NoStep {
+        /// Where T comes from.
+        end_key: &'static str,
         /// T.
         end: f64,
         /// Δt.
@@ -96,6 +98,14 @@ pub(super) enum CliError {
     Check {
         /// How many.
         wrong: usize,
+        /// Of how many.
+        checked: usize,
+    },
+    /// The first steps of scenes that were checked were not solved in the time; each was told already.
+    #[error("whether {undecided} of {checked} scenes can be run was not found out")]
+    Undecided {
+        /// How many.
+        undecided: usize,
         /// Of how many.
         checked: usize,
     },
@@ -272,6 +282,7 @@ impl CliError {
             }
             CliError::SetUp(_)
             | CliError::Study(_)
+            | CliError::Undecided { .. }
             | CliError::Run { .. }
             | CliError::Resume(_)
             | CliError::Record(_)

@@ -1,6 +1,6 @@
 //! The command line: one file a subcommand.
 //!
-//! Exit status: 0 done; 1 the run failed; 2 the arguments or the scene are wrong; 128 + n the run
+//! Exit status: 0 done; 1 the run failed, or a check did not come to an end; 2 the arguments or the scene are wrong; 128 + n the run
 //! was ended early, but cleanly, by signal n (130 for Ctrl-C, as shells have it).
 
 mod accuracy;

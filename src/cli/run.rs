@@ -364,14 +364,24 @@ fn scene(arguments: &Arguments) -> Result<(Scene, OsString), CliError> {
         (None, Some(steps)) => time.end = steps as f64 * time.step,
         (None, None) => {}
     }
-    some_step(time)?;
+    let end_key = match arguments.until {
+        Some(_) => "--until",
+        None => "time.end",
+    };
+    some_step_before(end_key, time)?;
     Ok((loaded.scene, loaded.name))
 }
 
 /// Refuses a scene that ends before its first step.
 pub(super) fn some_step(time: &Time) -> Result<(), CliError> {
+    some_step_before("time.end", time)
+}
+
+/// The same, of an end that is given by this key or option.
+fn some_step_before(end_key: &'static str, time: &Time) -> Result<(), CliError> {
     match step_count(time) {
         Some(0) => Err(CliError::NoStep {
+            end_key,
             end: time.end,
             step: time.step,
         }),

@@ -1,5 +1,8 @@
 //! The boundary of a mesh, ∂Ω: straight edges, and how far places are from them.
 
+use std::collections::HashMap;
+use std::f64::consts::TAU;
+
 use super::Mesh;
 use crate::scene::planar::{SegmentGrid, segment_distance};
 
@@ -56,6 +59,29 @@ impl Wall {
     }
 }
 
+/// Whether a place that no triangle covers lies in a hole of the mesh: a closed curve of the boundary goes round
+/// it clockwise, with the domain on its left.
+pub fn is_in_hole(mesh: &Mesh, [x, y]: [f64; 2]) -> bool {
+    let edges = mesh.boundary_edges();
+    // Every node of the boundary has one edge that begins there: no two curves share one.
+    let mut next: HashMap<u32, u32> = edges.iter().map(|[from, to]| (*from, *to)).collect();
+    let angle = |from: u32, to: u32| {
+        let [u, v] = [from, to].map(|node| {
+            let at = mesh.nodes()[node as usize];
+            [at[0] - x, at[1] - y]
+        });
+        (u[0] * v[1] - u[1] * v[0]).atan2(u[0] * v[0] + u[1] * v[1])
+    };
+    edges.iter().any(|[start, _]| {
+        let (mut turn, mut at) = (0.0, *start);
+        while let Some(to) = next.remove(&at) {
+            turn += angle(at, to);
+            at = to;
+        }
+        turn < -0.5 * TAU
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -80,5 +106,34 @@ mod tests {
         let circle = |radius: f64| wall.clearance(move |[x, y]| radius - (x - 0.5).hypot(y - 0.5));
         assert!((circle(0.3) - 0.2).abs() < 1e-12);
         assert!((circle(0.6) + 0.1).abs() < 1e-12);
+    }
+
+    /// A square with a square hole, and a notch.
+    #[test]
+    fn a_hole_is_told_from_what_is_outside() {
+        let mesh = Mesh::structured(8, 0.0, 0).expect("a regular mesh");
+        let kept: Vec<u32> = (0..mesh.triangles().len() as u32)
+            .filter(|triangle| {
+                let corners = mesh.triangles()[*triangle as usize];
+                let middle = |axis: usize| {
+                    let at = corners.map(|node| mesh.nodes()[node as usize][axis]);
+                    at.iter().sum::<f64>() / 3.0
+                };
+                let (x, y) = (middle(0), middle(1));
+                let is_hole = (0.25..0.5).contains(&x) && (0.25..0.5).contains(&y);
+                let is_notch = x > 0.75 && (0.25..0.5).contains(&y);
+                !is_hole && !is_notch
+            })
+            .collect();
+        let (mesh, _) = mesh.part(&kept).expect("a part");
+        for (place, wanted) in [
+            ([0.4, 0.3], true),
+            ([0.26, 0.49], true),
+            ([0.9, 0.4], false),
+            ([1.2, 0.4], false),
+            ([-3.0, 7.0], false),
+        ] {
+            assert_eq!(is_in_hole(&mesh, place), wanted, "{place:?}");
+        }
     }
 }

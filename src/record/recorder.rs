@@ -472,7 +472,19 @@ mod tests {
             .within_step(&mut simulation, Duration::ZERO)
             .unwrap();
         let run = fs::read_to_string(path.join("run.json")).unwrap();
-        assert!(run.contains("short-steps"), "{run}");
+        let run: serde_json::Value = serde_json::from_str(&run).unwrap();
+        let [event] = run["events"].as_array().unwrap().as_slice() else {
+            panic!("{run}");
+        };
+        assert_eq!(
+            (&event["kind"], &event["step"]),
+            (&"short-steps".into(), &1.into())
+        );
+        let text = event["text"].as_str().unwrap();
+        assert!(
+            text.contains("less than a millionth of the 1.0e-2"),
+            "{run}"
+        );
     }
 
     fn names(folder: &Path) -> Vec<String> {

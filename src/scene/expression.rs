@@ -13,12 +13,13 @@
 //! A formula becomes a list of instructions for a stack machine while it is read, so that only the
 //! reading recurses, and no deeper than a fixed bound.
 
+use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
 
 use thiserror::Error;
 
-use super::error::{DidYouMean, Quoted};
+use super::error::Quoted;
 use super::near::nearest;
 
 /// Signs, powers and parentheses inside each other; each level is a recursion of the parser.
@@ -58,6 +59,72 @@ const FUNCTIONS: [(&str, Instruction); 23] = [
     ("hypot", Instruction::Binary(f64::hypot)),
     ("atan2", Instruction::Binary(f64::atan2)),
 ];
+
+/// Functions by the names that they have elsewhere, and what to write for them here.
+const FUNCTIONS_ELSEWHERE: [(&str, &str); 7] = [
+    ("log", "ln, log10 or log2"),
+    ("lg", "log10"),
+    ("ld", "log2"),
+    ("tg", "tan"),
+    ("sgn", "sign"),
+    ("pow", "a^b"),
+    ("power", "a^b"),
+];
+
+/// Variables that others have, and what to write for them here.
+const VARIABLES_ELSEWHERE: [(&str, &str); 3] = [
+    ("r", "sqrt(x^2 + y^2), the distance from (0, 0)"),
+    ("rho", "sqrt(x^2 + y^2), the distance from (0, 0)"),
+    ("theta", "atan2(y, x), the polar angle"),
+];
+
+/// What was probably meant by a name that does not exist: one of those that may stand there, or what to write
+/// in its place.
+fn meant(name: &str, called: bool, allowed: &[&'static str]) -> Option<String> {
+    let elsewhere = match called {
+        true => &FUNCTIONS_ELSEWHERE[..],
+        false => &VARIABLES_ELSEWHERE[..],
+    };
+    let lower = name.to_lowercase();
+    if let Some((_, here)) = elsewhere.iter().find(|(known, _)| *known == lower) {
+        return Some((*here).to_owned());
+    }
+    match nearest(name, allowed.iter().copied()) {
+        Some(near) => Some(format!("'{near}'")),
+        None if called => None,
+        None => uncalled(name),
+    }
+}
+
+/// A function without its parentheses: `log`, `sinx`.
+fn uncalled(name: &str) -> Option<String> {
+    let argument = |rest: &str| CONSTANTS.iter().any(|(known, _)| *known == rest);
+    let known = FUNCTIONS.iter().map(|(known, _)| (*known, *known));
+    let elsewhere = FUNCTIONS_ELSEWHERE.into_iter();
+    let elsewhere = elsewhere.filter(|(_, here)| !here.contains('^'));
+    known.chain(elsewhere).find_map(|(known, here)| {
+        let rest = name.strip_prefix(known)?;
+        match rest {
+            "" => Some(format!("{here}, with its argument in parentheses")),
+            rest if argument(rest) => Some(format!(
+                "{here}, with the argument in parentheses: ({rest})"
+            )),
+            _ => None,
+        }
+    })
+}
+
+/// The end of a first half sentence.
+struct Meant<'a>(&'a Option<String>);
+
+impl fmt::Display for Meant<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Some(words) => write!(f, "; did you mean {words}?"),
+            None => f.write_str("."),
+        }
+    }
+}
 
 /// −1, 0 or 1 (the standard library's has no 0).
 fn sign(value: f64) -> f64 {
@@ -123,20 +190,13 @@ pub enum ExpressionProblem {
         expected: &'static str,
     },
     /// Neither a variable nor a constant nor a function.
-    #[error("unknown name {} in the expression{} Allowed: {}", Quoted(name), DidYouMean(near),
+    #[error("unknown name {} in the expression{} Allowed: {}", Quoted(name), Meant(meant),
         allowed.join(", "))]
     UnknownName {
         /// The name.
         name: String,
         /// What was probably meant.
-        near: Option<&'static str>,
-        /// What may stand there.
-        allowed: Vec<&'static str>,
-    },
-    /// A logarithm without its base, for which a near miss would be one of several.
-    #[error("unknown name 'log' in the expression; did you mean ln or log10? Allowed: {}",
-        allowed.join(", "))]
-    Logarithm {
+        meant: Option<String>,
         /// What may stand there.
         allowed: Vec<&'static str>,
     },
@@ -377,16 +437,11 @@ impl<'a> Parser<'a> {
             if FUNCTIONS.iter().any(|(known, _)| *known == name) {
                 return Err(self.unexpected("'(' and an argument"));
             }
-            let all = FUNCTIONS.iter().chain(&CONSTANTS).map(|(known, _)| *known);
             let allowed: Vec<_> = names.iter().map(|(known, _)| *known).collect();
-            let problem = if name == "log" {
-                ExpressionProblem::Logarithm { allowed }
-            } else {
-                ExpressionProblem::UnknownName {
-                    near: nearest(name, all),
-                    name: name.to_owned(),
-                    allowed,
-                }
+            let problem = ExpressionProblem::UnknownName {
+                meant: meant(name, called, &allowed),
+                name: name.to_owned(),
+                allowed,
             };
             return Err(ExpressionError { range, problem });
         };
@@ -513,13 +568,6 @@ mod tests {
             unknown.to_string().contains("did you mean 'x'?"),
             "{unknown}"
         );
-        assert!(error("sqr(x)").to_string().contains("did you mean 'sqrt'?"));
-        let logarithm = error("log(x)").to_string();
-        assert!(
-            logarithm.contains("unknown name 'log' in the expression; did you mean ln or log10?")
-                && !logarithm.contains("'log2'"),
-            "{logarithm}"
-        );
         assert!(error("z").to_string().contains("Allowed: x, y, pi, e"));
         assert_eq!(error("2x").range, 1..2);
         assert_eq!(error("2e").range, 1..2);
@@ -565,6 +613,57 @@ mod tests {
             error("sin(1, 2)").problem,
             ExpressionProblem::Arguments { .. }
         ));
+    }
+
+    #[test]
+    fn what_is_suggested_may_stand_there() {
+        for (text, words) in [
+            ("sqr(x)", "; did you mean 'sqrt'?"),
+            (
+                "log(x)",
+                "unknown name 'log' in the expression; did you mean ln, log10 or log2?",
+            ),
+            ("LOG(x)", "; did you mean ln, log10 or log2?"),
+            ("lg(x)", "; did you mean log10?"),
+            ("sgn(x)", "; did you mean sign?"),
+            ("pow(x, 2)", "; did you mean a^b?"),
+            ("arctan(x)", "; did you mean 'atan'?"),
+            ("PI", "; did you mean 'pi'?"),
+            (
+                "2*r",
+                "; did you mean sqrt(x^2 + y^2), the distance from (0, 0)?",
+            ),
+            ("theta", "; did you mean atan2(y, x), the polar angle?"),
+            (
+                "log",
+                "; did you mean ln, log10 or log2, with its argument in parentheses?",
+            ),
+            (
+                "logx",
+                "; did you mean ln, log10 or log2, with the argument in parentheses: (x)?",
+            ),
+            (
+                "sinx",
+                "; did you mean sin, with the argument in parentheses: (x)?",
+            ),
+        ] {
+            let error = error(text).to_string();
+            assert!(error.contains(words), "{text}: {error}");
+        }
+        for text in ["x(2)", "pi(2)", "roun", "sinn", "logg", "powx", "z"] {
+            let problem = error(text).problem;
+            let is_silent = matches!(problem, ExpressionProblem::UnknownName { meant: None, .. });
+            assert!(is_silent, "{text}: {problem}");
+        }
+        // None of those elsewhere is one here, and what is written in their place can be read.
+        for (elsewhere, _) in FUNCTIONS_ELSEWHERE.iter().chain(&VARIABLES_ELSEWHERE) {
+            let mut here = FUNCTIONS.iter().chain(&CONSTANTS);
+            assert!(here.all(|(known, _)| known != elsewhere), "{elsewhere}");
+        }
+        for (_, here) in VARIABLES_ELSEWHERE {
+            let formula = here.split(", the ").next().unwrap_or_default();
+            assert!(formula.parse::<Expression>().is_ok(), "{here}");
+        }
     }
 
     #[test]

@@ -152,3 +152,43 @@ impl fmt::Display for EventKind {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn short(lengths: [f64; 2], first: f64) -> Option<EventKind> {
+        let reason = StepError::LawBroken {
+            residual: 2e-3,
+            tolerance: 1e-8,
+        };
+        EventKind::of_short_steps(lengths, first, &reason)
+    }
+
+    /// Once: by the attempt that falls below a millionth of the first, and by none before or after it.
+    #[test]
+    fn steps_are_short_from_a_millionth_of_the_first_on() {
+        for first in [1.0, 1e-2, 3e-9] {
+            for (lengths, is_told) in [
+                ([1.0, 1.01e-6], false),
+                ([1.01e-6, 0.99e-6], true),
+                ([1.0, 1e-15], true),
+                ([0.99e-6, 0.5e-6], false),
+                ([0.5e-6, 1.0], false),
+            ] {
+                let told = short(lengths.map(|length| length * first), first);
+                assert_eq!(told.is_some(), is_told, "{first} {lengths:?}");
+            }
+        }
+        let words = short([1e-2, 2.5e-9], 1e-2).map(|kind| kind.to_string());
+        let words = words.expect("less than a millionth");
+        for part in [
+            "has fallen to 2.5e-9 within this step",
+            "a millionth of the 1.0e-2 of the first attempt",
+            "mesh.cells",
+            "The longer steps failed: the energy law misses by 2.00e-3",
+        ] {
+            assert!(words.contains(part), "{words}");
+        }
+    }
+}

@@ -64,9 +64,14 @@ pub fn free_memory() -> Option<FreeMemory> {
             bytes,
             bound: MemoryBound::Machine,
         });
+    narrowest(of_machine, Path::new("/"))
+}
+
+/// By the narrowest bound, of the machine and of those that are told of below `root`.
+fn narrowest(of_machine: Option<FreeMemory>, root: &Path) -> Option<FreeMemory> {
     of_machine
         .into_iter()
-        .chain(bounds(Path::new("/")))
+        .chain(bounds(root))
         .min_by_key(|free| free.bytes)
 }
 
@@ -262,8 +267,74 @@ mod tests {
         assert_eq!(free, [FreeMemory { bytes, bound }]);
     }
 
+    /// Version 1 where the group is seen, as outside of a container: it and those about it, by the names that
+    /// this version has.
     #[test]
-    fn there_is_some_memory() {
-        assert!(free_memory().is_none_or(|free| free.bytes > 1 << 20));
+    fn groups_of_version_1_are_followed_to_the_root() {
+        let folder = "sys/fs/cgroup/memory/batch/job";
+        let in_job = |file: &str| format!("{folder}/{file}");
+        let files = [
+            ("proc/self/cgroup".to_owned(), "4:cpu,memory:/batch/job\n"),
+            (in_job("memory.limit_in_bytes"), "5000\n"),
+            (in_job("memory.usage_in_bytes"), "4000\n"),
+            // Not those of version 2, nor what a child of the group has alone.
+            (in_job("memory.max"), "1\n"),
+            (
+                in_job("memory.stat"),
+                "active_file 900\ntotal_active_file 20\n",
+            ),
+            (
+                "sys/fs/cgroup/memory/batch/memory.limit_in_bytes".to_owned(),
+                "9000\n",
+            ),
+            (
+                "sys/fs/cgroup/memory/batch/memory.usage_in_bytes".to_owned(),
+                "8999\n",
+            ),
+        ];
+        let files = files.each_ref().map(|(path, text)| (path.as_str(), *text));
+        assert_eq!(found(&files), [group(1020), group(1)]);
+    }
+
+    #[test]
+    fn the_narrowest_bound_counts() {
+        let root = tree(&[
+            ("proc/self/cgroup", "0::/\n"),
+            ("sys/fs/cgroup/memory.max", "4000\n"),
+            ("sys/fs/cgroup/memory.current", "1000\n"),
+            (
+                "proc/self/limits",
+                "Max data size 1030000 unlimited bytes\nMax address space 1040000 unlimited bytes\n",
+            ),
+            ("proc/self/status", "VmSize: 1000 kB\nVmData: 1000 kB\n"),
+        ]);
+        let machine = |bytes| {
+            let bound = MemoryBound::Machine;
+            Some(FreeMemory { bytes, bound })
+        };
+        assert_eq!(narrowest(machine(2999), root.path()), machine(2999));
+        assert_eq!(narrowest(machine(3001), root.path()), Some(group(3000)));
+        assert_eq!(narrowest(None, root.path()), Some(group(3000)));
+        let limits = bounds(root.path()).skip(1).collect::<Vec<_>>();
+        let left = |bytes, bound| FreeMemory { bytes, bound };
+        assert_eq!(
+            limits,
+            [
+                left(16_000, MemoryBound::AddressSpace),
+                left(6_000, MemoryBound::Data)
+            ]
+        );
+        let empty = tree(&[]);
+        assert_eq!(narrowest(machine(7), empty.path()), machine(7));
+        assert_eq!(narrowest(None, empty.path()), None);
+    }
+
+    #[test]
+    fn the_system_tells_of_some_memory() {
+        let free = free_memory();
+        if cfg!(any(target_os = "linux", target_os = "macos")) {
+            assert!(free.is_some());
+        }
+        assert!(free.is_none_or(|free| free.bytes > 1 << 20), "{free:?}");
     }
 }

@@ -229,6 +229,25 @@ mod tests {
             assert!(error.contains(part), "no {part} in {error}");
         }
         assert_eq!(refuse(&large, None), Ok(()));
+        for (bound, words) in [
+            (MemoryBound::Machine, "2.00 GB of memory are free"),
+            (
+                MemoryBound::Group,
+                "2.00 GB are left of the memory that the container or the job may take",
+            ),
+            (
+                MemoryBound::AddressSpace,
+                "2.00 GB are left of the address space that ulimit -v allows",
+            ),
+            (
+                MemoryBound::Data,
+                "2.00 GB are left of the data that ulimit -d allows",
+            ),
+        ] {
+            let bytes = 2_000_000_000;
+            let error = refuse(&large, Some(FreeMemory { bytes, bound })).unwrap_err();
+            assert!(error.to_string().contains(words), "{error}");
+        }
         // What is ended at once beyond its bound has some room.
         let within = |bound| {
             let bytes = 11 * (memory_needed(&large) / 10);

@@ -5,7 +5,7 @@ use std::fmt;
 use thiserror::Error;
 
 use super::SimulationError;
-use crate::fem::{Mesh, Rectangle, Wall};
+use crate::fem::{Mesh, Rectangle, Wall, is_in_hole};
 use crate::scene::{self, OutlineDistance, Scene, Shape, significant, union_distance};
 
 /// Cells of the grid that stands for a generated mesh where that need not be made.
@@ -28,6 +28,20 @@ pub enum NoVesicle {
         lower: [f64; 2],
         /// The greatest ones.
         upper: [f64; 2],
+    },
+    /// An outline is where there are no triangles, though not beyond all of them.
+    #[error(
+        "{which} lies {}, about {}, where the mesh has no triangles: move it into the domain (center)",
+        if *is_hole { "in a hole of the domain" } else { "beside the domain" },
+        Point(*center)
+    )]
+    Gap {
+        /// Which vesicle.
+        which: Part,
+        /// The center of its outline.
+        center: [f64; 2],
+        /// Whether the domain is all around it.
+        is_hole: bool,
     },
     /// The domain is within the outline.
     #[error(
@@ -95,7 +109,7 @@ impl fmt::Display for Point {
 /// the mesh is not made.
 ///
 /// # Errors
-/// `Outside`, `Covers`, or the mesh cannot be made.
+/// `Outside`, `Gap`, `Covers`, or the mesh cannot be made.
 pub fn check_outlines(scene: &Scene) -> Result<(), SimulationError> {
     let mesh = match &scene.mesh {
         scene::Mesh::File(file) => Mesh::from_triangulation(&file.triangulation)?,
@@ -153,10 +167,21 @@ fn outlines_in(scene: &Scene, mesh: &Mesh) -> Result<(), NoVesicle> {
                 1 => Part::Only,
                 _ => Part::Number(number + 1),
             };
-            return Err(NoVesicle::Outside {
-                which,
-                lower,
-                upper,
+            let center = outline.center;
+            let is_within = (0..2).all(|axis| (lower[axis]..=upper[axis]).contains(&center[axis]));
+            return Err(if is_within {
+                let is_hole = is_in_hole(mesh, center);
+                NoVesicle::Gap {
+                    which,
+                    center,
+                    is_hole,
+                }
+            } else {
+                NoVesicle::Outside {
+                    which,
+                    lower,
+                    upper,
+                }
             });
         }
     }
@@ -240,6 +265,49 @@ mod tests {
             "vesicle.scale=-1",
         ] {
             Simulation::new(&small(&[across])).expect(across);
+        }
+    }
+
+    /// A ring: what is in its hole is within its outermost points.
+    #[test]
+    fn a_vesicle_in_a_hole_of_the_domain_is_refused_with_these_words() {
+        let corner = |corner: u32, radius: f64| {
+            let angle = f64::from(corner) * std::f64::consts::TAU / 12.0;
+            [radius * angle.cos(), radius * angle.sin()]
+        };
+        let inner = (0..12).map(|n| corner(n, 0.5));
+        let nodes = inner.chain((0..12).map(|n| corner(n, 1.0))).collect();
+        let triangles = (0..12).flat_map(|n| {
+            let next = (n + 1) % 12;
+            [[n, 12 + n, 12 + next], [n, 12 + next, next]]
+        });
+        let triangulation = Arc::new(scene::Triangulation {
+            nodes,
+            triangles: triangles.collect(),
+            ..scene::Triangulation::default()
+        });
+        for (center, words) in [
+            (
+                "[0.1, 0]",
+                "no vesicle in the domain: the whole outline lies in a hole of the domain, about (0.100, 0), \
+                 where the mesh has no triangles",
+            ),
+            (
+                "[0.95, 0.95]",
+                "lies beside the domain, about (0.950, 0.950)",
+            ),
+            ("[3, 0]", "lies outside of the domain, which reaches from"),
+        ] {
+            let vesicle =
+                format!("vesicle={{ shape = 'circle', radius = 0.1, center = {center} }}");
+            let mut scene = small(&[&vesicle]);
+            scene.mesh = scene::Mesh::File(scene::MeshFile {
+                path: "ring.msh".to_owned(),
+                triangulation: Arc::clone(&triangulation),
+            });
+            let error = check_outlines(&scene).expect_err(words);
+            assert!(error.to_string().contains(words), "{error}");
+            assert_eq!(Simulation::new(&scene).expect_err(words), error);
         }
     }
 

@@ -1,7 +1,7 @@
 //! What a scene's numbers alone do not tell: the vesicle's place, and whether β can be reached.
 
 use super::presence::sign;
-use crate::fem::{Contour, Mesh, Wall};
+use crate::fem::{Contour, Mesh, Quality, SLIVER, Wall};
 use crate::scene::{self, OutlineDistance, Scene, Shape, Warning, union_distance, wall_distance};
 
 /// The interface of a vesicle reaches this many ε beyond φ = 0: tanh(2√2) = 0.993.
@@ -11,6 +11,7 @@ const INTERFACE_REACH: f64 = 4.0;
 pub fn warnings(scene: &Scene, mesh: &Mesh, phi: &[f64]) -> Vec<Warning> {
     let contour = Contour::new(mesh, phi);
     let mut warnings = scene::warnings(scene, edge_at_membrane(mesh, phi, &contour));
+    warnings.extend(slivers(scene, &Quality::of(mesh)));
     let interface_width = scene.membrane.interface_width;
     warnings.extend(sign(phi).map(|inside| Warning::NoMembrane { inside }));
     let distance = match &scene.vesicle.shape {
@@ -51,6 +52,17 @@ pub fn warnings(scene: &Scene, mesh: &Mesh, phi: &[f64]) -> Vec<Warning> {
         }
     }
     warnings
+}
+
+/// The warning of triangles that are nearly flat.
+fn slivers(scene: &Scene, quality: &Quality) -> Option<Warning> {
+    (quality.slivers > 0).then_some(Warning::Slivers {
+        count: quality.slivers,
+        below: SLIVER,
+        at: quality.worst.at,
+        angles: quality.worst.angles,
+        is_jittered: !matches!(scene.mesh, scene::Mesh::File(_)),
+    })
 }
 
 /// The mean length of an edge of the triangles that φ = 0 crosses, where each triangle counts by the
@@ -103,5 +115,35 @@ impl NearWall {
     /// For a run that goes on from another.
     pub(super) fn set_reached(&mut self, reached: bool) {
         self.reached = reached;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::small;
+    use super::*;
+
+    #[test]
+    fn triangles_that_are_nearly_flat_are_warned_of() {
+        let scene = small(&[]);
+        let regular = Mesh::structured(6, 0.0, 0).expect("a regular mesh");
+        let slivers = |mesh: &Mesh| -> Vec<Warning> {
+            let phi: Vec<f64> = mesh.nodes().iter().map(|at| at[0] - 0.4).collect();
+            let mut warnings = warnings(&scene, mesh, &phi);
+            warnings.retain(|warning| matches!(warning, Warning::Slivers { .. }));
+            warnings
+        };
+        assert_eq!(slivers(&regular), []);
+        // The node in the middle, nearly on the one below it: of the six triangles about it two become flat.
+        let mut nodes = regular.nodes().to_vec();
+        nodes[3 * 7 + 3] = [0.5, 2.0 / 6.0 + 1e-6];
+        let mesh = Mesh::new(nodes, regular.triangles().to_vec()).expect("a mesh");
+        let [Warning::Slivers { count: 2, at, .. }] = slivers(&mesh)[..] else {
+            panic!("{:?}", slivers(&mesh));
+        };
+        assert!(
+            (at[0] - 0.5).abs() < 0.1 && (at[1] - 0.36).abs() < 0.06,
+            "{at:?}"
+        );
     }
 }

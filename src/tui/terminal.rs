@@ -203,7 +203,8 @@ fn guard_panics(modes: Arc<Modes>) -> Arc<Hook> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use portable_pty::{CommandBuilder, PtySize, native_pty_system};
+    use portable_pty::{CommandBuilder, ExitStatus, PtySize, native_pty_system};
+    use rustix::termios::LocalModes;
     use std::io::Read;
     use std::sync::mpsc;
 
@@ -213,6 +214,11 @@ mod tests {
     /// What a test writes that runs in a terminal of its own: the test binary is started again in
     /// one, to run that test alone.
     fn in_a_terminal(test: &str) -> String {
+        ending_in_a_terminal(test).0
+    }
+
+    /// The same, and how the process ended.
+    fn ending_in_a_terminal(test: &str) -> (String, ExitStatus) {
         let pair = native_pty_system().openpty(PtySize::default()).unwrap();
         let modes = pair.master.get_termios().unwrap();
         let mut command = CommandBuilder::new(std::env::current_exe().unwrap());
@@ -228,10 +234,10 @@ mod tests {
             .try_clone_reader()
             .unwrap()
             .read_to_end(&mut written);
-        child.wait().unwrap();
+        let status = child.wait().unwrap();
         let written = String::from_utf8_lossy(&written).into_owned();
         assert_eq!(pair.master.get_termios().unwrap(), modes, "{written}");
-        written
+        (written, status)
     }
 
     fn is_inside() -> bool {
@@ -240,7 +246,11 @@ mod tests {
 
     fn open() -> (Terminal, mpsc::Receiver<Incoming>) {
         let (incoming, news) = mpsc::channel();
-        (Terminal::open(incoming).unwrap(), news)
+        let terminal = Terminal::open(incoming).unwrap();
+        // Otherwise there would be nothing to put back.
+        let modes = rustix::termios::tcgetattr(rustix::stdio::stdin()).unwrap();
+        assert!(!modes.local_modes.contains(LocalModes::ICANON));
+        (terminal, news)
     }
 
     fn draw(terminal: &mut Terminal, news: &mpsc::Receiver<Incoming>, word: &'static str) {
@@ -289,14 +299,17 @@ mod tests {
             let _ = thread::spawn(worker).join();
             return;
         }
-        let written = in_a_terminal(
+        let (written, status) = ending_in_a_terminal(
             "tui::terminal::tests::memory_that_is_refused_leaves_the_terminal_as_it_was",
         );
         assert_eq!(written.matches(LEAVE).count(), 1, "{written}");
+        // What the terminal had not read of the screen was thrown away.
         let (_, after) = written.split_once(LEAVE).unwrap();
         assert!(after.contains("\x1b[?25h"), "{written}");
         assert!(after.contains("memory was refused"), "{written}");
         assert!(!after.contains("passed"), "{written}");
+        let signal = status.signal().expect("ended by a signal");
+        assert!(signal.starts_with("Abort"), "{signal}");
     }
 
     #[test]

@@ -11,6 +11,7 @@ use std::collections::HashMap;
 use super::Triangulation;
 use super::error::{MeshFileError, MeshFileProblem, MeshPlace};
 use super::fans::check_fans;
+use super::pieces::{PieceFault, check_pieces};
 use super::plane;
 use super::read::{Content, FileNode, FileTriangle};
 use crate::scene::planar::{SegmentGrid, first_crossing, segment_distance};
@@ -59,7 +60,7 @@ pub(super) fn checked(content: Content) -> Result<Triangulation, MeshFileError> 
     mesh.nothing_hangs(&boundary)?;
     mesh.fans_are_simple(&boundary)?;
     mesh.nothing_crosses(&boundary)?;
-    mesh.one_piece()?;
+    mesh.one_piece(&boundary)?;
     Ok(Triangulation {
         nodes: mesh.nodes,
         triangles: mesh.corners,
@@ -316,29 +317,25 @@ impl Checked {
     }
 
     /// All triangles hang together.
-    fn one_piece(&self) -> Result<(), MeshFileError> {
-        let mut leader: Vec<u32> = (0..self.nodes.len() as u32).collect();
-        fn find(leader: &mut [u32], mut node: u32) -> u32 {
-            while leader[node as usize] != node {
-                leader[node as usize] = leader[leader[node as usize] as usize];
-                node = leader[node as usize];
+    fn one_piece(&self, boundary: &[BoundaryEdge]) -> Result<(), MeshFileError> {
+        let edges: Vec<[u32; 2]> = boundary.iter().map(|edge| edge.nodes).collect();
+        let number = |triangle: usize| self.elements[triangle].number;
+        match check_pieces(&self.nodes, &self.corners, &edges, self.tolerance) {
+            None => Ok(()),
+            Some(PieceFault::Apart { triangle }) => {
+                let element = number(triangle);
+                Err(MeshFileProblem::Pieces { element }.at(self.place(triangle)))
             }
-            node
-        }
-        for corners in &self.corners {
-            let first = find(&mut leader, corners[0]);
-            for node in &corners[1..] {
-                let other = find(&mut leader, *node);
-                leader[other as usize] = first;
-            }
-        }
-        let first = find(&mut leader, self.corners[0][0]);
-        for (triangle, corners) in self.corners.iter().enumerate() {
-            if find(&mut leader, corners[0]) != first {
-                let element = self.elements[triangle].number;
-                return Err(MeshFileProblem::Pieces { element }.at(self.place(triangle)));
+            Some(PieceFault::Over { triangle, edge }) => {
+                let (other, node) = (boundary[edge].triangle, boundary[edge].nodes[0]);
+                let problem = MeshFileProblem::NodeWithin {
+                    first: number(triangle),
+                    second: number(other),
+                    node: self.number(node),
+                    at: self.nodes[node as usize],
+                };
+                Err(problem.at(self.place(other)))
             }
         }
-        Ok(())
     }
 }

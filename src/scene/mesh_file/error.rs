@@ -124,6 +124,26 @@ pub enum MeshFileProblem {
         /// What is left.
         left: usize,
     },
+    /// A section that is there twice.
+    #[error(
+        "the file has a second section ${section}, after that at {first}, and a mesh has one of each: put what it holds \
+         into the first one; of two meshes make one in Gmsh, from one geometry"
+    )]
+    SecondSection {
+        /// Its name.
+        section: &'static str,
+        /// Where the first one is.
+        first: MeshPlace,
+    },
+    /// A section before that which says how it is to be read.
+    #[error(
+        "the section ${section} stands before any $MeshFormat, which says how it is to be read: begin the file with \
+         $MeshFormat"
+    )]
+    BeforeFormat {
+        /// Its name.
+        section: String,
+    },
     /// There is no such section.
     #[error("the file has no section ${section}: write the mesh with gmsh -2 -format msh41")]
     NoSection {
@@ -282,6 +302,22 @@ pub enum MeshFileProblem {
         element: u64,
         /// The edge.
         nodes: [u64; 2],
+    },
+    /// Two triangles of which one has a node within the other.
+    #[error(
+        "the triangles {first} and {second} overlap: node {node} of triangle {second} lies within triangle {first}, at \
+         ({}, {}) (in Gmsh: BooleanFragments, before it meshes)",
+        at[0], at[1]
+    )]
+    NodeWithin {
+        /// The one.
+        first: u64,
+        /// The other.
+        second: u64,
+        /// The node of the second.
+        node: u64,
+        /// Where it is.
+        at: [f64; 2],
     },
     /// Several pieces.
     #[error("the mesh is in pieces: triangle {element} is not connected with the first one")]

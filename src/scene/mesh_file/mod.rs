@@ -2,14 +2,15 @@
 //!
 //! Read are the nodes and the triangles; lines and points, which Gmsh writes for the boundary, are left
 //! out, and so are nodes that no triangle uses. Whatever cannot be used is refused with its place: cells
-//! that are no triangles, a node or a triangle that is there twice, a node in the middle of another
-//! triangle's edge, triangles that overlap, parts that meet in a corner alone, a mesh in several pieces, one of several parts of a mesh. Triangles that are turned round
-//! are turned back.
+//! that are no triangles, a section, a node or a triangle that is there twice, a node in the middle of another
+//! triangle's edge, triangles that overlap, parts that meet in a corner alone, a mesh in several pieces, one of
+//! several parts of a mesh. Triangles that are turned round are turned back.
 
 mod check;
 mod element;
 mod error;
 mod fans;
+mod pieces;
 mod plane;
 mod read;
 mod source;

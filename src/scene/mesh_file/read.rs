@@ -71,32 +71,42 @@ enum Version {
 /// What a text in UTF-8 may begin with.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
+/// The sections that are read, each in the way that the format says.
+const NEEDS_FORMAT: [&[u8]; 4] = [
+    b"Nodes",
+    b"ParametricNodes",
+    b"Elements",
+    b"PartitionedEntities",
+];
+
 /// Reads a file.
 pub(super) fn read(bytes: &[u8]) -> Result<Content, MeshFileError> {
     if let [0xff, 0xfe, ..] | [0xfe, 0xff, ..] = bytes {
         return Err(MeshFileProblem::Utf16.at(MeshPlace::Line(1)));
     }
     let mut source = Source::new(bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes));
-    let version = find_format(&mut source)?;
+    let (format, version) = find_format(&mut source)?;
     let mut content = Content::default();
-    let [mut has_nodes, mut has_elements] = [false; 2];
+    let mut formats = Once(Some(format));
+    let [mut nodes, mut elements, mut partitions] = [Once(None); 3];
     // What stands between the sections is text, in a binary file as well.
     while let Some((place, word)) = source.word() {
         match (word, version) {
-            (b"$Nodes", _) | (b"$ParametricNodes", Version::Two) if !has_nodes => {
-                has_nodes = true;
+            (b"$MeshFormat", _) => formats.note("MeshFormat", place)?,
+            (b"$Nodes", _) | (b"$ParametricNodes", Version::Two) => {
                 let is_parametric = word != b"$Nodes";
                 let (section, end) = match is_parametric {
                     false => ("Nodes", "$EndNodes"),
                     true => ("ParametricNodes", "$EndParametricNodes"),
                 };
+                nodes.note(section, place)?;
                 read_section(&mut source, (section, end), |source| match version {
                     Version::Two => version_2::nodes(source, is_parametric, &mut content.nodes),
                     Version::Four => version_4::nodes(source, &mut content.nodes),
                 })?;
             }
-            (b"$Elements", _) if !has_elements => {
-                has_elements = true;
+            (b"$Elements", _) => {
+                elements.note("Elements", place)?;
                 let name = ("Elements", "$EndElements");
                 read_section(&mut source, name, |source| match version {
                     Version::Two => version_2::elements(source, &mut content),
@@ -104,6 +114,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Content, MeshFileError> {
                 })?;
             }
             (b"$PartitionedEntities", Version::Four) => {
+                partitions.note("PartitionedEntities", place)?;
                 let name = ("PartitionedEntities", "$EndPartitionedEntities");
                 read_section(&mut source, name, |source| {
                     version_4::partitions(source, &mut content.partitions)
@@ -114,14 +125,28 @@ pub(super) fn read(bytes: &[u8]) -> Result<Content, MeshFileError> {
         }
     }
     let end = source.place();
-    for (section, there) in [("Nodes", has_nodes), ("Elements", has_elements)] {
-        if !there {
+    for (section, Once(found)) in [("Nodes", nodes), ("Elements", elements)] {
+        if found.is_none() {
             return Err(MeshFileProblem::NoSection { section }.at(end));
         }
     }
     content.partitions.check(end)?;
     content.end = Some(end);
     Ok(content)
+}
+
+/// Where a section stands of which a file has one.
+#[derive(Debug, Clone, Copy)]
+struct Once(Option<MeshPlace>);
+
+impl Once {
+    /// Refuses the second one.
+    fn note(&mut self, section: &'static str, place: MeshPlace) -> Result<(), MeshFileError> {
+        match self.0.replace(place) {
+            None => Ok(()),
+            Some(first) => Err(MeshFileProblem::SecondSection { section, first }.at(place)),
+        }
+    }
 }
 
 /// Reads what stands in a section, and its end. Errors name the section.
@@ -139,16 +164,21 @@ fn read_section(
         .map_err(|error| error.within(name))
 }
 
-/// Reads the section that says what format it is. Others, such as comments, may stand before it.
-fn find_format(source: &mut Source<'_>) -> Result<Version, MeshFileError> {
+/// Reads the section that says what format it is, and returns where it stands. Others, such as comments, may
+/// stand before it, but none that cannot be read without it.
+fn find_format(source: &mut Source<'_>) -> Result<(MeshPlace, Version), MeshFileError> {
     let begin = MeshPlace::Line(1);
-    loop {
+    let format = loop {
         match source.word() {
-            Some((_, b"$MeshFormat")) => break,
+            Some((place, b"$MeshFormat")) => break place,
             Some((place, b"$NOD")) => {
                 let version = "1.0".to_owned();
                 let binary = false;
                 return Err(MeshFileProblem::Version { version, binary }.at(place));
+            }
+            Some((place, [b'$', name @ ..])) if NEEDS_FORMAT.contains(&name) => {
+                let section = String::from_utf8_lossy(name).into_owned();
+                return Err(MeshFileProblem::BeforeFormat { section }.at(place));
             }
             Some((_, [b'$', name @ ..])) => {
                 let skipped = source.skip_section(name);
@@ -156,8 +186,9 @@ fn find_format(source: &mut Source<'_>) -> Result<Version, MeshFileError> {
             }
             _ => return Err(MeshFileProblem::NotMsh.at(begin)),
         }
-    }
-    read_format(source).map_err(|error| error.within("MeshFormat"))
+    };
+    let version = read_format(source).map_err(|error| error.within("MeshFormat"))?;
+    Ok((format, version))
 }
 
 fn read_format(source: &mut Source<'_>) -> Result<Version, MeshFileError> {

@@ -396,3 +396,103 @@ fn a_mesh_in_pieces_is_refused() {
         "{error}"
     );
 }
+
+/// A section of a file with its name and its end.
+fn section<'a>(file: &'a [u8], name: &str) -> &'a [u8] {
+    let at = |words: &str| {
+        let mut windows = file.windows(words.len());
+        windows.position(|window| window == words.as_bytes())
+    };
+    let end = format!("$End{name}\n");
+    let range = at(&format!("${name}\n")).zip(at(&end));
+    let (begin, last) = range.expect("the section is there");
+    &file[begin..last + end.len()]
+}
+
+/// Nothing of a file is left out unnoticed: a second section might be half of the mesh.
+#[test]
+fn a_second_section_is_refused_in_every_format() {
+    let files: [(&[u8], &str); 5] = [
+        (SQUARE.as_bytes(), "line "),
+        (
+            include_bytes!("../../../tests/meshes/square-22.msh"),
+            "line ",
+        ),
+        (
+            include_bytes!("../../../tests/meshes/square-41.msh"),
+            "line ",
+        ),
+        (
+            include_bytes!("../../../tests/meshes/binary-22.msh"),
+            "byte ",
+        ),
+        (
+            include_bytes!("../../../tests/meshes/square-41-binary.msh"),
+            "byte ",
+        ),
+    ];
+    for (file, place) in files {
+        for name in ["Nodes", "Elements", "MeshFormat"] {
+            let twice = [file, section(file, name)].concat();
+            let error = Triangulation::parse(&twice).expect_err("twice").to_string();
+            assert!(error.starts_with(place), "{error}");
+            let words = format!("a second section ${name}, after that at ");
+            assert!(error.contains(&words), "{error}");
+        }
+    }
+    let more = SQUARE.replace(
+        "$Elements\n",
+        "$ParametricNodes\n0\n$EndParametricNodes\n$Elements\n",
+    );
+    assert_eq!(
+        parse(&more).expect_err("nodes twice").to_string(),
+        "line 16: the file has a second section $ParametricNodes, after that at line 8, and a mesh has one of \
+         each: put what it holds into the first one; of two meshes make one in Gmsh, from one geometry"
+    );
+}
+
+#[test]
+fn a_section_before_the_format_is_named() {
+    for name in ["Nodes", "Elements"] {
+        let moved = section(SQUARE.as_bytes(), name);
+        let text = [moved, SQUARE.as_bytes()].concat();
+        let error = Triangulation::parse(&text).expect_err("too early");
+        assert_eq!(
+            error.to_string(),
+            format!(
+                "line 1: the section ${name} stands before any $MeshFormat, which says how it is to be read: \
+                 begin the file with $MeshFormat"
+            )
+        );
+    }
+}
+
+#[test]
+fn a_part_within_another_overlaps_it() {
+    let refused = |nodes: &str, element: &str| {
+        let error = parse(&with_more(nodes, element)).expect_err("no domain");
+        error.to_string()
+    };
+    assert_eq!(
+        refused(
+            "50 1.2 0.2 0\n60 1.4 0.2 0\n70 1.3 0.3 0",
+            "5 2 2 0 2 50 60 70"
+        ),
+        "line 25: the triangles 3 and 5 overlap: node 50 of triangle 5 lies within triangle 3, at (1.2, 0.2) \
+         (in Gmsh: BooleanFragments, before it meshes)"
+    );
+    // Over the edge that two triangles share, with all nodes on it or beside it.
+    let across = refused(
+        "50 0.2 0.1 0\n60 1.4 0.7 0\n70 1.3 0.3 0",
+        "5 2 2 0 2 50 60 70",
+    );
+    assert!(across.contains("and 5 overlap: node 50"), "{across}");
+    // Around the whole square.
+    let around = refused("50 -9 -9 0\n60 20 -9 0\n70 0 20 0", "5 2 2 0 2 50 60 70");
+    assert!(
+        around.contains(
+            "the triangles 5 and 3 overlap: node 10 of triangle 3 lies within triangle 5"
+        ),
+        "{around}"
+    );
+}
