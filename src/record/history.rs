@@ -1,8 +1,8 @@
 //! The tables of a run: what stands in their columns.
 
-use super::RecordError;
 use super::folder::remove;
 use super::table::{Extent, Found, Rows, Table};
+use super::{Columns, ReadError, RecordError};
 use crate::simulation::{NamedValue, Report};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -69,7 +69,7 @@ pub(super) struct TablesMemory {
     terms: StepTerms,
 }
 
-/// Tables that were found to go as far as they must.
+/// Tables that were looked for.
 #[derive(Debug)]
 pub(super) struct FoundTables {
     history: Found,
@@ -102,13 +102,6 @@ impl TablesRows {
     }
 }
 
-impl TablesMemory {
-    /// How many rows there are.
-    pub fn rows(&self) -> u64 {
-        self.history.rows
-    }
-}
-
 impl FoundTables {
     /// What is to be reported of the tables, in words.
     pub fn remarks(&self) -> Vec<String> {
@@ -131,23 +124,61 @@ impl FoundTables {
         })
     }
 
-    /// Cuts the tables back to where they were.
+    /// The scalars that the tables had then; changes nothing.
+    ///
+    /// # Errors
+    /// [`ReadError`].
+    pub fn columns(&self) -> Result<Columns, ReadError> {
+        let mut columns = self.history.columns()?;
+        columns.join(self.shape.columns()?);
+        Ok(columns)
+    }
+
+    /// Looks whether the tables can be written; changes nothing.
+    ///
+    /// # Errors
+    /// [`RecordError::Write`], [`RecordError::FolderInTheWay`].
+    pub fn check(&self) -> Result<(), RecordError> {
+        self.history.check()?;
+        self.shape.check()?;
+        match &self.ledger {
+            Some(ledger) => ledger.check(),
+            None if self.ledger_path.is_dir() => Err(RecordError::FolderInTheWay {
+                path: self.ledger_path.clone(),
+            }),
+            None => Ok(()),
+        }
+    }
+
+    /// Cuts the tables back to where they were. With them comes what is to be reported.
     ///
     /// # Errors
     /// [`RecordError`] where a file cannot be read or written.
-    pub fn take_up(self) -> Result<Tables, RecordError> {
-        if self.ledger.is_none() {
-            remove(&self.ledger_path)?;
-        }
-        Ok(Tables {
-            history: self.history.take_up()?,
-            shape: self.shape.take_up()?,
-            ledger: self.ledger.map(Found::take_up).transpose()?,
+    pub fn take_up(self) -> Result<(Tables, Vec<String>), RecordError> {
+        let (history, mut remarks) = self.history.take_up()?;
+        let (shape, of_shape) = self.shape.take_up()?;
+        remarks.extend(of_shape);
+        let ledger = match self.ledger {
+            Some(ledger) => {
+                let (ledger, of_ledger) = ledger.take_up()?;
+                remarks.extend(of_ledger);
+                Some(ledger)
+            }
+            None => {
+                remove(&self.ledger_path)?;
+                None
+            }
+        };
+        let tables = Tables {
+            history,
+            shape,
+            ledger,
             ledger_path: self.ledger_path,
             last_row: self.last_row,
             law_residual: self.law_residual,
             terms: self.terms,
-        })
+        };
+        Ok((tables, remarks))
     }
 }
 
@@ -165,23 +196,18 @@ impl Tables {
     }
 
     /// Looks whether the tables in `folder` go as far as they did; changes nothing.
-    ///
-    /// # Errors
-    /// Those of [`Table::find`].
-    pub fn find(folder: &Path, memory: &TablesMemory) -> Result<FoundTables, RecordError> {
+    pub fn find(folder: &Path, memory: &TablesMemory) -> FoundTables {
         let ledger_path = folder.join(LEDGER);
         let ledger = memory.ledger.as_ref();
-        Ok(FoundTables {
-            history: Table::find(folder.join(HISTORY), &memory.history)?,
-            shape: Table::find(folder.join(SHAPE), &memory.shape)?,
-            ledger: ledger
-                .map(|extent| Table::find(ledger_path.clone(), extent))
-                .transpose()?,
+        FoundTables {
+            history: Table::find(folder.join(HISTORY), &memory.history),
+            shape: Table::find(folder.join(SHAPE), &memory.shape),
+            ledger: ledger.map(|extent| Table::find(ledger_path.clone(), extent)),
             ledger_path,
             last_row: memory.last_row,
             law_residual: memory.law_residual,
             terms: memory.terms.clone(),
-        })
+        }
     }
 
     /// The tables of a run in `folder`, still without rows.

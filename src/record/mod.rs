@@ -36,6 +36,7 @@ mod read;
 mod recorder;
 mod resume;
 mod scene_file;
+mod shortened;
 mod source;
 mod states;
 mod summary;
@@ -61,7 +62,8 @@ pub use recorder::{Preparation, Recorder, Settings};
 pub use resume::{Found, Resumption};
 
 pub use crate::simulation::{Schedule, step_count};
-pub use source::{LoadError, LoadedScene, load_scene};
+pub use scene_file::same_run;
+pub use source::{LoadError, LoadedScene, load_run_scene, load_scene};
 pub use states::write_states;
 pub use summary::{Ending, EventRecord, OutlineChange, OutlineRecord, RunSummary, Status};
 pub use vtu::{write_fields, write_series};

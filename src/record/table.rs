@@ -1,14 +1,23 @@
 //! A CSV file that grows during a run and yet always consists of whole lines.
 
-use super::atomic::write_whole;
+use super::atomic::{write_keeping, write_whole};
+use super::folder::{free_numbered, rename_numbered};
+use super::read::{LARGEST, parse_table};
 use super::table_repair::{Repaired, repair};
-use super::{Number, RecordError};
+use super::whole::{open_file, read_file_lossy, read_file_text};
+use super::{Columns, Number, ReadError, RecordError};
 use crc32fast::Hasher;
 use serde::{Deserialize, Serialize};
+use std::ffi::OsString;
 use std::fmt::Write as _;
-use std::fs::{self, File, OpenOptions};
+use std::fs::{File, OpenOptions};
 use std::io::{self, BufRead, BufReader, Read, Write as _};
 use std::path::{Path, PathBuf};
+
+/// What a file is called, after its own name, that is kept as it was found.
+const AS_FOUND: &str = ".as-found";
+/// No line of a table has as many bytes.
+const LONGEST_LINE: u64 = 1 << 20;
 
 /// A growing table of numbers.
 ///
@@ -46,7 +55,7 @@ pub(super) struct Extent {
     pub checksum: u32,
 }
 
-/// A table that was found to go as far as it must, and may go further.
+/// A table that was looked for: it goes as far as it must, or may go further, or is damaged.
 #[derive(Debug)]
 pub(super) struct Found {
     path: PathBuf,
@@ -60,8 +69,21 @@ enum FoundContent {
     Whole { length: u64 },
     /// What was written can be had from it, or as much as there is.
     Repaired(Repaired),
+    /// Nothing can be had from it.
+    Lost(Loss),
+}
+
+/// Why nothing can be had from a table.
+#[derive(Debug)]
+enum Loss {
     /// It is not there.
-    Missing,
+    Gone,
+    /// Nothing stands in it.
+    Empty,
+    /// It cannot be read.
+    Unreadable(io::Error),
+    /// No line of it has the names of the columns.
+    Headless,
 }
 
 /// The rows that a table has at some moment: they can be copied while it goes on growing.
@@ -108,22 +130,26 @@ impl Table {
     }
 
     /// Looks whether a table goes as far as `extent`; changes nothing. One that another program has
-    /// rewritten is read as what was meant.
-    ///
-    /// # Errors
-    /// [`RecordError::Read`], [`RecordError::NoColumn`], [`RecordError::Short`].
-    pub fn find(path: PathBuf, extent: &Extent) -> Result<Found, RecordError> {
+    /// rewritten is read as what was meant, and of one that is damaged as much as there is.
+    pub fn find(path: PathBuf, extent: &Extent) -> Found {
         let content = match whole_length(&path, extent) {
             Ok(Some(length)) => FoundContent::Whole { length },
-            Ok(None) => FoundContent::Repaired(repair(&path, extent)?),
-            Err(reason) if reason.kind() == io::ErrorKind::NotFound => FoundContent::Missing,
-            Err(reason) => return Err(RecordError::Read { path, reason }),
+            Ok(None) => match read_file_lossy(&path, LARGEST) {
+                Ok(text) if text.trim().is_empty() => FoundContent::Lost(Loss::Empty),
+                Ok(text) => repair(&path, &text, extent)
+                    .map_or(FoundContent::Lost(Loss::Headless), FoundContent::Repaired),
+                Err(reason) => FoundContent::Lost(Loss::Unreadable(reason)),
+            },
+            Err(reason) if reason.kind() == io::ErrorKind::NotFound => {
+                FoundContent::Lost(Loss::Gone)
+            }
+            Err(reason) => FoundContent::Lost(Loss::Unreadable(reason)),
         };
-        Ok(Found {
+        Found {
             path,
             extent: extent.clone(),
             content,
-        })
+        }
     }
 
     /// How far it has come. What was appended is to be flushed before.
@@ -198,10 +224,8 @@ impl Table {
             });
         }
         if self.late > 0 {
-            let text = fs::read_to_string(&self.path).map_err(|reason| RecordError::Read {
-                path: self.path.clone(),
-                reason,
-            })?;
+            let text =
+                read_file_text(&self.path, LARGEST).map_err(RecordError::read(&self.path))?;
             let rows = widened(text.lines().skip(1), self.late);
             self.replace(&(self.columns.join(",") + "\n" + &rows))?;
         }
@@ -263,14 +287,23 @@ impl Table {
             });
         }
         Ok(Rows {
-            file: Some((open_for_reading(&self.path)?, self.length)),
+            file: Some((self.open_for_reading()?, self.length)),
             text: self.pending.clone(),
         })
+    }
+
+    fn open_for_reading(&self) -> Result<File, RecordError> {
+        open_file(&self.path).map_err(RecordError::read(&self.path))
     }
 
     /// Replaces the file by a text and opens it for appending.
     fn replace(&mut self, text: &str) -> Result<(), RecordError> {
         write_whole(&self.path, |file| file.write_all(text.as_bytes()))?;
+        self.open_replaced(text)
+    }
+
+    /// Opens the file, which has just got this text, for appending.
+    fn open_replaced(&mut self, text: &str) -> Result<(), RecordError> {
         self.checksum = Hasher::new();
         self.checksum.update(text.as_bytes());
         self.open(text.len() as u64)
@@ -278,11 +311,7 @@ impl Table {
 
     /// Opens the file, which has so many bytes, for appending.
     fn open(&mut self, length: u64) -> Result<(), RecordError> {
-        let file = OpenOptions::new()
-            .append(true)
-            .open(&self.path)
-            .map_err(RecordError::write(&self.path))?;
-        self.file = Some(file);
+        self.file = Some(open_for_appending(&self.path)?);
         (self.length, self.late) = (length, 0);
         Ok(())
     }
@@ -291,22 +320,43 @@ impl Table {
 impl Found {
     /// What is to be reported of it, in words.
     pub fn remarks(&self) -> Vec<String> {
+        let (path, rows) = (self.path.display(), self.extent.rows);
         match &self.content {
             FoundContent::Whole { .. } => Vec::new(),
             FoundContent::Repaired(repaired) => repaired.remarks.clone(),
-            FoundContent::Missing => vec![format!(
-                "{} is gone, with {} rows: it begins anew",
-                self.path.display(),
-                self.extent.rows
-            )],
+            FoundContent::Lost(loss) => vec![match loss {
+                Loss::Gone => format!("{path} is gone, with {rows} rows: it begins anew"),
+                Loss::Empty => format!("{path} is empty, and had {rows} rows: it begins anew"),
+                Loss::Unreadable(reason) => {
+                    format!("{path} cannot be read ({reason}), and had {rows} rows: it begins anew")
+                }
+                Loss::Headless => format!(
+                    "{path} cannot be read (no line has the names of its columns), and had {rows} \
+                     rows: it begins anew"
+                ),
+            }],
         }
     }
 
-    /// Cuts the table back to what is to stay, and goes on with it.
+    /// Looks whether it can be written; changes nothing. Of a file that is to be replaced the folder tells
+    /// that.
+    ///
+    /// # Errors
+    /// [`RecordError::Write`].
+    pub fn check(&self) -> Result<(), RecordError> {
+        match &self.content {
+            FoundContent::Whole { .. } => open_for_appending(&self.path).map(drop),
+            FoundContent::Repaired(_) | FoundContent::Lost(_) => Ok(()),
+        }
+    }
+
+    /// Cuts the table back to what is to stay, and goes on with it. What was found and is left out stays
+    /// under another name. With it comes what is to be reported.
     ///
     /// # Errors
     /// [`RecordError`] where the file cannot be read or written.
-    pub fn take_up(self) -> Result<Table, RecordError> {
+    pub fn take_up(self) -> Result<(Table, Vec<String>), RecordError> {
+        let mut remarks = self.remarks();
         let Extent {
             columns,
             rows,
@@ -315,7 +365,10 @@ impl Found {
         } = self.extent;
         let mut table = Table::new(self.path, columns);
         table.last_step = last_step;
-        match self.content {
+        let parent = table.path.parent().unwrap_or(Path::new("")).to_owned();
+        let mut name = OsString::from(table.path.file_name().unwrap_or_default());
+        name.push(AS_FOUND);
+        let kept = match self.content {
             FoundContent::Whole { length } => {
                 table.rows = rows;
                 table.checksum = Hasher::new_with_initial_len(checksum, length);
@@ -324,14 +377,31 @@ impl Found {
                     file.set_len(length)
                         .map_err(RecordError::write(&table.path))?;
                 }
+                None
             }
             FoundContent::Repaired(repaired) => {
                 table.rows = repaired.rows;
-                table.replace(&repaired.text)?;
+                if repaired.leaves_out {
+                    let kept = free_numbered(&parent, &name);
+                    write_keeping(&table.path, &kept, |file| {
+                        file.write_all(repaired.text.as_bytes())
+                    })?;
+                    table.open_replaced(&repaired.text)?;
+                    Some(kept)
+                } else {
+                    table.replace(&repaired.text)?;
+                    None
+                }
             }
-            FoundContent::Missing => {}
+            FoundContent::Lost(Loss::Gone | Loss::Empty) => None,
+            FoundContent::Lost(Loss::Unreadable(_) | Loss::Headless) => {
+                Some(rename_numbered(&table.path, &parent, &name, 1)?)
+            }
+        };
+        if let (Some(kept), Some(remark)) = (kept, remarks.first_mut()) {
+            *remark += &format!("; what was found is kept as {}", kept.display());
         }
-        Ok(table)
+        Ok((table, remarks))
     }
 
     /// The rows that are to stay; changes nothing.
@@ -341,40 +411,84 @@ impl Found {
     pub fn rows(&self) -> Result<Rows, RecordError> {
         let table = |text: String| Rows { file: None, text };
         Ok(match &self.content {
-            FoundContent::Whole { length } => Rows {
-                file: Some((open_for_reading(&self.path)?, *length)),
-                text: String::new(),
-            },
+            FoundContent::Whole { length } => {
+                let file = open_file(&self.path).map_err(RecordError::read(&self.path))?;
+                Rows {
+                    file: Some((file, *length)),
+                    text: String::new(),
+                }
+            }
             FoundContent::Repaired(repaired) => table(repaired.text.clone()),
-            FoundContent::Missing => table(self.extent.columns.join(",") + "\n"),
+            FoundContent::Lost(_) => table(self.extent.columns.join(",") + "\n"),
         })
     }
-}
 
-fn open_for_reading(path: &Path) -> Result<File, RecordError> {
-    File::open(path).map_err(|reason| RecordError::Read {
-        path: path.to_owned(),
-        reason,
-    })
-}
-
-/// The length of what was written, if the file begins with that, bit for bit.
-fn whole_length(path: &Path, extent: &Extent) -> io::Result<Option<u64>> {
-    // A pipe would wait for a writer.
-    if !fs::metadata(path)?.is_file() {
-        return Err(io::Error::other("it is no file"));
+    /// The scalars that are to stay; changes nothing.
+    ///
+    /// # Errors
+    /// [`ReadError`].
+    pub fn columns(&self) -> Result<Columns, ReadError> {
+        let unreadable = |reason| ReadError::Unreadable {
+            path: self.path.clone(),
+            reason,
+        };
+        let text = match &self.content {
+            FoundContent::Whole { length } => {
+                let file = open_file(&self.path).map_err(unreadable)?;
+                let mut text = String::new();
+                let read = file.take(*length).read_to_string(&mut text);
+                read.map_err(unreadable)?;
+                text
+            }
+            FoundContent::Repaired(repaired) => repaired.text.clone(),
+            FoundContent::Lost(_) => self.extent.columns.join(",") + "\n",
+        };
+        parse_table(&self.path, &text)
     }
-    let mut file = BufReader::new(File::open(path)?);
+}
+
+fn open_for_appending(path: &Path) -> Result<File, RecordError> {
+    OpenOptions::new()
+        .append(true)
+        .open(path)
+        .map_err(RecordError::write(path))
+}
+
+/// The length of what was written, if the file begins with that, bit for bit, and has only later rows after
+/// it.
+fn whole_length(path: &Path, extent: &Extent) -> io::Result<Option<u64>> {
+    let mut file = BufReader::new(open_file(path)?);
     let (mut line, mut checksum, mut length) = (Vec::new(), Hasher::new(), 0);
-    for _ in 0..=extent.rows {
+    let mut next = |line: &mut Vec<u8>| {
         line.clear();
-        length += file.read_until(b'\n', &mut line)? as u64;
+        let bytes = (&mut file).take(LONGEST_LINE).read_until(b'\n', line)?;
+        io::Result::Ok((bytes as u64, line.ends_with(b"\n")))
+    };
+    for _ in 0..=extent.rows {
+        let (bytes, is_ended) = next(&mut line)?;
+        if !is_ended {
+            return Ok(None);
+        }
+        length += bytes;
         checksum.update(&line);
-        if !line.ends_with(b"\n") {
+    }
+    if checksum.finalize() != extent.checksum {
+        return Ok(None);
+    }
+    // The last line may be cut.
+    while next(&mut line)?.1 {
+        if !is_later_row(&line, extent.last_step) {
             return Ok(None);
         }
     }
-    Ok((checksum.finalize() == extent.checksum).then_some(length))
+    Ok(Some(length))
+}
+
+/// Whether a line looks like one of a step that is not before another.
+fn is_later_row(line: &[u8], step: Option<u64>) -> bool {
+    let cell = line.split(|byte| *byte == b',').next();
+    let cell = cell.and_then(|cell| str::from_utf8(cell).ok()?.parse().ok());
+    cell.is_some_and(|later: u64| step.is_none_or(|step| later >= step))
 }
 
 /// Lines with so many empty cells more.
@@ -386,6 +500,7 @@ fn widened<'a>(lines: impl Iterator<Item = &'a str>, cells: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     fn table(folder: &Path) -> Table {
         let columns = ["step", "t"].map(str::to_owned).to_vec();
@@ -451,6 +566,7 @@ mod tests {
         let mut first = table(folder.path());
         first.append([Some(0.0), Some(0.0)]);
         first.append([Some(1.0), Some(0.5)]);
+        first.flush().unwrap();
         let extent = first.extent();
         first.append([Some(2.0), Some(1.0)]);
         first.flush().unwrap();
@@ -462,9 +578,10 @@ mod tests {
                 first.flush().unwrap();
             }
             let whole = fs::read_to_string(&path).unwrap();
-            let found = Table::find(path.clone(), &extent).unwrap();
+            let found = Table::find(path.clone(), &extent);
             assert_eq!(fs::read_to_string(&path).unwrap(), whole);
-            let mut again = found.take_up().unwrap();
+            let (mut again, remarks) = found.take_up().unwrap();
+            assert!(remarks.is_empty(), "{remarks:?}");
             assert_eq!(fs::read_to_string(&path).unwrap(), "step,t\n0,0\n1,0.5\n");
             again.append([Some(2.0), Some(1.0)]);
             again.flush().unwrap();
@@ -473,34 +590,160 @@ mod tests {
             assert_eq!(again.extent().rows, 3);
             first = again;
         }
-        let more = Extent {
-            rows: 4,
-            last_step: Some(3),
-            ..extent
+    }
+
+    /// A table of four rows in a folder, and how far it goes.
+    fn four_rows(folder: &Path) -> (PathBuf, Extent) {
+        let mut table = table(folder);
+        for step in [0.0, 1.0, 2.0, 3.0] {
+            table.append([Some(step), Some(step / 2.0)]);
+        }
+        table.flush().unwrap();
+        (table.path.clone(), table.extent())
+    }
+
+    #[test]
+    fn a_table_that_is_cut_has_what_is_left_of_it() {
+        let header = "step,t\n";
+        for (text, left, words) in [
+            (
+                "step,t\n0,0\n1,0.5\n2,1\n",
+                "0,0\n1,0.5\n2,1\n",
+                "1 of 4 rows are missing, the last ones",
+            ),
+            (
+                "step,t\n0,0\n1,0.5\n2,1\n3,1.",
+                "0,0\n1,0.5\n2,1\n",
+                "the last ones; line 5 is cut short",
+            ),
+            (
+                "step,t\n0,0\n1,0.5\n",
+                "0,0\n1,0.5\n",
+                "2 of 4 rows are missing, the last ones",
+            ),
+            (
+                "step,t\n0,0\n3,1.5\n",
+                "0,0\n3,1.5\n",
+                "2 of 4 rows are missing",
+            ),
+            (
+                "step,t\n1,0.5\n2,1\n",
+                "1,0.5\n2,1\n",
+                "2 of 4 rows are missing, the last ones among them",
+            ),
+            (
+                "step,t\n2,1\n3,1.5\n",
+                "2,1\n3,1.5\n",
+                "2 of 4 rows are missing, the first ones",
+            ),
+            ("step,t\n", "", "all 4 rows are missing"),
+            ("step,t", "", "all 4 rows are missing"),
+            ("", "", "is empty, and had 4 rows: it begins anew"),
+            ("\n \n", "", "is empty, and had 4 rows: it begins anew"),
+            (
+                "step\n0\n1\n2\n3\n",
+                "0,\n1,\n2,\n3,\n",
+                "the column t is missing, and left empty",
+            ),
+        ] {
+            let folder = tempfile::tempdir().unwrap();
+            let (path, extent) = four_rows(folder.path());
+            fs::write(&path, text).unwrap();
+            let found = Table::find(path.clone(), &extent);
+            assert!(
+                found.remarks()[0].contains(words),
+                "{words}: {:?}",
+                found.remarks()
+            );
+            assert_eq!(fs::read_to_string(&path).unwrap(), text);
+            let (mut again, remarks) = found.take_up().unwrap();
+            assert!(!remarks[0].contains("kept as"), "{remarks:?}");
+            again.append([Some(4.0), Some(2.0)]);
+            again.flush().unwrap();
+            let wanted = format!("{header}{left}4,2\n");
+            assert_eq!(fs::read_to_string(&path).unwrap(), wanted);
+            // It is good again, as far as it goes.
+            let found = Table::find(path, &again.extent());
+            assert!(found.remarks().is_empty(), "{:?}", found.remarks());
+        }
+    }
+
+    /// Nothing of the rows is lost, nor of what somebody wrote between them.
+    #[test]
+    fn what_is_left_out_of_a_table_is_kept_beside_it() {
+        let rows = "0,0\n1,0.5\n2,1\n3,1.5\n";
+        for (text, words) in [
+            (
+                "step,t\n0,0\n1,0.5\nhere it moves\n2,1\n3,1.5\n",
+                "line 4 is left out: it has no step, and begins with \"here it moves\"; all its numbers are there",
+            ),
+            (
+                "step,t\n0,0\n1,0.5\n2,1\n3,1.5\nhere it ends\n",
+                "line 6 is left out",
+            ),
+            (
+                "step,t\n0,0\n1,0.5\n2,1,here\n3,1.5\n",
+                "line 4 has 3 cells, and those after the first 2 are left out; all its numbers",
+            ),
+            (
+                "step,t,note\n0,0,here\n1,0.5,\n2,1,\n3,1.5,\n",
+                "further ones",
+            ),
+        ] {
+            let folder = tempfile::tempdir().unwrap();
+            let (path, extent) = four_rows(folder.path());
+            fs::write(&path, text).unwrap();
+            let (_, remarks) = Table::find(path.clone(), &extent).take_up().unwrap();
+            assert!(remarks[0].contains(words), "{words}: {remarks:?}");
+            assert_eq!(
+                fs::read_to_string(&path).unwrap(),
+                format!("step,t\n{rows}")
+            );
+            let kept = folder.path().join("table.csv.as-found");
+            assert!(remarks[0].ends_with(&format!("kept as {}", kept.display())));
+            assert_eq!(fs::read_to_string(kept).unwrap(), text);
+        }
+    }
+
+    #[test]
+    fn a_table_that_cannot_be_read_is_put_aside_and_begins_anew() {
+        let folder = tempfile::tempdir().unwrap();
+        let (path, extent) = four_rows(folder.path());
+        let aside = |number: &str| folder.path().join(format!("table.csv.as-found{number}"));
+        let put_aside = |words: &str, kept: &Path| {
+            let (mut table, remarks) = Table::find(path.clone(), &extent).take_up().unwrap();
+            assert_eq!(remarks.len(), 1);
+            assert!(remarks[0].contains(words), "{words}: {remarks:?}");
+            assert!(remarks[0].ends_with(&format!("kept as {}", kept.display())));
+            table.append([Some(4.0), Some(2.0)]);
+            table.flush().unwrap();
+            assert_eq!(fs::read_to_string(&path).unwrap(), "step,t\n4,2\n");
         };
-        let error = Table::find(path.clone(), &more).unwrap_err();
-        assert!(matches!(
-            error,
-            RecordError::Short {
-                rows: 3,
-                wanted: 4,
-                ..
-            }
-        ));
-        fs::write(&path, "step,t\n0,0\n1,0.").unwrap();
-        let two = Extent {
-            rows: 2,
-            last_step: Some(1),
-            ..more
-        };
-        assert!(Table::find(path.clone(), &two).is_err());
-        let other = Extent {
-            columns: vec!["step".into(), "x".into()],
-            rows: 1,
-            last_step: Some(0),
-            checksum: 0,
-        };
-        assert!(Table::find(path, &other).is_err());
+        let rubbish = [0, 159, 146, 150, 255, 0, 0].repeat(1000);
+        fs::write(&path, &rubbish).unwrap();
+        put_aside("no line has the names of its columns", &aside(""));
+        assert_eq!(fs::read(aside("")).unwrap(), rubbish);
+        fs::remove_file(&path).unwrap();
+        fs::create_dir(&path).unwrap();
+        put_aside("it is a folder", &aside("-2"));
+        assert!(aside("-2").is_dir());
+    }
+
+    #[test]
+    fn a_row_that_a_disk_has_damaged_costs_no_other() {
+        let folder = tempfile::tempdir().unwrap();
+        let (path, extent) = four_rows(folder.path());
+        fs::write(&path, b"step,t\n0,0\n1,0\xff5\n2,1\n3,1.5\n").unwrap();
+        let (_, remarks) = Table::find(path.clone(), &extent).take_up().unwrap();
+        let words = "line 3, column t had \"0\u{fffd}5\", which is no number";
+        assert!(remarks[0].contains(words), "{remarks:?}");
+        let text = fs::read_to_string(&path).unwrap();
+        assert_eq!(text, "step,t\n0,0\n1,\n2,1\n3,1.5\n");
+        // However much of rubbish there is.
+        let text = format!("step,t\n0,0\n1,{}\n2,1\n3,1.5\n", "é".repeat(3 << 20));
+        fs::write(&path, text).unwrap();
+        let remarks = Table::find(path, &extent).remarks();
+        assert!(remarks[0].len() < 400, "{} bytes", remarks[0].len());
     }
 
     #[test]
@@ -525,10 +768,10 @@ mod tests {
         assert_eq!(text(), "step,t\n0,0\n1,0.5\n");
         // Of a table that was found.
         fs::remove_file(&copy).unwrap();
-        let found = Table::find(table.path.clone(), &extent).unwrap();
+        let found = Table::find(table.path.clone(), &extent);
         found.rows().unwrap().write(&copy).unwrap();
         assert_eq!(text(), "step,t\n0,0\n1,0.5\n");
-        let found = Table::find(table.path.clone(), &table.extent()).unwrap();
+        let found = Table::find(table.path.clone(), &table.extent());
         found.rows().unwrap().write(&copy).unwrap();
         assert_eq!(text(), "step,t,late\n0,0,\n1,0.5,\n2,1,\n");
         table.add_columns(vec!["later".into()]);

@@ -13,7 +13,7 @@ pub use note::KeptNote;
 
 use super::atomic::clean;
 use super::checkpoint::{APP, CheckpointError, Keeper, Problem};
-use super::folder::{all_numbered, clear, rename_numbered};
+use super::folder::{SCENE, all_numbered, clear, rename_numbered};
 use super::history::{Tables, TablesMemory};
 use super::scene_file::identity;
 use super::{Columns, Found, ReadError, RecordError, Resumption, RunFolder};
@@ -75,9 +75,7 @@ impl KeptRun {
     /// # Errors
     /// [`ReadError`].
     pub fn rows(&self) -> Result<Columns, ReadError> {
-        let mut rows = Columns::read(&self.folder)?;
-        rows.truncate(usize::try_from(self.content.tables.rows()).unwrap_or(usize::MAX));
-        Ok(rows)
+        Tables::find(&self.folder, &self.content.tables).columns()
     }
 }
 
@@ -88,6 +86,16 @@ pub struct Search {
     pub run: Option<KeptRun>,
     /// What is to be said.
     pub notes: Vec<KeptNote>,
+}
+
+impl Search {
+    /// Says what is not right with the tables in a folder.
+    fn note_tables(&mut self, folder: &Path, memory: &TablesMemory) {
+        let remarks = Tables::find(folder, memory).remarks();
+        if !remarks.is_empty() {
+            self.notes.push(KeptNote::Tables { remarks });
+        }
+    }
 }
 
 /// The kept runs of a scene: folders `NAME-CHECKSUM`, `NAME-CHECKSUM-2`, … among those of others. The first
@@ -151,7 +159,7 @@ impl KeptRuns {
         let mut problems = Vec::new();
         for name in Keeper::names() {
             let file = path.join(name);
-            match self.read(path, &file) {
+            match self.read(&file) {
                 Ok(content) => {
                     let note = |(path, problem): (PathBuf, Problem)| KeptNote::Older {
                         aside: aside(&problem, || {
@@ -162,6 +170,7 @@ impl KeptRuns {
                         problem,
                     };
                     search.notes.extend(problems.into_iter().map(note));
+                    search.note_tables(path, &content.tables);
                     search.run = Some(KeptRun {
                         content,
                         folder,
@@ -175,7 +184,7 @@ impl KeptRuns {
         }
         let Some((_, problem)) = problems.first() else {
             // It was ended before it had a state. An empty one may be about to be locked.
-            if path.join("scene.toml").exists() && clear(path).is_ok() {
+            if path.join(SCENE).exists() && clear(path).is_ok() {
                 let _ = fs::remove_dir(path);
             }
             return;
@@ -195,13 +204,12 @@ impl KeptRuns {
         });
     }
 
-    fn read(&self, folder: &Path, file: &Path) -> Result<Content, Problem> {
+    fn read(&self, file: &Path) -> Result<Content, Problem> {
         let content = Keeper::read::<Content>(APP, file)?;
         if content.scene != self.identity {
             let words = "its values are other ones".to_owned();
             return Err(Problem::Scene(words));
         }
-        Tables::find(folder, &content.tables).map_err(Problem::Tables)?;
         Ok(content)
     }
 
@@ -220,10 +228,7 @@ impl KeptRuns {
         let Some(content) = found.content() else {
             return;
         };
-        if let Err(error) = Tables::find(path, &content.tables) {
-            let problem = error.to_string();
-            return search.notes.push(KeptNote::Recorded { folder, problem });
-        }
+        search.note_tables(path, &content.tables);
         if !found.problems().is_empty() {
             search.notes.push(KeptNote::RecordedOlder {
                 folder: folder.clone(),

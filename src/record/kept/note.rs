@@ -25,6 +25,12 @@ pub enum KeptNote {
         /// Its new name, if it has one.
         aside: Option<PathBuf>,
     },
+    /// Tables are not as the run left them.
+    #[error("{}", remarks.join("\n"))]
+    Tables {
+        /// What is wrong with them.
+        remarks: Vec<String>,
+    },
     /// No state can be used.
     #[error(
         "the run that was kept in {} cannot be gone on with ({}){}",
