@@ -41,6 +41,7 @@ mod source;
 mod states;
 mod summary;
 mod table;
+mod table_checks;
 mod table_repair;
 mod vtu;
 mod whole;

@@ -3,6 +3,7 @@
 use super::atomic::{write_keeping, write_whole};
 use super::folder::{free_numbered, rename_numbered};
 use super::read::{LARGEST, parse_table};
+use super::table_checks::Checks;
 use super::table_repair::{Repaired, repair};
 use super::whole::{open_file, read_file_lossy, read_file_text};
 use super::{Columns, Number, ReadError, RecordError};
@@ -42,6 +43,8 @@ pub(super) struct Table {
     last_step: Option<u64>,
     /// Of the bytes of the file.
     checksum: Hasher,
+    /// Of the rows.
+    checks: Checks,
 }
 
 /// How far a table has come.
@@ -53,6 +56,7 @@ pub(super) struct Extent {
     pub last_step: Option<u64>,
     /// CRC-32 of the file's bytes.
     pub checksum: u32,
+    pub checks: Checks,
 }
 
 /// A table that was looked for: it goes as far as it must, or may go further, or is damaged.
@@ -126,6 +130,7 @@ impl Table {
             rows: 0,
             last_step: None,
             checksum: Hasher::new(),
+            checks: Checks::default(),
         }
     }
 
@@ -159,6 +164,7 @@ impl Table {
             rows: self.rows,
             last_step: self.last_step,
             checksum: self.checksum.clone().finalize(),
+            checks: self.checks.clone(),
         }
     }
 
@@ -182,6 +188,7 @@ impl Table {
     /// Appends a row, one cell a column, the first of which is the step; `None` is an empty cell. Nothing
     /// is written yet.
     pub fn append(&mut self, cells: impl IntoIterator<Item = Option<f64>>) {
+        let begin = self.pending.len();
         let mut count = 0;
         for cell in cells {
             if count == 0 {
@@ -197,6 +204,7 @@ impl Table {
             count += 1;
         }
         debug_assert_eq!(count, self.columns.len(), "one cell a column");
+        self.checks.add(self.rows, &self.pending[begin..]);
         self.pending.push('\n');
         self.rows += 1;
     }
@@ -269,6 +277,7 @@ impl Table {
         self.file = None;
         (self.length, self.late) = (0, 0);
         self.rows = self.pending.lines().count() as u64;
+        self.checks = Checks::of(self.pending.lines());
     }
 
     /// The rows up to now, those too that are in no file yet.
@@ -362,6 +371,7 @@ impl Found {
             rows,
             last_step,
             checksum,
+            checks,
         } = self.extent;
         let mut table = Table::new(self.path, columns);
         table.last_step = last_step;
@@ -370,7 +380,7 @@ impl Found {
         name.push(AS_FOUND);
         let kept = match self.content {
             FoundContent::Whole { length } => {
-                table.rows = rows;
+                (table.rows, table.checks) = (rows, checks);
                 table.checksum = Hasher::new_with_initial_len(checksum, length);
                 table.open(length)?;
                 if let Some(file) = &table.file {
@@ -381,6 +391,7 @@ impl Found {
             }
             FoundContent::Repaired(repaired) => {
                 table.rows = repaired.rows;
+                table.checks = Checks::of(repaired.text.lines().skip(1));
                 if repaired.leaves_out {
                     let kept = free_numbered(&parent, &name);
                     write_keeping(&table.path, &kept, |file| {
@@ -727,6 +738,38 @@ mod tests {
         fs::create_dir(&path).unwrap();
         put_aside("it is a folder", &aside("-2"));
         assert!(aside("-2").is_dir());
+    }
+
+    #[test]
+    fn a_number_that_was_changed_is_told_with_its_place() {
+        let folder = tempfile::tempdir().unwrap();
+        let (path, extent) = four_rows(folder.path());
+        let found = |text: &str| {
+            fs::write(&path, text).unwrap();
+            Table::find(path.clone(), &extent).remarks().join("\n")
+        };
+        let told = found("step,t\n0,0\n1,0.5\n2,1.25\n3,1.5\n");
+        assert!(
+            told.contains("line 4, column t: the number is not the one that the run wrote"),
+            "{told}"
+        );
+        // Other rows, and in another order.
+        let told = found("step;t\n3;1.5\n2;1,25\n1;0,75\n0;0\n");
+        assert!(
+            told.contains(
+                "in the lines 3 and 4, column t: numbers are not those that the run wrote"
+            ),
+            "{told}"
+        );
+        // Of a table that was taken up again as well.
+        fs::write(&path, "step,t\n0,0\n1,0.5\n2,1\n3,1.5\n").unwrap();
+        let (mut table, _) = Table::find(path.clone(), &extent).take_up().unwrap();
+        table.append([Some(4.0), Some(2.0)]);
+        table.flush().unwrap();
+        let extent = table.extent();
+        fs::write(&path, "step,t\n0,0\n1,0.5\n2,1\n3,1.5\n4,2.5\n").unwrap();
+        let told = Table::find(path.clone(), &extent).remarks().join("\n");
+        assert!(told.contains("line 6, column t: the number"), "{told}");
     }
 
     #[test]

@@ -5,6 +5,7 @@ use super::Number;
 use super::lenient::{Difference, Differences, LenientTable};
 use super::shortened::shortened;
 use super::table::Extent;
+use super::table_checks::Checks;
 use std::ops::Range;
 use std::path::Path;
 
@@ -102,11 +103,7 @@ pub(super) fn repair(path: &Path, text: &str, extent: &Extent) -> Option<Repaire
     damages.extend(of_lines);
     let is_exact = is_exact(&whole);
     if damages.is_empty() && !is_exact {
-        damages.push(
-            "its numbers are not those that the run wrote (a spreadsheet keeps 15 digits of them), \
-             and stay as they stand"
-                .to_owned(),
-        );
+        damages.push(changed_numbers(&rows, &lines, extent));
     }
     let numbers = match is_exact {
         true => "; all its numbers are there",
@@ -302,6 +299,50 @@ fn missing_columns(places: &[Option<usize>], names: &[String]) -> Option<String>
             "{more} columns are missing, and left empty: {named}, …"
         )),
     }
+}
+
+/// Which numbers are not those that the run wrote.
+fn changed_numbers(rows: &[Row], lines: &str, extent: &Extent) -> String {
+    let found = Checks::of(rows.iter().map(|row| &lines[row.place.clone()]));
+    let columns = extent.checks.different_columns(&found);
+    let names = columns
+        .iter()
+        .filter_map(|&column| extent.columns.get(column));
+    let names: Vec<&str> = names.map(String::as_str).collect();
+    let places: Vec<usize> = match extent.checks.different_rows(&found) {
+        Some(among) => {
+            let end = usize::try_from(among.end)
+                .unwrap_or(rows.len())
+                .min(rows.len());
+            let begin = usize::try_from(among.start).unwrap_or(end).min(end);
+            rows[begin..end].iter().map(|row| row.line).collect()
+        }
+        None => Vec::new(),
+    };
+    let first = places.iter().min().copied();
+    let last = places.iter().max().copied();
+    let of_lines = match (first, last) {
+        (Some(first), Some(last)) if first == last => format!("line {first}"),
+        (Some(first), Some(last)) if last == first + 1 => {
+            format!("in the lines {first} and {last}")
+        }
+        (Some(first), Some(last)) => format!("between the lines {first} and {last}"),
+        _ => "in it".to_owned(),
+    };
+    let of_columns = match &names[..] {
+        [] => String::new(),
+        [name] => format!(", column {name}"),
+        names if names.len() <= DESCRIBED => format!(", columns {}", names.join(", ")),
+        names => format!(", {} columns", names.len()),
+    };
+    let what = match (first == last, &names[..]) {
+        (true, [_]) => "the number is not the one that the run wrote, and stays as it stands",
+        _ => {
+            "numbers are not those that the run wrote (a spreadsheet keeps 15 digits of them), and \
+             stay as they stand"
+        }
+    };
+    format!("{of_lines}{of_columns}: {what}")
 }
 
 fn damage_words(path: &Path, damages: &[String]) -> String {

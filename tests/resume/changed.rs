@@ -183,7 +183,7 @@ fn tables_that_are_damaged_are_told_and_the_run_goes_on() {
         ),
         (
             &other,
-            "its numbers are not those that the run wrote",
+            "line 7, column dt: the number is not the one that the run wrote",
             false,
         ),
         (&nonsense, "line 8 is left out: it has no step", false),
