@@ -172,13 +172,12 @@ fn take_up(
         Some(steps) => step > steps,
         None => t > schedule.end * (1.0 + 1e-9),
     };
-    // The record of a run that was killed, or failed at its very end, is yet to be ended.
-    let is_to_end = is_over
-        && match status {
-            None | Some(Status::Running) => true,
-            Some(Status::Failed) => !is_beyond,
-            Some(Status::Done | Status::Interrupted) => false,
-        };
+    // The record of a run that was killed or interrupted, or failed, at its very end is yet to be ended.
+    let is_to_end = match status {
+        None | Some(Status::Running) => is_over,
+        Some(Status::Failed | Status::Interrupted) => is_over && !is_beyond,
+        Some(Status::Done) => false,
+    };
     if is_over && (is_beyond || !is_to_end) {
         let left = if is_to_end {
             "its record is ended there"

@@ -266,7 +266,7 @@ pub(super) fn free_numbered(parent: &Path, name: &OsStr) -> PathBuf {
     }
 }
 
-/// Renames a file or a folder to the first of `parent/name`, `parent/name-2`, … that is free, from a number on.
+/// Renames a folder to the first of `parent/name`, `parent/name-2`, … that is free, from a number on.
 ///
 /// # Errors
 /// [`RecordError::Rename`].

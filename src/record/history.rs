@@ -105,11 +105,17 @@ impl TablesRows {
 impl FoundTables {
     /// What is to be reported of the tables, in words.
     pub fn remarks(&self) -> Vec<String> {
-        [Some(&self.history), Some(&self.shape), self.ledger.as_ref()]
-            .into_iter()
-            .flatten()
-            .flat_map(Found::remarks)
-            .collect()
+        self.all().flat_map(Found::remarks).collect()
+    }
+
+    /// As [`FoundTables::remarks`], where the run goes on with them.
+    pub fn remarks_of_take_up(&self) -> Vec<String> {
+        self.all().flat_map(Found::remarks_of_take_up).collect()
+    }
+
+    fn all(&self) -> impl Iterator<Item = &Found> {
+        let tables = [Some(&self.history), Some(&self.shape), self.ledger.as_ref()];
+        tables.into_iter().flatten()
     }
 
     /// The rows that the tables had then; changes nothing.
@@ -150,35 +156,23 @@ impl FoundTables {
         }
     }
 
-    /// Cuts the tables back to where they were. With them comes what is to be reported.
+    /// Cuts the tables back to where they were.
     ///
     /// # Errors
     /// [`RecordError`] where a file cannot be read or written.
-    pub fn take_up(self) -> Result<(Tables, Vec<String>), RecordError> {
-        let (history, mut remarks) = self.history.take_up()?;
-        let (shape, of_shape) = self.shape.take_up()?;
-        remarks.extend(of_shape);
-        let ledger = match self.ledger {
-            Some(ledger) => {
-                let (ledger, of_ledger) = ledger.take_up()?;
-                remarks.extend(of_ledger);
-                Some(ledger)
-            }
-            None => {
-                remove(&self.ledger_path)?;
-                None
-            }
-        };
-        let tables = Tables {
-            history,
-            shape,
-            ledger,
+    pub fn take_up(self) -> Result<Tables, RecordError> {
+        if self.ledger.is_none() {
+            remove(&self.ledger_path)?;
+        }
+        Ok(Tables {
+            history: self.history.take_up()?,
+            shape: self.shape.take_up()?,
+            ledger: self.ledger.map(Found::take_up).transpose()?,
             ledger_path: self.ledger_path,
             last_row: self.last_row,
             law_residual: self.law_residual,
             terms: self.terms,
-        };
-        Ok((tables, remarks))
+        })
     }
 }
 

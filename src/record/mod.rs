@@ -12,6 +12,7 @@
 //! | `fields/` | VTU files at evenly spaced times, and `fields.pvd`, their list | each whole |
 //! | `final.vtu` | the fields at the end | at the end, whole |
 //! | `checkpoint.bin` | the state, for the run to be taken up again; `checkpoint-older.bin` is the one before | every half minute and at the end, whole |
+//! | `history.csv.as-found` and the like | a table as somebody has left it who changed it, where not all of that is in the table now | when the run is taken up again |
 //! | `run.json` | version, times, totals, warnings, events, status ([`RunSummary`]) | replaced whole |
 //!
 //! *Whole* means written beside its place and then renamed: a reader sees all of a file or none.

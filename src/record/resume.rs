@@ -221,8 +221,9 @@ impl Resumption {
         check_writable(self.folder(), step)?;
         tables.check()?;
         let lost = lose_snapshots(&self.folder().join(FIELDS), &mut content.written);
-        let (tables, mut remarks) = self.cut_back(scene, &content, tables)?;
+        let mut remarks = tables.remarks_of_take_up();
         remarks.extend(lost);
+        let tables = self.cut_back(scene, &content, tables)?;
         let schedule = settings.schedule(scene);
         let mut summary =
             RunSummary::resumed(scene, schedule.steps, content.totals.clone(), simulation);
@@ -311,12 +312,12 @@ impl Resumption {
         scene: &Scene,
         content: &Content,
         tables: FoundTables,
-    ) -> Result<(Tables, Vec<String>), RecordError> {
+    ) -> Result<Tables, RecordError> {
         let folder = self.folder();
         let fields = folder.join(FIELDS);
         let step = content.simulation.step();
         write_scene(folder, scene)?;
-        let taken_up = tables.take_up()?;
+        let tables = tables.take_up()?;
         remove(&folder.join(FINAL))?;
         remove_snapshots(folder, |snapshot| snapshot > step)?;
         match &content.written[..] {
@@ -325,7 +326,7 @@ impl Resumption {
         }
         clean(folder);
         clean(&fields);
-        Ok(taken_up)
+        Ok(tables)
     }
 }
 

@@ -1,7 +1,7 @@
 //! A CSV file that grows during a run and yet always consists of whole lines.
 
 use super::atomic::{write_keeping, write_whole};
-use super::folder::{free_numbered, rename_numbered};
+use super::folder::free_numbered;
 use super::read::{LARGEST, parse_table};
 use super::table_checks::Checks;
 use super::table_repair::{Repaired, repair};
@@ -11,7 +11,7 @@ use crc32fast::Hasher;
 use serde::{Deserialize, Serialize};
 use std::ffi::OsString;
 use std::fmt::Write as _;
-use std::fs::{File, OpenOptions};
+use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufRead, BufReader, Read, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -359,13 +359,36 @@ impl Found {
         }
     }
 
+    /// The name that the file gets when the run goes on, if not all that stands in it goes into the table.
+    fn kept_as(&self) -> Option<PathBuf> {
+        let is_kept = match &self.content {
+            FoundContent::Whole { .. } | FoundContent::Lost(Loss::Gone | Loss::Empty) => false,
+            FoundContent::Repaired(repaired) => repaired.leaves_out,
+            FoundContent::Lost(Loss::Unreadable(_) | Loss::Headless) => true,
+        };
+        let mut name = OsString::from(self.path.file_name()?);
+        name.push(AS_FOUND);
+        let parent = self.path.parent().unwrap_or(Path::new(""));
+        is_kept.then(|| free_numbered(parent, &name))
+    }
+
+    /// What is to be reported where the run goes on with it: as [`Found::remarks`], and where the file
+    /// is kept that was found.
+    pub fn remarks_of_take_up(&self) -> Vec<String> {
+        let mut remarks = self.remarks();
+        if let (Some(kept), Some(remark)) = (self.kept_as(), remarks.first_mut()) {
+            *remark += &format!("; what was found is kept as {}", kept.display());
+        }
+        remarks
+    }
+
     /// Cuts the table back to what is to stay, and goes on with it. What was found and is left out stays
-    /// under another name. With it comes what is to be reported.
+    /// under another name.
     ///
     /// # Errors
     /// [`RecordError`] where the file cannot be read or written.
-    pub fn take_up(self) -> Result<(Table, Vec<String>), RecordError> {
-        let mut remarks = self.remarks();
+    pub fn take_up(self) -> Result<Table, RecordError> {
+        let kept = self.kept_as();
         let Extent {
             columns,
             rows,
@@ -375,10 +398,7 @@ impl Found {
         } = self.extent;
         let mut table = Table::new(self.path, columns);
         table.last_step = last_step;
-        let parent = table.path.parent().unwrap_or(Path::new("")).to_owned();
-        let mut name = OsString::from(table.path.file_name().unwrap_or_default());
-        name.push(AS_FOUND);
-        let kept = match self.content {
+        match self.content {
             FoundContent::Whole { length } => {
                 (table.rows, table.checks) = (rows, checks);
                 table.checksum = Hasher::new_with_initial_len(checksum, length);
@@ -387,32 +407,31 @@ impl Found {
                     file.set_len(length)
                         .map_err(RecordError::write(&table.path))?;
                 }
-                None
             }
             FoundContent::Repaired(repaired) => {
                 table.rows = repaired.rows;
                 table.checks = Checks::of(repaired.text.lines().skip(1));
-                if repaired.leaves_out {
-                    let kept = free_numbered(&parent, &name);
-                    write_keeping(&table.path, &kept, |file| {
-                        file.write_all(repaired.text.as_bytes())
-                    })?;
-                    table.open_replaced(&repaired.text)?;
-                    Some(kept)
-                } else {
-                    table.replace(&repaired.text)?;
-                    None
+                match kept {
+                    Some(kept) => {
+                        write_keeping(&table.path, &kept, |file| {
+                            file.write_all(repaired.text.as_bytes())
+                        })?;
+                        table.open_replaced(&repaired.text)?;
+                    }
+                    None => table.replace(&repaired.text)?,
                 }
             }
-            FoundContent::Lost(Loss::Gone | Loss::Empty) => None,
-            FoundContent::Lost(Loss::Unreadable(_) | Loss::Headless) => {
-                Some(rename_numbered(&table.path, &parent, &name, 1)?)
+            FoundContent::Lost(_) => {
+                if let Some(to) = kept {
+                    fs::rename(&table.path, &to).map_err(|reason| RecordError::Rename {
+                        path: table.path.clone(),
+                        to,
+                        reason,
+                    })?;
+                }
             }
-        };
-        if let (Some(kept), Some(remark)) = (kept, remarks.first_mut()) {
-            *remark += &format!("; what was found is kept as {}", kept.display());
         }
-        Ok((table, remarks))
+        Ok(table)
     }
 
     /// The rows that are to stay; changes nothing.
@@ -511,7 +530,6 @@ fn widened<'a>(lines: impl Iterator<Item = &'a str>, cells: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::fs;
 
     fn table(folder: &Path) -> Table {
         let columns = ["step", "t"].map(str::to_owned).to_vec();
@@ -591,8 +609,9 @@ mod tests {
             let whole = fs::read_to_string(&path).unwrap();
             let found = Table::find(path.clone(), &extent);
             assert_eq!(fs::read_to_string(&path).unwrap(), whole);
-            let (mut again, remarks) = found.take_up().unwrap();
+            let remarks = found.remarks_of_take_up();
             assert!(remarks.is_empty(), "{remarks:?}");
+            let mut again = found.take_up().unwrap();
             assert_eq!(fs::read_to_string(&path).unwrap(), "step,t\n0,0\n1,0.5\n");
             again.append([Some(2.0), Some(1.0)]);
             again.flush().unwrap();
@@ -667,7 +686,8 @@ mod tests {
                 found.remarks()
             );
             assert_eq!(fs::read_to_string(&path).unwrap(), text);
-            let (mut again, remarks) = found.take_up().unwrap();
+            let remarks = found.remarks_of_take_up();
+            let mut again = found.take_up().unwrap();
             assert!(!remarks[0].contains("kept as"), "{remarks:?}");
             again.append([Some(4.0), Some(2.0)]);
             again.flush().unwrap();
@@ -704,7 +724,9 @@ mod tests {
             let folder = tempfile::tempdir().unwrap();
             let (path, extent) = four_rows(folder.path());
             fs::write(&path, text).unwrap();
-            let (_, remarks) = Table::find(path.clone(), &extent).take_up().unwrap();
+            let found = Table::find(path.clone(), &extent);
+            let remarks = found.remarks_of_take_up();
+            found.take_up().unwrap();
             assert!(remarks[0].contains(words), "{words}: {remarks:?}");
             assert_eq!(
                 fs::read_to_string(&path).unwrap(),
@@ -722,7 +744,9 @@ mod tests {
         let (path, extent) = four_rows(folder.path());
         let aside = |number: &str| folder.path().join(format!("table.csv.as-found{number}"));
         let put_aside = |words: &str, kept: &Path| {
-            let (mut table, remarks) = Table::find(path.clone(), &extent).take_up().unwrap();
+            let found = Table::find(path.clone(), &extent);
+            let remarks = found.remarks_of_take_up();
+            let mut table = found.take_up().unwrap();
             assert_eq!(remarks.len(), 1);
             assert!(remarks[0].contains(words), "{words}: {remarks:?}");
             assert!(remarks[0].ends_with(&format!("kept as {}", kept.display())));
@@ -763,7 +787,7 @@ mod tests {
         );
         // Of a table that was taken up again as well.
         fs::write(&path, "step,t\n0,0\n1,0.5\n2,1\n3,1.5\n").unwrap();
-        let (mut table, _) = Table::find(path.clone(), &extent).take_up().unwrap();
+        let mut table = Table::find(path.clone(), &extent).take_up().unwrap();
         table.append([Some(4.0), Some(2.0)]);
         table.flush().unwrap();
         let extent = table.extent();
@@ -777,7 +801,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (path, extent) = four_rows(folder.path());
         fs::write(&path, b"step,t\n0,0\n1,0\xff5\n2,1\n3,1.5\n").unwrap();
-        let (_, remarks) = Table::find(path.clone(), &extent).take_up().unwrap();
+        let found = Table::find(path.clone(), &extent);
+        let remarks = found.remarks_of_take_up();
+        found.take_up().unwrap();
         let words = "line 3, column t had \"0\u{fffd}5\", which is no number";
         assert!(remarks[0].contains(words), "{remarks:?}");
         let text = fs::read_to_string(&path).unwrap();

@@ -201,13 +201,19 @@ fn a_run_whose_own_words_are_lost_gets_new_ones() {
     }
 }
 
-/// Also where it is not gone on with: its state is of no use.
+/// Also where it cannot be gone on with; and when it can be, its record is ended.
 #[test]
-fn a_killed_run_that_cannot_be_set_up_is_not_running() {
+fn a_killed_run_that_cannot_go_on_is_told_as_interrupted() {
     let folder = run_of_20();
     let run = folder.path().join("a");
     kill(&run);
-    fs::create_dir(run.join("fields/step-0000030.vtu")).expect("it can be made");
-    vesica(folder.path(), &["run", "a", "--resume", "--steps", "40"], 1);
+    let last = run.join("final.vtu");
+    fs::remove_file(&last).expect("it is there");
+    fs::create_dir(&last).expect("it can be made");
+    vesica(folder.path(), &["run", "a", "--resume"], 1);
     assert_eq!(summary(&run)["status"], "interrupted");
+    fs::remove_dir(&last).expect("it is empty");
+    vesica(folder.path(), &["run", "a", "--resume"], 0);
+    assert_eq!(summary(&run)["status"], "done");
+    assert!(last.is_file());
 }

@@ -65,14 +65,13 @@ impl KeptRuns {
                     bytes: size(&kept.folder),
                 });
                 keeper.take_folder(lock.clone());
-                keeper.tables = Some(found.take_up()?.0);
+                keeper.tables = Some(found.take_up()?);
             }
             None => {
                 let rows = found.rows()?;
                 let path = keeper.make_folder()?.to_owned();
                 rows.write(&path)?;
-                let (tables, _) = Tables::find(&path, &content.tables).take_up()?;
-                keeper.tables = Some(tables);
+                keeper.tables = Some(Tables::find(&path, &content.tables).take_up()?);
             }
         }
         Ok(keeper)

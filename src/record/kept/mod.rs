@@ -89,9 +89,8 @@ pub struct Search {
 }
 
 impl Search {
-    /// Says what is not right with the tables in a folder.
-    fn note_tables(&mut self, folder: &Path, memory: &TablesMemory) {
-        let remarks = Tables::find(folder, memory).remarks();
+    /// Says what is not right with tables.
+    fn note_tables(&mut self, remarks: Vec<String>) {
         if !remarks.is_empty() {
             self.notes.push(KeptNote::Tables { remarks });
         }
@@ -170,7 +169,8 @@ impl KeptRuns {
                         problem,
                     };
                     search.notes.extend(problems.into_iter().map(note));
-                    search.note_tables(path, &content.tables);
+                    let tables = Tables::find(path, &content.tables);
+                    search.note_tables(tables.remarks_of_take_up());
                     search.run = Some(KeptRun {
                         content,
                         folder,
@@ -228,7 +228,8 @@ impl KeptRuns {
         let Some(content) = found.content() else {
             return;
         };
-        search.note_tables(path, &content.tables);
+        // Its files stay as they are.
+        search.note_tables(Tables::find(path, &content.tables).remarks());
         if !found.problems().is_empty() {
             search.notes.push(KeptNote::RecordedOlder {
                 folder: folder.clone(),

@@ -243,12 +243,13 @@ fn a_table_that_was_cut_is_told_and_the_run_goes_on_with_what_there_is() {
         let run = search.run.as_ref().expect("it goes on");
         assert_eq!((run.step(), steps(&run.rows().unwrap())), (2, left));
     }
-    let run = place.runs.find().run.unwrap();
+    let search = place.runs.find();
+    let kept = folder.join("history.csv.as-found");
+    let words = format!("what was found is kept as {}", kept.display());
+    assert!(notes(&search).ends_with(&words), "{}", notes(&search));
+    let run = search.run.unwrap();
     let mut keeper = place.runs.go_on(&run).unwrap();
-    assert_eq!(
-        fs::read(folder.join("history.csv.as-found")).unwrap(),
-        b"\0rubbish"
-    );
+    assert_eq!(fs::read(kept).unwrap(), b"\0rubbish");
     keeper.step(place.simulation.report());
     place.advance(&mut keeper);
     place.keep(&mut keeper);
