@@ -8,12 +8,14 @@ use super::set_up::{Outcome, set_up};
 use super::signals::EndSignal;
 use crate::record::{
     Brief, Ending, EventRecord, Found, IfOccupied, Preparation, RecordError, Recorder, Resumption,
-    RunFolder, RunSummary, Schedule, Settings, load_scene, step_count,
+    RunFolder, RunSummary, Schedule, Settings, Status, load_run_scene, load_scene, same_run,
+    step_count,
 };
 use crate::scene::{Scene, Time, preset};
 use crate::signals::EndingSignal;
 use crate::simulation::{Simulation, SimulationError, Underway, check_memory, check_outlines};
 use std::ffi::{OsStr, OsString};
+use std::fmt;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -136,6 +138,11 @@ fn take_up(
     resumption: Resumption,
     signal: &EndSignal,
 ) -> Result<(), CliError> {
+    let tell = |text: fmt::Arguments<'_>| {
+        if !arguments.quiet {
+            output::note(text);
+        }
+    };
     let settings = arguments.settings(resumption.settings());
     let schedule = Schedule::new(&scene.time, settings.every, settings.snapshots);
     let (step, t) = (resumption.step(), resumption.t());
@@ -143,43 +150,73 @@ fn take_up(
         Some(steps) => format!("step {steps}"),
         None => format!("t = {}", Brief(schedule.end)),
     };
-    let folder = resumption.folder().display().to_string();
-    let was_killed = resumption.was_killed();
-    if was_killed && !arguments.quiet {
-        output::note(format_args!(
-            "the run in {folder} was killed: its run.json says \"running\", but no process has the folder"
-        ));
+    let path = resumption.folder().to_owned();
+    let folder = path.display();
+    let status = resumption.status();
+    match status {
+        Some(Status::Running) => {
+            // It stays so if the run cannot be set up, or another signal comes.
+            resumption.end_killed()?;
+            tell(format_args!(
+                "the run in {folder} was killed: its run.json says \"running\", but no process has the \
+                 folder"
+            ));
+        }
+        None => tell(format_args!(
+            "how the run in {folder} ended is not known: its run.json cannot be read, and is written anew"
+        )),
+        Some(_) => {}
     }
-    // The record of a run that was killed at its very end is yet to be ended.
+    let is_over = schedule.is_over(step, t);
     let is_beyond = match schedule.steps {
         Some(steps) => step > steps,
         None => t > schedule.end * (1.0 + 1e-9),
     };
-    if schedule.is_over(step, t) && (is_beyond || !was_killed) {
-        if !arguments.quiet {
-            output::note(format_args!(
-                "the run in {folder} is at step {step} already, t = {}, and the end is {end}: nothing to \
-                 do (a later end: --until T or --steps N)",
-                Brief(t)
-            ));
-        }
+    // The record of a run that was killed or interrupted, or failed, at its very end is yet to be ended.
+    let is_to_end = match status {
+        None | Some(Status::Running) => is_over,
+        Some(Status::Failed | Status::Interrupted) => is_over && !is_beyond,
+        Some(Status::Done) => false,
+    };
+    if is_over && (is_beyond || !is_to_end) {
+        let left = if is_to_end {
+            "its record is ended there"
+        } else {
+            "nothing to do"
+        };
+        tell(format_args!(
+            "the run in {folder} is at step {step} already, t = {}, and the end is {end}: {left} (a later \
+             end: --until T or --steps N)",
+            Brief(t)
+        ));
+    }
+    if is_over && !is_to_end {
         return Ok(());
     }
+    // A run that is beyond this end keeps its own.
+    let own = (is_over && is_beyond)
+        .then(|| load_run_scene(&path, &[]).ok())
+        .flatten()
+        .map(|loaded| loaded.scene)
+        .filter(|own| same_run(own, scene));
+    let scene = own.as_ref().unwrap_or(scene);
     let mut simulation = match set_up(scene, signal, arguments.quiet)? {
         Outcome::Ready(simulation) => *simulation,
-        Outcome::Signal(signal) => return Err(ended_in_set_up(signal, folder.into())),
+        Outcome::Signal(signal) => return Err(ended_in_set_up(signal, path)),
         Outcome::Failed(error) => return Err(CliError::SetUp(error)),
     };
     let (recorder, problems) = resumption.start(scene, settings, &mut simulation)?;
     problems.iter().for_each(output::warning);
-    if !arguments.quiet {
-        let report = simulation.report();
-        output::note(format_args!(
-            "the run in {folder} goes on from step {}, t = {}, to {end}",
-            report.step,
-            Brief(report.t)
-        ));
+    if is_over && is_beyond {
+        recorder.finish(&mut simulation, Ending::Interrupted)?;
+        return Ok(());
     }
+    let report = simulation.report();
+    tell(format_args!(
+        "the run in {folder} goes on from step {}, t = {}, to {end}",
+        report.step,
+        Brief(report.t)
+    ));
     record(simulation, recorder, signal, arguments.quiet)
 }
 
@@ -352,11 +389,10 @@ fn tell(event: &EventRecord) {
 
 /// The scene with all overrides, and what to call its runs.
 fn scene(arguments: &Arguments) -> Result<(Scene, OsString), CliError> {
-    let source = match run_folder(arguments) {
-        Some(folder) => folder.join("scene.toml").into_os_string(),
-        None => arguments.scene.clone(),
+    let mut loaded = match run_folder(arguments) {
+        Some(folder) => load_run_scene(folder, &arguments.set)?,
+        None => load_scene(&arguments.scene, &arguments.set)?,
     };
-    let mut loaded = load_scene(&source, &arguments.set)?;
     let time = &mut loaded.scene.time;
     match (arguments.until, arguments.steps) {
         (Some(end), _) => time.end = end,
@@ -393,7 +429,7 @@ fn some_step_before(end_key: &'static str, time: &Time) -> Result<(), CliError> 
 fn run_folder(arguments: &Arguments) -> Option<&Path> {
     let path = Path::new(&arguments.scene);
     let is_preset = arguments.scene.to_str().and_then(preset).is_some();
-    (arguments.resume && !is_preset && path.join("scene.toml").is_file()).then_some(path)
+    (arguments.resume && !is_preset && path.is_dir()).then_some(path)
 }
 
 /// The folder that the arguments name.

@@ -144,6 +144,15 @@ pub(crate) fn write_new(
         .map_err(RecordError::write(path))
 }
 
+/// Tries whether a file could be written with [`write_whole`]; leaves nothing.
+///
+/// # Errors
+/// [`RecordError::Write`] with the path and the system's reason.
+pub(super) fn try_to_write(path: &Path) -> Result<(), RecordError> {
+    let tried = write_beside(path, |_| Ok(()));
+    tried.map(drop).map_err(RecordError::write(path))
+}
+
 fn builder() -> tempfile::Builder<'static, 'static> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(PREFIX).suffix(SUFFIX);

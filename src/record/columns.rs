@@ -88,7 +88,7 @@ impl Columns {
     }
 
     /// Takes over the columns of another table that are not here, for the steps that are.
-    fn join(&mut self, other: Columns) {
+    pub(super) fn join(&mut self, other: Columns) {
         let (Some(steps), Some(other_steps)) = (self.column("step"), other.column("step")) else {
             return;
         };

@@ -96,23 +96,14 @@ pub enum RecordError {
         /// The first file in it that a run would overwrite.
         found: &'static str,
     },
-    /// A table lacks a column.
-    #[error("{} has no column {name}", path.display())]
-    NoColumn {
-        /// The file.
+    /// A folder has the name of a file that is to be written.
+    #[error(
+        "{} is a folder, and the run is to write a file of this name: rename that folder, or move it away",
+        path.display()
+    )]
+    FolderInTheWay {
+        /// The folder.
         path: PathBuf,
-        /// The column.
-        name: String,
-    },
-    /// A table is not what a checkpoint says.
-    #[error("{} has {rows} whole rows, and not the {wanted} that it had", path.display())]
-    Short {
-        /// The file.
-        path: PathBuf,
-        /// Rows that there are, before the first that is damaged.
-        rows: u64,
-        /// Rows that there were.
-        wanted: u64,
     },
     /// Another process writes to the folder.
     #[error(
@@ -152,6 +143,14 @@ impl RecordError {
                     reason,
                 },
             }
+        }
+    }
+
+    /// For `map_err`: the file at `path` could not be read.
+    pub(super) fn read(path: &Path) -> impl FnOnce(io::Error) -> RecordError + '_ {
+        move |reason| RecordError::Read {
+            path: path.to_owned(),
+            reason,
         }
     }
 

@@ -1,7 +1,7 @@
 //! The folder of a run.
 
 use super::RecordError;
-use super::atomic::{clean, folder_beside};
+use super::atomic::{clean, folder_beside, try_to_write};
 use super::scene_file::{INPUTS, MESH_NAME};
 use crate::scene::NodalKey;
 use std::ffi::{OsStr, OsString};
@@ -26,10 +26,13 @@ pub(super) const OLDER: &str = "checkpoint-older.bin";
 /// The file that tells a run's folder from one with files of the same names.
 pub(super) const SUMMARY: &str = "run.json";
 
+/// The scene, complete.
+pub(super) const SCENE: &str = "scene.toml";
+
 /// The files of a run beside those in folders; where one of them stands, no run is put.
 const FILES: [&str; 8] = [
     SUMMARY,
-    "scene.toml",
+    SCENE,
     "history.csv",
     "ledger.csv",
     "shape.csv",
@@ -250,9 +253,22 @@ pub(super) fn all_numbered(parent: &Path, name: &OsStr) -> Vec<PathBuf> {
         .flatten()
         .flatten()
         .filter_map(|entry| Some((number(&entry.file_name(), name)?, entry.path())))
+        .filter(|(_, path)| path.is_dir())
         .collect();
     folders.sort();
     folders.into_iter().map(|(_, path)| path).collect()
+}
+
+/// The first of `parent/name`, `parent/name-2`, … that is free.
+pub(super) fn free_numbered(parent: &Path, name: &OsStr) -> PathBuf {
+    let mut number = 1;
+    loop {
+        let path = parent.join(numbered(name, number));
+        if path.symlink_metadata().is_err() {
+            return path;
+        }
+        number += 1;
+    }
 }
 
 /// Renames a folder to the first of `parent/name`, `parent/name-2`, … that is free, from a number on.
@@ -301,7 +317,8 @@ pub(super) fn a_file_of(folder: &Path) -> Option<&'static str> {
 
 /// Locks a folder, where the system can: two processes must not record into it.
 fn lock(folder: &Path) -> Result<Option<Arc<File>>, RecordError> {
-    let Ok(file) = File::open(folder) else {
+    // A pipe would wait for a writer.
+    let Some(file) = folder.is_dir().then(|| File::open(folder).ok()).flatten() else {
         return Ok(None);
     };
     match file.try_lock() {
@@ -327,11 +344,7 @@ pub(super) fn clear(folder: &Path) -> Result<(), RecordError> {
         remove(&folder.join(file))?;
     }
     let inputs = folder.join(INPUTS);
-    for file in NodalKey::ALL
-        .map(NodalKey::file_name)
-        .into_iter()
-        .chain([MESH_NAME])
-    {
+    for file in input_names() {
         remove(&inputs.join(file))?;
     }
     let fields = folder.join(FIELDS);
@@ -348,18 +361,52 @@ pub(super) fn remove_snapshots(
     folder: &Path,
     which: impl Fn(u64) -> bool,
 ) -> Result<(), RecordError> {
+    snapshots(folder, which).try_for_each(|path| remove(&path))
+}
+
+/// Where the snapshots are of the steps that `which` names, and those whose name has no step.
+fn snapshots(folder: &Path, which: impl Fn(u64) -> bool) -> impl Iterator<Item = PathBuf> {
     let entries = fs::read_dir(folder.join(FIELDS));
-    for entry in entries.into_iter().flatten().flatten() {
-        let name = entry.file_name();
-        let name = name.to_string_lossy();
-        let step = name
-            .strip_prefix("step-")
-            .and_then(|name| name.strip_suffix(".vtu"));
-        if step.is_some_and(|step| step.parse().map_or(true, &which)) {
-            remove(&entry.path())?;
-        }
+    entries
+        .into_iter()
+        .flatten()
+        .flatten()
+        .filter_map(move |entry| {
+            let name = entry.file_name();
+            let name = name.to_string_lossy();
+            let step = name.strip_prefix("step-")?.strip_suffix(".vtu")?;
+            step.parse().map_or(true, &which).then(|| entry.path())
+        })
+}
+
+/// Looks whether the files of a run can be written into its folder, where a run goes on from a step;
+/// changes nothing. The tables, which are read first, are not looked at.
+///
+/// # Errors
+/// [`RecordError`]: what is in the way.
+pub(super) fn check_writable(folder: &Path, step: u64) -> Result<(), RecordError> {
+    let files = [SUMMARY, SCENE, FINAL, NEWEST, OLDER].map(|file| folder.join(file));
+    let inputs = input_names().map(|file| folder.join(INPUTS).join(file));
+    let fields = folder.join(FIELDS);
+    let in_the_way = files
+        .into_iter()
+        .chain(inputs)
+        .chain([fields.join(SERIES)])
+        .chain(snapshots(folder, |snapshot| snapshot > step))
+        .find(|path| path.is_dir());
+    if let Some(path) = in_the_way {
+        return Err(RecordError::FolderInTheWay { path });
     }
-    Ok(())
+    try_to_write(&folder.join(SUMMARY))?;
+    match fields.symlink_metadata() {
+        Ok(_) => try_to_write(&fields.join(SERIES)),
+        Err(_) => Ok(()),
+    }
+}
+
+fn input_names() -> impl Iterator<Item = &'static str> {
+    let values = NodalKey::ALL.map(NodalKey::file_name);
+    values.into_iter().chain([MESH_NAME])
 }
 
 /// Removes a file, if it is there.

@@ -1,8 +1,8 @@
 //! The tables of a run: what stands in their columns.
 
-use super::RecordError;
 use super::folder::remove;
 use super::table::{Extent, Found, Rows, Table};
+use super::{Columns, ReadError, RecordError};
 use crate::simulation::{NamedValue, Report};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -69,7 +69,7 @@ pub(super) struct TablesMemory {
     terms: StepTerms,
 }
 
-/// Tables that were found to go as far as they must.
+/// Tables that were looked for.
 #[derive(Debug)]
 pub(super) struct FoundTables {
     history: Found,
@@ -102,21 +102,20 @@ impl TablesRows {
     }
 }
 
-impl TablesMemory {
-    /// How many rows there are.
-    pub fn rows(&self) -> u64 {
-        self.history.rows
-    }
-}
-
 impl FoundTables {
     /// What is to be reported of the tables, in words.
     pub fn remarks(&self) -> Vec<String> {
-        [Some(&self.history), Some(&self.shape), self.ledger.as_ref()]
-            .into_iter()
-            .flatten()
-            .flat_map(Found::remarks)
-            .collect()
+        self.all().flat_map(Found::remarks).collect()
+    }
+
+    /// As [`FoundTables::remarks`], where the run goes on with them.
+    pub fn remarks_of_take_up(&self) -> Vec<String> {
+        self.all().flat_map(Found::remarks_of_take_up).collect()
+    }
+
+    fn all(&self) -> impl Iterator<Item = &Found> {
+        let tables = [Some(&self.history), Some(&self.shape), self.ledger.as_ref()];
+        tables.into_iter().flatten()
     }
 
     /// The rows that the tables had then; changes nothing.
@@ -129,6 +128,32 @@ impl FoundTables {
             shape: self.shape.rows()?,
             ledger: self.ledger.as_ref().map(Found::rows).transpose()?,
         })
+    }
+
+    /// The scalars that the tables had then; changes nothing.
+    ///
+    /// # Errors
+    /// [`ReadError`].
+    pub fn columns(&self) -> Result<Columns, ReadError> {
+        let mut columns = self.history.columns()?;
+        columns.join(self.shape.columns()?);
+        Ok(columns)
+    }
+
+    /// Looks whether the tables can be written; changes nothing.
+    ///
+    /// # Errors
+    /// [`RecordError::Write`], [`RecordError::FolderInTheWay`].
+    pub fn check(&self) -> Result<(), RecordError> {
+        self.history.check()?;
+        self.shape.check()?;
+        match &self.ledger {
+            Some(ledger) => ledger.check(),
+            None if self.ledger_path.is_dir() => Err(RecordError::FolderInTheWay {
+                path: self.ledger_path.clone(),
+            }),
+            None => Ok(()),
+        }
     }
 
     /// Cuts the tables back to where they were.
@@ -165,23 +190,18 @@ impl Tables {
     }
 
     /// Looks whether the tables in `folder` go as far as they did; changes nothing.
-    ///
-    /// # Errors
-    /// Those of [`Table::find`].
-    pub fn find(folder: &Path, memory: &TablesMemory) -> Result<FoundTables, RecordError> {
+    pub fn find(folder: &Path, memory: &TablesMemory) -> FoundTables {
         let ledger_path = folder.join(LEDGER);
         let ledger = memory.ledger.as_ref();
-        Ok(FoundTables {
-            history: Table::find(folder.join(HISTORY), &memory.history)?,
-            shape: Table::find(folder.join(SHAPE), &memory.shape)?,
-            ledger: ledger
-                .map(|extent| Table::find(ledger_path.clone(), extent))
-                .transpose()?,
+        FoundTables {
+            history: Table::find(folder.join(HISTORY), &memory.history),
+            shape: Table::find(folder.join(SHAPE), &memory.shape),
+            ledger: ledger.map(|extent| Table::find(ledger_path.clone(), extent)),
             ledger_path,
             last_row: memory.last_row,
             law_residual: memory.law_residual,
             terms: memory.terms.clone(),
-        })
+        }
     }
 
     /// The tables of a run in `folder`, still without rows.

@@ -12,6 +12,7 @@
 //! | `fields/` | VTU files at evenly spaced times, and `fields.pvd`, their list | each whole |
 //! | `final.vtu` | the fields at the end | at the end, whole |
 //! | `checkpoint.bin` | the state, for the run to be taken up again; `checkpoint-older.bin` is the one before | every half minute and at the end, whole |
+//! | `history.csv.as-found` and the like | a table as somebody has left it who changed it, where not all of that is in the table now | when the run is taken up again |
 //! | `run.json` | version, times, totals, warnings, events, status ([`RunSummary`]) | replaced whole |
 //!
 //! *Whole* means written beside its place and then renamed: a reader sees all of a file or none.
@@ -36,10 +37,12 @@ mod read;
 mod recorder;
 mod resume;
 mod scene_file;
+mod shortened;
 mod source;
 mod states;
 mod summary;
 mod table;
+mod table_checks;
 mod table_repair;
 mod vtu;
 mod whole;
@@ -61,7 +64,8 @@ pub use recorder::{Preparation, Recorder, Settings};
 pub use resume::{Found, Resumption};
 
 pub use crate::simulation::{Schedule, step_count};
-pub use source::{LoadError, LoadedScene, load_scene};
+pub use scene_file::same_run;
+pub use source::{LoadError, LoadedScene, load_run_scene, load_scene};
 pub use states::{write_state, write_states};
 pub use summary::{Ending, EventRecord, OutlineChange, OutlineRecord, RunSummary, Status};
 pub use vtu::{write_fields, write_series};

@@ -1,19 +1,25 @@
 //! Taking a run up again from its checkpoint.
 
-use super::atomic::clean;
+use super::atomic::{clean, write_whole};
 use super::checkpoint::{CheckpointError, Content, Keeper, Problem, RUN};
 use super::folder::{
-    FIELDS, FINAL, SERIES, SUMMARY, a_file_of, all_numbered, remove, remove_snapshots,
+    FIELDS, FINAL, SERIES, SUMMARY, a_file_of, all_numbered, check_writable, remove,
+    remove_snapshots,
 };
 use super::history::{FoundTables, Tables};
+use super::read::LARGEST;
 use super::scene_file::{identity, write_scene};
+use super::shortened::shortened;
 use super::summary::{EventRecord, Status};
+use super::whole::read_file_text;
 use super::{RecordError, Recorder, RunFolder, RunSummary, Settings, vtu};
 use crate::scene::Scene;
 use crate::simulation::{Memory, Simulation};
 use std::ffi::OsStr;
-use std::fs;
 use std::path::Path;
+
+/// Bytes of `run.json`, at most.
+const LARGEST_SUMMARY: u64 = 1 << 28;
 
 /// Snapshots that are named one by one.
 const NAMED_SNAPSHOTS: usize = 4;
@@ -131,13 +137,32 @@ impl Resumption {
         self.folder.path()
     }
 
-    /// Whether the process that ran it has gone without a word: `run.json` says "running", but nobody holds
-    /// the folder's lock.
-    pub fn was_killed(&self) -> bool {
-        let text = fs::read_to_string(self.folder().join(SUMMARY)).unwrap_or_default();
-        let summary: Result<serde_json::Value, _> = serde_json::from_str(&text);
-        let running = serde_json::to_value(Status::Running).ok();
-        summary.is_ok_and(|summary| summary.get("status") == running.as_ref())
+    /// How the run stands by its `run.json`, if that can be read. That it is running is not true, for nobody
+    /// holds the folder's lock: the process has gone without a word.
+    pub fn status(&self) -> Option<Status> {
+        let status = self.recorded_summary()?.get("status")?.clone();
+        serde_json::from_value(status).ok()
+    }
+
+    fn recorded_summary(&self) -> Option<serde_json::Value> {
+        let text = read_file_text(&self.folder().join(SUMMARY), LARGEST_SUMMARY).ok()?;
+        serde_json::from_str(&text).ok()
+    }
+
+    /// Says in the `run.json` of a run whose process has gone without a word that it was interrupted.
+    ///
+    /// # Errors
+    /// [`RecordError::Write`].
+    pub fn end_killed(&self) -> Result<(), RecordError> {
+        let path = self.folder().join(SUMMARY);
+        let Some(mut summary) = self.recorded_summary() else {
+            return Ok(());
+        };
+        write_whole(&path, |file| {
+            summary["status"] = serde_json::to_value(Status::Interrupted)?;
+            serde_json::to_writer_pretty(&mut *file, &summary)?;
+            writeln!(file)
+        })
     }
 
     /// What the run goes on from, if it can be used.
@@ -192,15 +217,14 @@ impl Resumption {
                 problems: self.problems,
             });
         };
-        let remarks = [
-            tables.remarks(),
-            lose_snapshots(&self.folder().join(FIELDS), &mut content.written)
-                .into_iter()
-                .collect(),
-        ]
-        .concat();
-        let schedule = settings.schedule(scene);
         let (step, t) = (content.simulation.step(), content.simulation.t());
+        check_writable(self.folder(), step)?;
+        tables.check()?;
+        let lost = lose_snapshots(&self.folder().join(FIELDS), &mut content.written);
+        let mut remarks = tables.remarks_of_take_up();
+        remarks.extend(lost);
+        let tables = self.cut_back(scene, &content, tables)?;
+        let schedule = settings.schedule(scene);
         let mut summary =
             RunSummary::resumed(scene, schedule.steps, content.totals.clone(), simulation);
         summary.events.push(EventRecord {
@@ -218,7 +242,6 @@ impl Resumption {
                 text
             },
         });
-        let tables = self.cut_back(scene, &content, tables)?;
         let newest_is_good = name == Keeper::names()[0];
         let keeper = Keeper::of_run(self.folder(), newest_is_good);
         let content = Content {
@@ -263,21 +286,21 @@ impl Resumption {
         }
     }
 
-    /// The first candidate whose state and tables are right.
+    /// The first candidate whose state is right, and the tables as they are.
     fn choose(
         &mut self,
         simulation: &mut Simulation,
     ) -> Option<(&'static str, Content, FoundTables)> {
         for (name, content) in std::mem::take(&mut self.candidates) {
-            let recalled = simulation
-                .recall(&content.simulation)
-                .map_err(Problem::State);
-            let found = recalled.and_then(|()| {
-                Tables::find(self.folder(), &content.tables).map_err(Problem::Tables)
-            });
-            match found {
-                Ok(tables) => return Some((name, content, tables)),
-                Err(problem) => self.problems.push(format!("{name}: {problem}")),
+            match simulation.recall(&content.simulation) {
+                Ok(()) => {
+                    let tables = Tables::find(self.folder(), &content.tables);
+                    return Some((name, content, tables));
+                }
+                Err(error) => {
+                    let problem = Problem::State(error);
+                    self.problems.push(format!("{name}: {problem}"));
+                }
             }
         }
         None
@@ -293,6 +316,7 @@ impl Resumption {
         let folder = self.folder();
         let fields = folder.join(FIELDS);
         let step = content.simulation.step();
+        write_scene(folder, scene)?;
         let tables = tables.take_up()?;
         remove(&folder.join(FINAL))?;
         remove_snapshots(folder, |snapshot| snapshot > step)?;
@@ -302,7 +326,6 @@ impl Resumption {
         }
         clean(folder);
         clean(&fields);
-        write_scene(folder, scene)?;
         Ok(tables)
     }
 }
@@ -342,7 +365,8 @@ fn words(problems: &[(&'static str, Problem)]) -> Vec<String> {
 
 /// Whether a run has recorded more than its initial state.
 fn has_rows(folder: &Path) -> bool {
-    fs::read_to_string(folder.join("history.csv")).is_ok_and(|text| text.lines().count() > 2)
+    let text = read_file_text(&folder.join("history.csv"), LARGEST);
+    text.is_ok_and(|text| text.lines().count() > 2)
 }
 
 /// The first line in which two scenes differ, with its table.
@@ -358,7 +382,8 @@ fn difference(there: &str, wanted: &str) -> String {
             }
             (None, None) => return "it is written otherwise".to_owned(),
             (one, other) => {
-                let [one, other] = [one, other].map(|line| line.unwrap_or("nothing").trim());
+                let [one, other] =
+                    [one, other].map(|line| shortened(line.unwrap_or("nothing").trim()));
                 let table = if table.is_empty() {
                     String::new()
                 } else {
@@ -375,6 +400,7 @@ mod tests {
     use super::super::read::read_fields;
     use super::super::{Columns, Ending, IfOccupied, Preparation};
     use super::*;
+    use std::fs;
     use std::time::Duration;
 
     /// Every step has many parts, and other solvers take over on the way.
@@ -493,5 +519,8 @@ mod tests {
         );
         let told = difference(text, "name = \"A\"\n[mesh]\n");
         assert_eq!(told, "in [mesh] it has cells = 8, and nothing is asked for");
+        let long = format!("name = \"{}\"\n", "A".repeat(1 << 20));
+        let told = difference(&long, text);
+        assert!(told.len() < 200, "{} bytes", told.len());
     }
 }

@@ -1,7 +1,7 @@
 //! `scene.toml` and `inputs/`: what was simulated, complete and on its own.
 
 use super::atomic::write_whole;
-use super::folder::make;
+use super::folder::{SCENE, make};
 use super::{Number, RecordError};
 use crate::scene::{Mesh, NodalValues, Scene, write_mesh};
 use std::fmt::Write as _;
@@ -38,9 +38,7 @@ pub(super) fn write_scene(folder: &Path, scene: &Scene) -> Result<(), RecordErro
         file.path = format!("{INPUTS}/{MESH_NAME}");
     }
     let text = scene.to_toml();
-    write_whole(&folder.join("scene.toml"), |file| {
-        file.write_all(text.as_bytes())
-    })
+    write_whole(&folder.join(SCENE), |file| file.write_all(text.as_bytes()))
 }
 
 /// The folder of inputs, made if it is not there.
@@ -89,6 +87,11 @@ pub(super) fn identity(scene: &Scene) -> String {
         );
     }
     scene.to_toml() + &checksums
+}
+
+/// Whether a run of one scene can be gone on with as one of the other: they are the same but for their end.
+pub fn same_run(one: &Scene, other: &Scene) -> bool {
+    identity(one) == identity(other)
 }
 
 /// One node a line, its values separated by a space.

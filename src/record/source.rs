@@ -1,6 +1,7 @@
 //! A scene from its name: a preset's, or a file's.
 
-use super::whole::{read_bytes, read_text};
+use super::folder::{SCENE, a_file_of};
+use super::whole::{read_bytes, read_file, read_file_text, read_text};
 use crate::scene::{Scene, SceneError, UnknownPreset, find_preset, preset, preset_names};
 use std::ffi::{OsStr, OsString};
 use std::io;
@@ -67,6 +68,16 @@ pub enum LoadError {
         #[source]
         reason: io::Error,
     },
+    /// A run's folder has no scene.
+    #[error(
+        "{0} holds a run, but no scene.toml, its scene: to go on with it name the scene that it was begun \
+         with, a preset or a TOML file: vesica run SCENE --out {0} --resume",
+        folder.display()
+    )]
+    NoScene {
+        /// The folder.
+        folder: PathBuf,
+    },
     /// The scene is wrong.
     #[error(transparent)]
     Scene(#[from] SceneError),
@@ -92,11 +103,43 @@ pub fn load_scene(source: &OsStr, overrides: &[String]) -> Result<LoadedScene, L
         return Err(LoadError::Nameless);
     }
     let path = Path::new(source);
-    let text = read_scene(path)?;
+    parse(path, &read_scene(path)?, overrides, read_bytes)
+}
+
+/// Loads the scene of the run in a folder. Its files are read where they are regular ones: nobody gives a
+/// run's folder a pipe on purpose.
+///
+/// # Errors
+/// [`LoadError`].
+pub fn load_run_scene(folder: &Path, overrides: &[String]) -> Result<LoadedScene, LoadError> {
+    let path = folder.join(SCENE);
+    let text = read_file_text(&path, LARGEST_SCENE).map_err(|reason| match reason.kind() {
+        io::ErrorKind::NotFound if a_file_of(folder).is_some() => LoadError::NoScene {
+            folder: folder.to_owned(),
+        },
+        io::ErrorKind::NotFound => LoadError::Folder {
+            path: folder.to_owned(),
+            is_run: false,
+        },
+        _ => LoadError::Unreadable {
+            path: path.clone(),
+            reason,
+        },
+    })?;
+    parse(&path, &text, overrides, read_file)
+}
+
+/// The scene that a file has. `read` reads what it names.
+fn parse(
+    path: &Path,
+    text: &str,
+    overrides: &[String],
+    read: fn(&Path, u64) -> io::Result<Vec<u8>>,
+) -> Result<LoadedScene, LoadError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let origin = path.display().to_string();
-    let scene = Scene::parse(&text, &origin, overrides, &mut |relative| {
-        read_bytes(&folder.join(relative), LARGEST_INPUT)
+    let scene = Scene::parse(text, &origin, overrides, &mut |relative| {
+        read(&folder.join(relative), LARGEST_INPUT)
     })?;
     let name = path.file_stem().unwrap_or(OsStr::new("scene")).to_owned();
     Ok(LoadedScene { scene, name })
@@ -106,7 +149,7 @@ fn read_scene(path: &Path) -> Result<String, LoadError> {
     if path.is_dir() {
         return Err(LoadError::Folder {
             path: path.to_owned(),
-            is_run: path.join("scene.toml").is_file(),
+            is_run: path.join(SCENE).is_file(),
         });
     }
     read_text(path, LARGEST_SCENE).map_err(|reason| {

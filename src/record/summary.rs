@@ -15,7 +15,7 @@ use std::time::{Duration, SystemTime};
 const LAST_SECOND: u64 = 253_402_300_799;
 
 /// How a run stands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Status {
     /// It goes on, or was killed.

@@ -1,14 +1,24 @@
 //! A CSV file that grows during a run and yet always consists of whole lines.
 
-use super::atomic::write_whole;
+use super::atomic::{write_keeping, write_whole};
+use super::folder::free_numbered;
+use super::read::{LARGEST, parse_table};
+use super::table_checks::Checks;
 use super::table_repair::{Repaired, repair};
-use super::{Number, RecordError};
+use super::whole::{open_file, read_file_lossy, read_file_text};
+use super::{Columns, Number, ReadError, RecordError};
 use crc32fast::Hasher;
 use serde::{Deserialize, Serialize};
+use std::ffi::OsString;
 use std::fmt::Write as _;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufRead, BufReader, Read, Write as _};
 use std::path::{Path, PathBuf};
+
+/// What a file is called, after its own name, that is kept as it was found.
+const AS_FOUND: &str = ".as-found";
+/// No line of a table has as many bytes.
+const LONGEST_LINE: u64 = 1 << 20;
 
 /// A growing table of numbers.
 ///
@@ -33,6 +43,8 @@ pub(super) struct Table {
     last_step: Option<u64>,
     /// Of the bytes of the file.
     checksum: Hasher,
+    /// Of the rows.
+    checks: Checks,
 }
 
 /// How far a table has come.
@@ -44,9 +56,10 @@ pub(super) struct Extent {
     pub last_step: Option<u64>,
     /// CRC-32 of the file's bytes.
     pub checksum: u32,
+    pub checks: Checks,
 }
 
-/// A table that was found to go as far as it must, and may go further.
+/// A table that was looked for: it goes as far as it must, or may go further, or is damaged.
 #[derive(Debug)]
 pub(super) struct Found {
     path: PathBuf,
@@ -60,8 +73,21 @@ enum FoundContent {
     Whole { length: u64 },
     /// What was written can be had from it, or as much as there is.
     Repaired(Repaired),
+    /// Nothing can be had from it.
+    Lost(Loss),
+}
+
+/// Why nothing can be had from a table.
+#[derive(Debug)]
+enum Loss {
     /// It is not there.
-    Missing,
+    Gone,
+    /// Nothing stands in it.
+    Empty,
+    /// It cannot be read.
+    Unreadable(io::Error),
+    /// No line of it has the names of the columns.
+    Headless,
 }
 
 /// The rows that a table has at some moment: they can be copied while it goes on growing.
@@ -104,26 +130,31 @@ impl Table {
             rows: 0,
             last_step: None,
             checksum: Hasher::new(),
+            checks: Checks::default(),
         }
     }
 
     /// Looks whether a table goes as far as `extent`; changes nothing. One that another program has
-    /// rewritten is read as what was meant.
-    ///
-    /// # Errors
-    /// [`RecordError::Read`], [`RecordError::NoColumn`], [`RecordError::Short`].
-    pub fn find(path: PathBuf, extent: &Extent) -> Result<Found, RecordError> {
+    /// rewritten is read as what was meant, and of one that is damaged as much as there is.
+    pub fn find(path: PathBuf, extent: &Extent) -> Found {
         let content = match whole_length(&path, extent) {
             Ok(Some(length)) => FoundContent::Whole { length },
-            Ok(None) => FoundContent::Repaired(repair(&path, extent)?),
-            Err(reason) if reason.kind() == io::ErrorKind::NotFound => FoundContent::Missing,
-            Err(reason) => return Err(RecordError::Read { path, reason }),
+            Ok(None) => match read_file_lossy(&path, LARGEST) {
+                Ok(text) if text.trim().is_empty() => FoundContent::Lost(Loss::Empty),
+                Ok(text) => repair(&path, &text, extent)
+                    .map_or(FoundContent::Lost(Loss::Headless), FoundContent::Repaired),
+                Err(reason) => FoundContent::Lost(Loss::Unreadable(reason)),
+            },
+            Err(reason) if reason.kind() == io::ErrorKind::NotFound => {
+                FoundContent::Lost(Loss::Gone)
+            }
+            Err(reason) => FoundContent::Lost(Loss::Unreadable(reason)),
         };
-        Ok(Found {
+        Found {
             path,
             extent: extent.clone(),
             content,
-        })
+        }
     }
 
     /// How far it has come. What was appended is to be flushed before.
@@ -133,6 +164,7 @@ impl Table {
             rows: self.rows,
             last_step: self.last_step,
             checksum: self.checksum.clone().finalize(),
+            checks: self.checks.clone(),
         }
     }
 
@@ -156,6 +188,7 @@ impl Table {
     /// Appends a row, one cell a column, the first of which is the step; `None` is an empty cell. Nothing
     /// is written yet.
     pub fn append(&mut self, cells: impl IntoIterator<Item = Option<f64>>) {
+        let begin = self.pending.len();
         let mut count = 0;
         for cell in cells {
             if count == 0 {
@@ -171,6 +204,7 @@ impl Table {
             count += 1;
         }
         debug_assert_eq!(count, self.columns.len(), "one cell a column");
+        self.checks.add(self.rows, &self.pending[begin..]);
         self.pending.push('\n');
         self.rows += 1;
     }
@@ -198,10 +232,8 @@ impl Table {
             });
         }
         if self.late > 0 {
-            let text = fs::read_to_string(&self.path).map_err(|reason| RecordError::Read {
-                path: self.path.clone(),
-                reason,
-            })?;
+            let text =
+                read_file_text(&self.path, LARGEST).map_err(RecordError::read(&self.path))?;
             let rows = widened(text.lines().skip(1), self.late);
             self.replace(&(self.columns.join(",") + "\n" + &rows))?;
         }
@@ -245,6 +277,7 @@ impl Table {
         self.file = None;
         (self.length, self.late) = (0, 0);
         self.rows = self.pending.lines().count() as u64;
+        self.checks = Checks::of(self.pending.lines());
     }
 
     /// The rows up to now, those too that are in no file yet.
@@ -263,14 +296,23 @@ impl Table {
             });
         }
         Ok(Rows {
-            file: Some((open_for_reading(&self.path)?, self.length)),
+            file: Some((self.open_for_reading()?, self.length)),
             text: self.pending.clone(),
         })
+    }
+
+    fn open_for_reading(&self) -> Result<File, RecordError> {
+        open_file(&self.path).map_err(RecordError::read(&self.path))
     }
 
     /// Replaces the file by a text and opens it for appending.
     fn replace(&mut self, text: &str) -> Result<(), RecordError> {
         write_whole(&self.path, |file| file.write_all(text.as_bytes()))?;
+        self.open_replaced(text)
+    }
+
+    /// Opens the file, which has just got this text, for appending.
+    fn open_replaced(&mut self, text: &str) -> Result<(), RecordError> {
         self.checksum = Hasher::new();
         self.checksum.update(text.as_bytes());
         self.open(text.len() as u64)
@@ -278,11 +320,7 @@ impl Table {
 
     /// Opens the file, which has so many bytes, for appending.
     fn open(&mut self, length: u64) -> Result<(), RecordError> {
-        let file = OpenOptions::new()
-            .append(true)
-            .open(&self.path)
-            .map_err(RecordError::write(&self.path))?;
-        self.file = Some(file);
+        self.file = Some(open_for_appending(&self.path)?);
         (self.length, self.late) = (length, 0);
         Ok(())
     }
@@ -291,33 +329,78 @@ impl Table {
 impl Found {
     /// What is to be reported of it, in words.
     pub fn remarks(&self) -> Vec<String> {
+        let (path, rows) = (self.path.display(), self.extent.rows);
         match &self.content {
             FoundContent::Whole { .. } => Vec::new(),
             FoundContent::Repaired(repaired) => repaired.remarks.clone(),
-            FoundContent::Missing => vec![format!(
-                "{} is gone, with {} rows: it begins anew",
-                self.path.display(),
-                self.extent.rows
-            )],
+            FoundContent::Lost(loss) => vec![match loss {
+                Loss::Gone => format!("{path} is gone, with {rows} rows: it begins anew"),
+                Loss::Empty => format!("{path} is empty, and had {rows} rows: it begins anew"),
+                Loss::Unreadable(reason) => {
+                    format!("{path} cannot be read ({reason}), and had {rows} rows: it begins anew")
+                }
+                Loss::Headless => format!(
+                    "{path} cannot be read (no line has the names of its columns), and had {rows} \
+                     rows: it begins anew"
+                ),
+            }],
         }
     }
 
-    /// Cuts the table back to what is to stay, and goes on with it.
+    /// Looks whether it can be written; changes nothing. Of a file that is to be replaced the folder tells
+    /// that.
+    ///
+    /// # Errors
+    /// [`RecordError::Write`].
+    pub fn check(&self) -> Result<(), RecordError> {
+        match &self.content {
+            FoundContent::Whole { .. } => open_for_appending(&self.path).map(drop),
+            FoundContent::Repaired(_) | FoundContent::Lost(_) => Ok(()),
+        }
+    }
+
+    /// The name that the file gets when the run goes on, if not all that stands in it goes into the table.
+    fn kept_as(&self) -> Option<PathBuf> {
+        let is_kept = match &self.content {
+            FoundContent::Whole { .. } | FoundContent::Lost(Loss::Gone | Loss::Empty) => false,
+            FoundContent::Repaired(repaired) => repaired.leaves_out,
+            FoundContent::Lost(Loss::Unreadable(_) | Loss::Headless) => true,
+        };
+        let mut name = OsString::from(self.path.file_name()?);
+        name.push(AS_FOUND);
+        let parent = self.path.parent().unwrap_or(Path::new(""));
+        is_kept.then(|| free_numbered(parent, &name))
+    }
+
+    /// What is to be reported where the run goes on with it: as [`Found::remarks`], and where the file
+    /// is kept that was found.
+    pub fn remarks_of_take_up(&self) -> Vec<String> {
+        let mut remarks = self.remarks();
+        if let (Some(kept), Some(remark)) = (self.kept_as(), remarks.first_mut()) {
+            *remark += &format!("; what was found is kept as {}", kept.display());
+        }
+        remarks
+    }
+
+    /// Cuts the table back to what is to stay, and goes on with it. What was found and is left out stays
+    /// under another name.
     ///
     /// # Errors
     /// [`RecordError`] where the file cannot be read or written.
     pub fn take_up(self) -> Result<Table, RecordError> {
+        let kept = self.kept_as();
         let Extent {
             columns,
             rows,
             last_step,
             checksum,
+            checks,
         } = self.extent;
         let mut table = Table::new(self.path, columns);
         table.last_step = last_step;
         match self.content {
             FoundContent::Whole { length } => {
-                table.rows = rows;
+                (table.rows, table.checks) = (rows, checks);
                 table.checksum = Hasher::new_with_initial_len(checksum, length);
                 table.open(length)?;
                 if let Some(file) = &table.file {
@@ -327,9 +410,26 @@ impl Found {
             }
             FoundContent::Repaired(repaired) => {
                 table.rows = repaired.rows;
-                table.replace(&repaired.text)?;
+                table.checks = Checks::of(repaired.text.lines().skip(1));
+                match kept {
+                    Some(kept) => {
+                        write_keeping(&table.path, &kept, |file| {
+                            file.write_all(repaired.text.as_bytes())
+                        })?;
+                        table.open_replaced(&repaired.text)?;
+                    }
+                    None => table.replace(&repaired.text)?,
+                }
             }
-            FoundContent::Missing => {}
+            FoundContent::Lost(_) => {
+                if let Some(to) = kept {
+                    fs::rename(&table.path, &to).map_err(|reason| RecordError::Rename {
+                        path: table.path.clone(),
+                        to,
+                        reason,
+                    })?;
+                }
+            }
         }
         Ok(table)
     }
@@ -341,40 +441,84 @@ impl Found {
     pub fn rows(&self) -> Result<Rows, RecordError> {
         let table = |text: String| Rows { file: None, text };
         Ok(match &self.content {
-            FoundContent::Whole { length } => Rows {
-                file: Some((open_for_reading(&self.path)?, *length)),
-                text: String::new(),
-            },
+            FoundContent::Whole { length } => {
+                let file = open_file(&self.path).map_err(RecordError::read(&self.path))?;
+                Rows {
+                    file: Some((file, *length)),
+                    text: String::new(),
+                }
+            }
             FoundContent::Repaired(repaired) => table(repaired.text.clone()),
-            FoundContent::Missing => table(self.extent.columns.join(",") + "\n"),
+            FoundContent::Lost(_) => table(self.extent.columns.join(",") + "\n"),
         })
     }
-}
 
-fn open_for_reading(path: &Path) -> Result<File, RecordError> {
-    File::open(path).map_err(|reason| RecordError::Read {
-        path: path.to_owned(),
-        reason,
-    })
-}
-
-/// The length of what was written, if the file begins with that, bit for bit.
-fn whole_length(path: &Path, extent: &Extent) -> io::Result<Option<u64>> {
-    // A pipe would wait for a writer.
-    if !fs::metadata(path)?.is_file() {
-        return Err(io::Error::other("it is no file"));
+    /// The scalars that are to stay; changes nothing.
+    ///
+    /// # Errors
+    /// [`ReadError`].
+    pub fn columns(&self) -> Result<Columns, ReadError> {
+        let unreadable = |reason| ReadError::Unreadable {
+            path: self.path.clone(),
+            reason,
+        };
+        let text = match &self.content {
+            FoundContent::Whole { length } => {
+                let file = open_file(&self.path).map_err(unreadable)?;
+                let mut text = String::new();
+                let read = file.take(*length).read_to_string(&mut text);
+                read.map_err(unreadable)?;
+                text
+            }
+            FoundContent::Repaired(repaired) => repaired.text.clone(),
+            FoundContent::Lost(_) => self.extent.columns.join(",") + "\n",
+        };
+        parse_table(&self.path, &text)
     }
-    let mut file = BufReader::new(File::open(path)?);
+}
+
+fn open_for_appending(path: &Path) -> Result<File, RecordError> {
+    OpenOptions::new()
+        .append(true)
+        .open(path)
+        .map_err(RecordError::write(path))
+}
+
+/// The length of what was written, if the file begins with that, bit for bit, and has only later rows after
+/// it.
+fn whole_length(path: &Path, extent: &Extent) -> io::Result<Option<u64>> {
+    let mut file = BufReader::new(open_file(path)?);
     let (mut line, mut checksum, mut length) = (Vec::new(), Hasher::new(), 0);
-    for _ in 0..=extent.rows {
+    let mut next = |line: &mut Vec<u8>| {
         line.clear();
-        length += file.read_until(b'\n', &mut line)? as u64;
+        let bytes = (&mut file).take(LONGEST_LINE).read_until(b'\n', line)?;
+        io::Result::Ok((bytes as u64, line.ends_with(b"\n")))
+    };
+    for _ in 0..=extent.rows {
+        let (bytes, is_ended) = next(&mut line)?;
+        if !is_ended {
+            return Ok(None);
+        }
+        length += bytes;
         checksum.update(&line);
-        if !line.ends_with(b"\n") {
+    }
+    if checksum.finalize() != extent.checksum {
+        return Ok(None);
+    }
+    // The last line may be cut.
+    while next(&mut line)?.1 {
+        if !is_later_row(&line, extent.last_step) {
             return Ok(None);
         }
     }
-    Ok((checksum.finalize() == extent.checksum).then_some(length))
+    Ok(Some(length))
+}
+
+/// Whether a line looks like one of a step that is not before another.
+fn is_later_row(line: &[u8], step: Option<u64>) -> bool {
+    let cell = line.split(|byte| *byte == b',').next();
+    let cell = cell.and_then(|cell| str::from_utf8(cell).ok()?.parse().ok());
+    cell.is_some_and(|later: u64| step.is_none_or(|step| later >= step))
 }
 
 /// Lines with so many empty cells more.
@@ -384,171 +528,4 @@ fn widened<'a>(lines: impl Iterator<Item = &'a str>, cells: usize) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn table(folder: &Path) -> Table {
-        let columns = ["step", "t"].map(str::to_owned).to_vec();
-        let mut table = Table::new(folder.join("table.csv"), columns);
-        table.flush().unwrap();
-        table
-    }
-
-    #[test]
-    fn grows_by_whole_lines_and_only_when_flushed() {
-        let folder = tempfile::tempdir().unwrap();
-        let mut table = table(folder.path());
-        let text = |table: &Table| fs::read_to_string(&table.path).unwrap();
-        assert_eq!(text(&table), "step,t\n");
-        table.append([Some(0.0), Some(1e-7)]);
-        table.append([Some(1.0), None]);
-        assert_eq!(text(&table), "step,t\n");
-        table.flush().unwrap();
-        assert_eq!(text(&table), "step,t\n0,1e-7\n1,\n");
-        table.append([None, Some(-2.5)]);
-        table.finish().unwrap();
-        assert_eq!(text(&table), "step,t\n0,1e-7\n1,\n,-2.5\n");
-    }
-
-    #[test]
-    fn a_late_column_is_empty_before() {
-        let folder = tempfile::tempdir().unwrap();
-        let mut table = table(folder.path());
-        table.append([Some(0.0), Some(0.0)]);
-        table.flush().unwrap();
-        table.append([Some(0.5), Some(0.25)]);
-        table.add_columns(vec!["E_field".into(), "E_pull".into()]);
-        table.append([Some(1.0), Some(0.5), Some(3.0), None]);
-        table.flush().unwrap();
-        assert_eq!(
-            fs::read_to_string(&table.path).unwrap(),
-            "step,t,E_field,E_pull\n0,0,,\n0.5,0.25,,\n1,0.5,3,\n"
-        );
-    }
-
-    #[test]
-    fn a_vanished_folder_is_an_error_with_the_path() {
-        let folder = tempfile::tempdir().unwrap();
-        let mut table = table(folder.path());
-        table.append([Some(0.0), Some(0.0)]);
-        drop(folder);
-        let error = table.flush().unwrap_err();
-        assert!(matches!(&error, RecordError::Vanished { path } if *path == table.path));
-        let error = table.flush().unwrap_err();
-        assert!(matches!(&error, RecordError::Write { path, .. } if *path == table.path));
-        // Whoever makes the folder again gets the rows that were not lost.
-        fs::create_dir(table.path.parent().unwrap()).unwrap();
-        table.append([Some(1.0), Some(0.5)]);
-        table.flush().unwrap();
-        let text = fs::read_to_string(&table.path).unwrap();
-        assert_eq!(text, "step,t\n0,0\n1,0.5\n");
-        fs::remove_dir_all(table.path.parent().unwrap()).unwrap();
-    }
-
-    #[test]
-    fn a_table_is_taken_up_where_it_was() {
-        let folder = tempfile::tempdir().unwrap();
-        let mut first = table(folder.path());
-        first.append([Some(0.0), Some(0.0)]);
-        first.append([Some(1.0), Some(0.5)]);
-        let extent = first.extent();
-        first.append([Some(2.0), Some(1.0)]);
-        first.flush().unwrap();
-        let path = first.path.clone();
-        for late in [false, true] {
-            if late {
-                first.add_columns(vec!["late".into()]);
-                first.append([Some(3.0), Some(1.5), Some(7.0)]);
-                first.flush().unwrap();
-            }
-            let whole = fs::read_to_string(&path).unwrap();
-            let found = Table::find(path.clone(), &extent).unwrap();
-            assert_eq!(fs::read_to_string(&path).unwrap(), whole);
-            let mut again = found.take_up().unwrap();
-            assert_eq!(fs::read_to_string(&path).unwrap(), "step,t\n0,0\n1,0.5\n");
-            again.append([Some(2.0), Some(1.0)]);
-            again.flush().unwrap();
-            let text = fs::read_to_string(&path).unwrap();
-            assert_eq!(text, "step,t\n0,0\n1,0.5\n2,1\n");
-            assert_eq!(again.extent().rows, 3);
-            first = again;
-        }
-        let more = Extent {
-            rows: 4,
-            last_step: Some(3),
-            ..extent
-        };
-        let error = Table::find(path.clone(), &more).unwrap_err();
-        assert!(matches!(
-            error,
-            RecordError::Short {
-                rows: 3,
-                wanted: 4,
-                ..
-            }
-        ));
-        fs::write(&path, "step,t\n0,0\n1,0.").unwrap();
-        let two = Extent {
-            rows: 2,
-            last_step: Some(1),
-            ..more
-        };
-        assert!(Table::find(path.clone(), &two).is_err());
-        let other = Extent {
-            columns: vec!["step".into(), "x".into()],
-            rows: 1,
-            last_step: Some(0),
-            checksum: 0,
-        };
-        assert!(Table::find(path, &other).is_err());
-    }
-
-    #[test]
-    fn the_rows_of_a_moment_are_copied_while_the_table_grows() {
-        let folder = tempfile::tempdir().unwrap();
-        let copy = folder.path().join("copy.csv");
-        let text = || fs::read_to_string(&copy).unwrap();
-        // In no file yet, in the file and not yet, and as columns come.
-        let columns = ["step", "t"].map(str::to_owned).to_vec();
-        let mut table = Table::new(folder.path().join("table.csv"), columns);
-        table.append([Some(0.0), Some(0.0)]);
-        table.rows_now().unwrap().write(&copy).unwrap();
-        assert_eq!(text(), "step,t\n0,0\n");
-        table.flush().unwrap();
-        table.append([Some(1.0), Some(0.5)]);
-        let extent = table.extent();
-        let rows = table.rows_now().unwrap();
-        table.append([Some(2.0), Some(1.0)]);
-        table.add_columns(vec!["late".into()]);
-        table.flush().unwrap();
-        rows.write(&copy).unwrap();
-        assert_eq!(text(), "step,t\n0,0\n1,0.5\n");
-        // Of a table that was found.
-        fs::remove_file(&copy).unwrap();
-        let found = Table::find(table.path.clone(), &extent).unwrap();
-        found.rows().unwrap().write(&copy).unwrap();
-        assert_eq!(text(), "step,t\n0,0\n1,0.5\n");
-        let found = Table::find(table.path.clone(), &table.extent()).unwrap();
-        found.rows().unwrap().write(&copy).unwrap();
-        assert_eq!(text(), "step,t,late\n0,0,\n1,0.5,\n2,1,\n");
-        table.add_columns(vec!["later".into()]);
-        table.append([Some(3.0), None, None, Some(7.0)]);
-        table.rows_now().unwrap().write(&copy).unwrap();
-        assert!(text().ends_with("2,1,,\n3,,,7\n"), "{}", text());
-    }
-
-    #[cfg(target_os = "linux")]
-    #[test]
-    fn a_full_disk_is_an_error_and_the_rows_are_kept() {
-        let folder = tempfile::tempdir().unwrap();
-        let mut table = table(folder.path());
-        let full = OpenOptions::new().append(true).open("/dev/full").unwrap();
-        let good = table.file.replace(full);
-        table.append([Some(0.0), Some(0.0)]);
-        let error = table.flush().unwrap_err().to_string();
-        assert!(error.contains("table.csv: No space left"), "{error}");
-        table.file = good;
-        table.flush().unwrap();
-        assert_eq!(fs::read_to_string(&table.path).unwrap(), "step,t\n0,0\n");
-    }
-}
+mod tests;

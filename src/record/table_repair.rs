@@ -1,13 +1,11 @@
 //! Tables that another program has rewritten since the run wrote them, or that were damaged: brought back
 //! as far as that is possible, with words on what was found.
 
-use super::RecordError;
-use super::lenient::{Difference, LenientTable};
-use super::read::LARGEST;
+use super::Number;
+use super::lenient::{Difference, Differences, LenientTable};
+use super::shortened::shortened;
 use super::table::Extent;
-use super::whole::read_text;
-use std::cmp::Ordering;
-use std::collections::BTreeSet;
+use super::table_checks::Checks;
 use std::ops::Range;
 use std::path::Path;
 
@@ -23,6 +21,8 @@ pub(super) struct Repaired {
     pub rows: u64,
     /// What is to be reported.
     pub remarks: Vec<String>,
+    /// Whether anything of the file is left out that the run may not have written.
+    pub leaves_out: bool,
 }
 
 /// A row as vesica writes it.
@@ -36,41 +36,25 @@ struct Row {
     is_ended: bool,
 }
 
-/// Reads what a table had when it went as far as `extent`.
-///
-/// # Errors
-/// [`RecordError::Read`]; [`RecordError::NoColumn`]; [`RecordError::Short`], where its last rows are not
-/// there.
-pub(super) fn repair(path: &Path, extent: &Extent) -> Result<Repaired, RecordError> {
-    let text = read_text(path, LARGEST).map_err(|reason| RecordError::Read {
-        path: path.to_owned(),
-        reason,
-    })?;
-    let short = |rows: usize| RecordError::Short {
-        path: path.to_owned(),
-        rows: rows as u64,
-        wanted: extent.rows,
-    };
-    let table = LenientTable::new(&text).ok_or_else(|| short(0))?;
-    let mut places = Vec::with_capacity(extent.columns.len());
-    for name in &extent.columns {
-        let place = table.columns.iter().position(|column| column == name);
-        places.push(place.ok_or_else(|| RecordError::NoColumn {
-            path: path.to_owned(),
-            name: name.clone(),
-        })?);
-    }
+/// Reads what a table had when it went as far as `extent`, or what is left of it; `None`: it has no header
+/// by which its rows would be known.
+pub(super) fn repair(path: &Path, text: &str, extent: &Extent) -> Option<Repaired> {
+    let table = LenientTable::new(text)?;
+    let place = |name: &String| table.columns.iter().position(|column| column == name);
+    let places: Vec<Option<usize>> = extent.columns.iter().map(place).collect();
+    // A row is known by its step.
+    places.first().copied().flatten()?;
     let Content {
         lines,
         mut rows,
-        mut damages,
+        damages: mut of_lines,
         mut differences,
-    } = Content::read(table, &places, &extent.columns);
+        mut leaves_out,
+    } = Content::read(table, &places, extent);
 
-    // Later rows are of what the run did after its checkpoint; no row is before one whose step is earlier.
-    rows.retain(|row| extent.last_step.is_some_and(|last| row.step <= last as f64));
+    // No row is before one whose step is earlier.
     if !rows.is_sorted_by(|one, other| one.step <= other.step) {
-        differences.insert(Difference::Order);
+        differences.note(Difference::Order);
         rows.sort_by(|one, other| one.step.total_cmp(&other.step));
     }
     let assembled = |rows: &[Row]| {
@@ -81,97 +65,144 @@ pub(super) fn repair(path: &Path, extent: &Extent) -> Result<Repaired, RecordErr
         });
         text
     };
+    let is_exact = |whole: &str| crc32fast::hash(whole.as_bytes()) == extent.checksum;
     let mut whole = assembled(&rows);
-    let is_exact = crc32fast::hash(whole.as_bytes()) == extent.checksum;
-    let mut remarks = Vec::new();
-    if !is_exact {
+    let mut damages = Vec::new();
+    if is_exact(&whole) {
+        if rows.iter().any(|row| !row.is_ended) {
+            differences.note(Difference::NoLastEnd);
+        }
+    } else {
         // A line without an end may have been cut in the midst of a number.
-        rows.retain(|row| row.is_ended);
+        rows.retain(|row| {
+            if !row.is_ended {
+                of_lines.push(format!("line {} is cut short, and left out", row.line));
+            }
+            row.is_ended
+        });
+        // Where the anchoring was switched in the app a step has two rows.
+        let mut extra = (rows.len() as u64).saturating_sub(extent.rows);
         rows.dedup_by(|later, earlier| {
-            let is_again = later.step == earlier.step;
+            let is_same = lines[later.place.clone()] == lines[earlier.place.clone()];
+            let is_again = later.step == earlier.step && (is_same || extra > 0);
             if is_again {
-                damages.push(format!(
+                extra = extra.saturating_sub(1);
+                of_lines.push(format!(
                     "line {} is left out: step {} stands in line {} too",
                     later.line, later.step, earlier.line
                 ));
+                leaves_out |= !is_same;
             }
             is_again
         });
-        if rows.last().map(|row| row.step as u64) != extent.last_step {
-            return Err(short(rows.len()));
-        }
-        damages.extend(backward_times(&rows));
-        damages.extend(missing_rows(&rows, extent.rows));
         whole = assembled(&rows);
-        if damages.is_empty() {
-            damages.push(
-                "its numbers are not those that the run wrote (a spreadsheet keeps 15 digits of \
-                 them), and stay as they stand"
-                    .to_owned(),
-            );
-        }
-        remarks.push(damage_words(path, &damages));
+        damages.extend(missing_rows(&rows, extent));
+        damages.extend(missing_columns(&places, &extent.columns));
+        of_lines.extend(backward_times(&rows));
+    }
+    damages.extend(of_lines);
+    let is_exact = is_exact(&whole);
+    if damages.is_empty() && !is_exact {
+        damages.push(changed_numbers(&rows, &lines, extent));
+    }
+    let numbers = match is_exact {
+        true => "; all its numbers are there",
+        false => "",
+    };
+    let mut remarks = Vec::new();
+    if !damages.is_empty() {
+        remarks.push(damage_words(path, &damages) + numbers);
     }
     if !differences.is_empty() {
-        let words: Vec<&str> = differences.into_iter().map(Difference::words).collect();
-        let numbers = match is_exact {
-            true => "; all its numbers are there",
-            false => "",
-        };
         remarks.push(format!(
             "{} had been rewritten by another program, with {}: it is brought back to its form{numbers}",
             path.display(),
-            words.join(", ")
+            differences.words()
         ));
     }
-    Ok(Repaired {
+    Some(Repaired {
         text: whole,
         rows: rows.len() as u64,
         remarks,
+        leaves_out,
     })
 }
 
-/// The rows of a table.
+/// The rows of a table up to where it is to go.
 struct Content {
     /// The text of all rows.
     lines: String,
     rows: Vec<Row>,
     /// What is wrong, in words.
     damages: Vec<String>,
-    differences: BTreeSet<Difference>,
+    differences: Differences,
+    leaves_out: bool,
 }
 
 impl Content {
     /// Reads the columns that stand in these places.
-    fn read(mut table: LenientTable<'_>, places: &[usize], names: &[String]) -> Content {
+    fn read(mut table: LenientTable<'_>, places: &[Option<usize>], extent: &Extent) -> Content {
+        let width = table.columns.len();
+        let is_further = |place: &usize| !places.contains(&Some(*place));
+        let further: Vec<usize> = (0..width).filter(is_further).collect();
+        let mut has_further = false;
         let mut lines = String::new();
-        let (mut rows, mut damages) = (Vec::new(), Vec::new());
+        let (mut rows, mut damages, mut leaves_out) = (Vec::new(), Vec::new(), false);
         while let Some(line) = table.next() {
             let begin = lines.len();
-            let cell = |place: usize| line.cells.get(place).map_or("", |cell| cell.as_ref());
+            let cell = |place: Option<usize>| {
+                let cell = place.and_then(|place| line.cells.get(place));
+                cell.map_or("", |cell| cell.as_ref())
+            };
             let number = line.number;
-            let step = places.first().and_then(|place| table.value(cell(*place)));
-            let Some(step) = step.filter(|step| step.is_finite()) else {
-                damages.push(format!("line {number} is left out: it has no step"));
+            let step = table.value(cell(places[0]));
+            let Some(step) = step.filter(|step| *step >= 0.0 && step.fract() == 0.0) else {
+                damages.push(match line.is_ended {
+                    true => {
+                        leaves_out = true;
+                        let first = line.cells.iter().find(|cell| !cell.is_empty());
+                        let first = first.map_or("", |cell| cell.as_ref());
+                        format!(
+                            "line {number} is left out: it has no step, and begins with {:?}",
+                            shortened(first)
+                        )
+                    }
+                    false => format!("line {number} is cut short, and left out"),
+                });
                 continue;
             };
-            if line.is_ended && line.cells.len() < table.columns.len() {
+            // Later rows are of what the run did after its checkpoint.
+            if extent.last_step.is_none_or(|last| step > last as f64) {
+                continue;
+            }
+            let cells = line.cells.len();
+            if line.is_ended && cells < width {
                 damages.push(format!(
-                    "line {number} has {} cells of {}, and the others are left empty",
-                    line.cells.len(),
-                    table.columns.len()
+                    "line {number} has {cells} cells of {width}, and the others are left empty"
                 ));
             }
-            for (index, (place, name)) in places.iter().zip(names).enumerate() {
+            if cells > width {
+                leaves_out = true;
+                damages.push(format!(
+                    "line {number} has {cells} cells, and those after the first {width} are left out"
+                ));
+            }
+            // A column that the run has begun later is still empty.
+            has_further |= further.iter().any(|place| !cell(Some(*place)).is_empty());
+            for (index, (place, name)) in places.iter().zip(&extent.columns).enumerate() {
                 if index > 0 {
                     lines.push(',');
                 }
-                match table.canonical(cell(*place)) {
+                match table.canonical(cell(*place), number) {
                     Some(text) => lines.push_str(&text),
-                    None => damages.push(format!(
-                        "line {number}, column {name} had {:?}, which is no number, and is left empty",
-                        cell(*place)
-                    )),
+                    None => {
+                        leaves_out = true;
+                        damages.push(format!(
+                            "line {number}, column {name} had {:?}, which is no number, and is left \
+                             empty",
+                            shortened(cell(*place))
+                        ));
+                    }
                 }
             }
             let t = places.get(1).and_then(|place| table.value(cell(*place)));
@@ -184,15 +215,15 @@ impl Content {
             });
         }
         let mut differences = table.differences().clone();
-        // Columns at the right may be those of an effect that came after the checkpoint.
-        if !places.iter().copied().eq(0..places.len()) {
-            differences.insert(Difference::Columns);
+        if has_further || !places.iter().flatten().is_sorted() {
+            differences.note(Difference::Columns);
         }
         Content {
             lines,
             rows,
             damages,
             differences,
+            leaves_out: leaves_out || has_further,
         }
     }
 }
@@ -201,30 +232,117 @@ impl Content {
 fn backward_times(rows: &[Row]) -> Vec<String> {
     let pairs = rows.windows(2);
     // A time that is no number counts.
-    let is_less = Some(Ordering::Less);
-    let wrong = pairs.filter(|pair| pair[0].t.partial_cmp(&pair[1].t) != is_less);
+    let wrong = pairs.filter(|pair| {
+        let times = pair[0].t.partial_cmp(&pair[1].t);
+        times != Some(pair[0].step.total_cmp(&pair[1].step))
+    });
     wrong
         .map(|pair| {
+            let [before, after] = [&pair[0], &pair[1]];
+            let (t, earlier) = (Number(after.t), Number(before.t));
             format!(
-                "line {} has t = {}, after t = {} in line {}",
-                pair[1].line, pair[1].t, pair[0].t, pair[0].line
+                "line {} has t = {t}, after t = {earlier} in line {}",
+                after.line, before.line
             )
         })
         .collect()
 }
 
-/// How many rows are missing, and where the first of them is.
-fn missing_rows(rows: &[Row], wanted: u64) -> Option<String> {
-    let missing = wanted.checked_sub(rows.len() as u64)?;
+/// How many rows are missing, and where.
+fn missing_rows(rows: &[Row], extent: &Extent) -> Option<String> {
+    let wanted = extent.rows;
+    let Some(missing) = wanted.checked_sub(rows.len() as u64) else {
+        return Some(format!(
+            "it has {} rows, and the run wrote {wanted}",
+            rows.len()
+        ));
+    };
+    let Some(last) = rows.last() else {
+        return (missing > 0).then(|| format!("all {wanted} rows are missing"));
+    };
     let distance = |pair: &[Row]| pair[1].step - pair[0].step;
-    let stride = rows.windows(2).map(distance).fold(f64::INFINITY, f64::min);
+    let distances = rows.windows(2).map(distance);
+    let stride = distances
+        .filter(|it| *it > 0.0)
+        .fold(f64::INFINITY, f64::min);
     let gap = rows.windows(2).find(|pair| distance(pair) > stride);
-    let place = gap.map_or_else(
-        || "before the first".to_owned(),
-        |pair| format!("between the steps {} and {}", pair[0].step, pair[1].step),
-    );
-    (missing > 0)
-        .then(|| format!("{missing} of {wanted} rows are missing, the first of them {place}"))
+    // The rows after the last one, where they are as far from each other as the others.
+    let to_end = extent.last_step.map_or(0.0, |end| end as f64 - last.step);
+    let at_end = if stride.is_finite() {
+        to_end / stride
+    } else {
+        to_end
+    };
+    let place = match gap {
+        Some(pair) => format!(
+            "the first of them between the steps {} and {}",
+            pair[0].step, pair[1].step
+        ),
+        None if at_end == 0.0 => "the first ones".to_owned(),
+        None if at_end < missing as f64 => "the last ones among them".to_owned(),
+        None => "the last ones".to_owned(),
+    };
+    (missing > 0).then(|| format!("{missing} of {wanted} rows are missing, {place}"))
+}
+
+/// Which columns are missing.
+fn missing_columns(places: &[Option<usize>], names: &[String]) -> Option<String> {
+    let missing = places.iter().zip(names);
+    let missing = missing.filter_map(|(place, name)| place.is_none().then_some(name.as_str()));
+    let missing: Vec<&str> = missing.collect();
+    let named = missing[..missing.len().min(DESCRIBED)].join(", ");
+    match missing.len() {
+        0 => None,
+        1 => Some(format!("the column {named} is missing, and left empty")),
+        2..=DESCRIBED => Some(format!("the columns {named} are missing, and left empty")),
+        more => Some(format!(
+            "{more} columns are missing, and left empty: {named}, …"
+        )),
+    }
+}
+
+/// Which numbers are not those that the run wrote.
+fn changed_numbers(rows: &[Row], lines: &str, extent: &Extent) -> String {
+    let found = Checks::of(rows.iter().map(|row| &lines[row.place.clone()]));
+    let columns = extent.checks.different_columns(&found);
+    let names = columns
+        .iter()
+        .filter_map(|&column| extent.columns.get(column));
+    let names: Vec<&str> = names.map(String::as_str).collect();
+    let places: Vec<usize> = match extent.checks.different_rows(&found) {
+        Some(among) => {
+            let end = usize::try_from(among.end)
+                .unwrap_or(rows.len())
+                .min(rows.len());
+            let begin = usize::try_from(among.start).unwrap_or(end).min(end);
+            rows[begin..end].iter().map(|row| row.line).collect()
+        }
+        None => Vec::new(),
+    };
+    let first = places.iter().min().copied();
+    let last = places.iter().max().copied();
+    let of_lines = match (first, last) {
+        (Some(first), Some(last)) if first == last => format!("line {first}"),
+        (Some(first), Some(last)) if last == first + 1 => {
+            format!("in the lines {first} and {last}")
+        }
+        (Some(first), Some(last)) => format!("between the lines {first} and {last}"),
+        _ => "in it".to_owned(),
+    };
+    let of_columns = match &names[..] {
+        [] => String::new(),
+        [name] => format!(", column {name}"),
+        names if names.len() <= DESCRIBED => format!(", columns {}", names.join(", ")),
+        names => format!(", {} columns", names.len()),
+    };
+    let what = match (first == last, &names[..]) {
+        (true, [_]) => "the number is not the one that the run wrote, and stays as it stands",
+        _ => {
+            "numbers are not those that the run wrote (a spreadsheet keeps 15 digits of them), and \
+             stay as they stand"
+        }
+    };
+    format!("{of_lines}{of_columns}: {what}")
 }
 
 fn damage_words(path: &Path, damages: &[String]) -> String {

@@ -11,28 +11,95 @@ use std::time::Duration;
 /// How long a pipe may have nobody who writes.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// The text of a file: see [`read_bytes`].
+/// The text of a file that a person names: see [`read_bytes`].
 ///
 /// # Errors
 /// Those of [`read_bytes`], or that it is no text.
 pub(super) fn read_text(path: &Path, limit: u64) -> io::Result<String> {
-    let bytes = read_bytes(path, limit)?;
-    let text = match bytes.first_chunk().copied() {
-        Some([0xff, 0xfe]) => utf_16(&bytes, u16::from_le_bytes),
-        Some([0xfe, 0xff]) => utf_16(&bytes, u16::from_be_bytes),
-        _ => String::from_utf8(bytes).ok(),
+    text(read_bytes(path, limit)?)
+}
+
+/// The text of a file of a run's folder: see [`read_file`].
+///
+/// # Errors
+/// Those of [`read_file`], or that it is no text.
+pub(super) fn read_file_text(path: &Path, limit: u64) -> io::Result<String> {
+    text(read_file(path, limit)?)
+}
+
+/// As [`read_file_text`], but what is no letter is � there.
+///
+/// # Errors
+/// Those of [`read_file`].
+pub(super) fn read_file_lossy(path: &Path, limit: u64) -> io::Result<String> {
+    let bytes = read_file(path, limit)?;
+    Ok(match utf_16_unit(&bytes) {
+        Some(unit) => {
+            let units = bytes.as_chunks().0.iter().map(|pair| unit(*pair));
+            let letters = char::decode_utf16(units);
+            let letter = |letter: Result<char, _>| letter.unwrap_or(char::REPLACEMENT_CHARACTER);
+            letters.map(letter).collect()
+        }
+        None => match String::from_utf8(bytes) {
+            Ok(text) => text,
+            Err(wrong) => String::from_utf8_lossy(wrong.as_bytes()).into_owned(),
+        },
+    })
+}
+
+fn text(bytes: Vec<u8>) -> io::Result<String> {
+    let text = match utf_16_unit(&bytes) {
+        Some(unit) => utf_16(&bytes, unit),
+        None => String::from_utf8(bytes).ok(),
     };
     let wrong = "it is no text in UTF-8, nor in UTF-16 with a byte-order mark";
     text.ok_or_else(|| io::Error::new(io::ErrorKind::InvalidData, wrong))
 }
 
-/// Text in UTF-16, as some spreadsheets save it.
+/// How the bytes of a unit make it, where a byte-order mark says that the text is in UTF-16, as some
+/// spreadsheets save it.
+fn utf_16_unit(bytes: &[u8]) -> Option<fn([u8; 2]) -> u16> {
+    match bytes.first_chunk() {
+        Some([0xff, 0xfe]) => Some(u16::from_le_bytes),
+        Some([0xfe, 0xff]) => Some(u16::from_be_bytes),
+        _ => None,
+    }
+}
+
 fn utf_16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> Option<String> {
     let (pairs, []) = bytes.as_chunks() else {
         return None;
     };
     let units = pairs.iter().map(|pair| unit(*pair));
     char::decode_utf16(units).collect::<Result<_, _>>().ok()
+}
+
+/// Opens a file for reading that must be a regular one: a pipe would wait for a writer, and some devices
+/// have no end.
+///
+/// # Errors
+/// What the system says, or that it is no regular file.
+pub(super) fn open_file(path: &Path) -> io::Result<File> {
+    let metadata = fs::metadata(path)?;
+    if metadata.is_dir() {
+        return Err(io::Error::new(
+            io::ErrorKind::IsADirectory,
+            "it is a folder",
+        ));
+    }
+    if !metadata.is_file() {
+        let message = "it is a pipe, a socket or a device, not a file";
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
+    }
+    File::open(path)
+}
+
+/// The bytes of a regular file, at most `limit` of them.
+///
+/// # Errors
+/// Those of [`open_file`], or that it is too large.
+pub(super) fn read_file(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
+    read_all(open_file(path)?, limit)
 }
 
 /// The bytes of a file, at most `limit` of them. A pipe will do where somebody writes into it, as what
@@ -42,23 +109,24 @@ fn utf_16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> Option<String> {
 /// What the system says, or that it is too large, a device, or a pipe without a writer.
 pub(super) fn read_bytes(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
     let metadata = fs::metadata(path)?;
-    let file = if metadata.is_dir() {
-        return Err(io::ErrorKind::IsADirectory.into());
-    } else if metadata.is_file() {
-        if metadata.len() > limit {
-            return Err(too_large(limit));
-        }
-        File::open(path)?
-    } else if is_pipe(&metadata) {
-        open_pipe(path)?
-    } else {
-        let file = File::open(path)?;
-        if !file.is_terminal() {
-            let message = "it is a device, not a file";
-            return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
-        }
-        file
-    };
+    if metadata.is_dir() || metadata.is_file() {
+        return read_file(path, limit);
+    }
+    if is_pipe(&metadata) {
+        return read_all(open_pipe(path)?, limit);
+    }
+    let file = File::open(path)?;
+    if !file.is_terminal() {
+        let message = "it is a device, not a file";
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
+    }
+    read_all(file, limit)
+}
+
+fn read_all(file: File, limit: u64) -> io::Result<Vec<u8>> {
+    if file.metadata()?.len() > limit {
+        return Err(too_large(limit));
+    }
     let mut bytes = Vec::new();
     file.take(limit.saturating_add(1)).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > limit {
@@ -120,6 +188,12 @@ mod tests {
             let error = read_text(&path, 9).expect_err("no text");
             assert_eq!(error.kind(), io::ErrorKind::InvalidData);
         }
+        assert_eq!(read_file_lossy(&path, 9).expect("bytes"), "\u{fffd}");
+        fs::write(&path, b"\xff\xfef\0\0\xd8x\0\0").expect("it is written");
+        assert_eq!(
+            read_file_lossy(&path, 9).expect("bytes"),
+            "\u{feff}f\u{fffd}x"
+        );
         let error = read_text(folder.path(), 9).expect_err("a folder");
         assert_eq!(error.kind(), io::ErrorKind::IsADirectory);
         let error = read_text(&path.join("b"), 9).expect_err("below a file");
@@ -140,6 +214,11 @@ mod tests {
         };
         let error = read_text(&pipe("one"), 9).expect_err("nobody writes");
         assert_eq!(error.kind(), io::ErrorKind::TimedOut, "{error}");
+        // Of a run's folder not even one that somebody writes into.
+        let begun = std::time::Instant::now();
+        let error = read_file_text(&pipe("third"), 9).expect_err("no file");
+        assert_eq!(error.kind(), io::ErrorKind::InvalidInput, "{error}");
+        assert!(begun.elapsed() < PATIENCE);
         let path = pipe("other");
         let written = {
             let path = path.clone();

@@ -3,7 +3,7 @@
 use super::choice::Choice;
 use super::distance::Solution;
 use super::measure::Measurement;
-use crate::record::{CheckpointError, Found, LoadError, Resumption, load_scene};
+use crate::record::{CheckpointError, Found, LoadError, Resumption, load_run_scene};
 use crate::scene::Scene;
 use crate::simulation::{Simulation, SimulationError};
 use std::path::{Path, PathBuf};
@@ -80,7 +80,7 @@ impl FinishedRun {
             let path = path.to_owned();
             return Err(FinishedRunError::Nothing { path });
         }
-        let own = load_scene(path.join("scene.toml").as_os_str(), &[])?.scene;
+        let own = load_run_scene(path, &[])?.scene;
         let Found::Run(resumption) = Resumption::find(path, &own)? else {
             let path = path.to_owned();
             return Err(FinishedRunError::Nothing { path });

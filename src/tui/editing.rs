@@ -44,7 +44,8 @@ pub(super) fn file(slot: &Slot, folder: &Path) -> Result<PathBuf, String> {
             }
             Err(reason) if reason.kind() == io::ErrorKind::AlreadyExists => {
                 // An earlier copy that was not changed serves as well.
-                if std::fs::read_to_string(&path).is_ok_and(|there| there == text) {
+                if path.is_file() && std::fs::read_to_string(&path).is_ok_and(|there| there == text)
+                {
                     return Ok(path);
                 }
             }

@@ -4,7 +4,7 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use super::state::{App, Slot};
-use crate::record::{LoadError, RunFolder, load_scene};
+use crate::record::{LoadError, RunFolder, load_run_scene, load_scene};
 
 /// The scene in a run's folder.
 const SCENE_FILE: &str = "scene.toml";
@@ -49,12 +49,14 @@ pub fn open(source: &OsStr, overrides: &[String]) -> Result<Slot, LoadError> {
         .to_str()
         .is_some_and(|name| crate::scene::preset(name).is_some());
     if !is_preset && inside.is_file() {
-        let mut slot = open_file(&inside, overrides)?;
+        let loaded = load_run_scene(path, overrides)?;
+        let mut slot = Slot::new(String::new(), Some(inside), loaded.scene);
         // A run is known by its folder: "." has a name only when it is written out.
         let whole = std::path::absolute(path).unwrap_or_else(|_| path.into());
-        if let Some(name) = whole.file_name() {
-            slot.name = name.to_string_lossy().into_owned();
-        }
+        slot.name = match whole.file_name() {
+            Some(name) => name.to_string_lossy().into_owned(),
+            None => loaded.name.to_string_lossy().into_owned(),
+        };
         slot.folder = Some(path.to_owned());
         return Ok(slot);
     }

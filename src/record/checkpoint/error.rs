@@ -51,9 +51,6 @@ pub enum Problem {
     /// The state does not fit the scene.
     #[error(transparent)]
     State(RecallError),
-    /// The tables of the run are not as they were.
-    #[error("the tables are not as they were: {0}")]
-    Tables(RecordError),
 }
 
 /// Why a run cannot be taken up again. Nothing was changed.

@@ -34,7 +34,7 @@ pub(super) const RUN: Magic = *b"VESICACP";
 pub(super) const APP: Magic = *b"VESICAAP";
 
 /// Raised whenever the content becomes another.
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 
 /// Magic, version, length.
 const HEADER: usize = 8 + 4 + 8;

@@ -45,6 +45,7 @@ impl KeptRuns {
     }
 
     /// Goes on with a kept run. Its rows after the state are taken back; those of a recorded one are copied.
+    /// What is not right with its tables was noted when it was found.
     ///
     /// # Errors
     /// [`RecordError`] where its files cannot be read or written any more.
@@ -55,7 +56,7 @@ impl KeptRuns {
             reached: Some(content.memory.step()),
             ..self.begin()
         };
-        let found = Tables::find(&kept.folder, &content.tables)?;
+        let found = Tables::find(&kept.folder, &content.tables);
         match &kept.lock {
             Some(lock) => {
                 keeper.kept = Some(KeptAt {
@@ -70,7 +71,7 @@ impl KeptRuns {
                 let rows = found.rows()?;
                 let path = keeper.make_folder()?.to_owned();
                 rows.write(&path)?;
-                keeper.tables = Some(Tables::find(&path, &content.tables)?.take_up()?);
+                keeper.tables = Some(Tables::find(&path, &content.tables).take_up()?);
             }
         }
         Ok(keeper)

@@ -13,7 +13,7 @@ pub use note::KeptNote;
 
 use super::atomic::clean;
 use super::checkpoint::{APP, CheckpointError, Keeper, Problem};
-use super::folder::{all_numbered, clear, rename_numbered};
+use super::folder::{SCENE, all_numbered, clear, rename_numbered};
 use super::history::{Tables, TablesMemory};
 use super::scene_file::identity;
 use super::{Columns, Found, ReadError, RecordError, Resumption, RunFolder};
@@ -75,9 +75,7 @@ impl KeptRun {
     /// # Errors
     /// [`ReadError`].
     pub fn rows(&self) -> Result<Columns, ReadError> {
-        let mut rows = Columns::read(&self.folder)?;
-        rows.truncate(usize::try_from(self.content.tables.rows()).unwrap_or(usize::MAX));
-        Ok(rows)
+        Tables::find(&self.folder, &self.content.tables).columns()
     }
 }
 
@@ -90,6 +88,15 @@ pub struct Search {
     pub others: Vec<PathBuf>,
     /// What is to be said.
     pub notes: Vec<KeptNote>,
+}
+
+impl Search {
+    /// Says what is not right with tables.
+    fn note_tables(&mut self, remarks: Vec<String>) {
+        if !remarks.is_empty() {
+            self.notes.push(KeptNote::Tables { remarks });
+        }
+    }
 }
 
 /// The kept runs of a scene: folders `NAME-CHECKSUM`, `NAME-CHECKSUM-2`, … among those of others. The first
@@ -155,8 +162,8 @@ impl KeptRuns {
         let mut problems = Vec::new();
         for name in Keeper::names() {
             let file = path.join(name);
-            match self.read(path, &file) {
-                Ok((content, repairs)) => {
+            match self.read(&file) {
+                Ok(content) => {
                     let note = |(path, problem): (PathBuf, Problem)| KeptNote::Older {
                         aside: aside(&problem, || {
                             let damaged = folder.join(DAMAGED);
@@ -166,7 +173,8 @@ impl KeptRuns {
                         problem,
                     };
                     search.notes.extend(problems.into_iter().map(note));
-                    search.notes.extend(KeptNote::of_repairs(repairs));
+                    let tables = Tables::find(path, &content.tables);
+                    search.note_tables(tables.remarks_of_take_up());
                     search.run = Some(KeptRun {
                         content,
                         folder,
@@ -180,7 +188,7 @@ impl KeptRuns {
         }
         let Some((_, problem)) = problems.first() else {
             // It was ended before it had a state. An empty one may be about to be locked.
-            if path.join("scene.toml").exists() && clear(path).is_ok() {
+            if path.join(SCENE).exists() && clear(path).is_ok() {
                 let _ = fs::remove_dir(path);
             }
             return;
@@ -200,15 +208,13 @@ impl KeptRuns {
         });
     }
 
-    /// Reads a state, and what is to be said of the tables that go with it.
-    fn read(&self, folder: &Path, file: &Path) -> Result<(Content, Vec<String>), Problem> {
+    fn read(&self, file: &Path) -> Result<Content, Problem> {
         let content = Keeper::read::<Content>(APP, file)?;
         if content.scene != self.identity {
             let words = "its values are other ones".to_owned();
             return Err(Problem::Scene(words));
         }
-        let tables = Tables::find(folder, &content.tables).map_err(Problem::Tables)?;
-        Ok((content, tables.remarks()))
+        Ok(content)
     }
 
     fn look_at_recorded(&self, path: &Path, search: &mut Search) {
@@ -226,14 +232,8 @@ impl KeptRuns {
         let Some(content) = found.content() else {
             return;
         };
-        let repairs = match Tables::find(path, &content.tables) {
-            Ok(tables) => tables.remarks(),
-            Err(error) => {
-                let problem = error.to_string();
-                return search.notes.push(KeptNote::Recorded { folder, problem });
-            }
-        };
-        search.notes.extend(KeptNote::of_repairs(repairs));
+        // Its files stay as they are.
+        search.note_tables(Tables::find(path, &content.tables).remarks());
         if !found.problems().is_empty() {
             search.notes.push(KeptNote::RecordedOlder {
                 folder: folder.clone(),

@@ -25,11 +25,11 @@ pub enum KeptNote {
         /// Its new name, if it has one.
         aside: Option<PathBuf>,
     },
-    /// Tables were rewritten by another program, or damaged, and are mended.
-    #[error("{}", repairs.join("\n"))]
-    Repaired {
-        /// What is wrong with each, and what is done about it.
-        repairs: Vec<String>,
+    /// Tables are not as the run left them.
+    #[error("{}", remarks.join("\n"))]
+    Tables {
+        /// What is wrong with them.
+        remarks: Vec<String>,
     },
     /// No state can be used.
     #[error(
@@ -68,13 +68,6 @@ pub enum KeptNote {
         /// Why not, or what is wrong with a part of it.
         problem: String,
     },
-}
-
-impl KeptNote {
-    /// Of tables, if there is anything to be said of them.
-    pub(super) fn of_repairs(repairs: Vec<String>) -> Option<KeptNote> {
-        (!repairs.is_empty()).then_some(KeptNote::Repaired { repairs })
-    }
 }
 
 fn put_aside(aside: &Option<PathBuf>) -> String {

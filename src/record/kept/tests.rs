@@ -160,7 +160,7 @@ fn a_table_that_another_program_has_rewritten_is_told_when_its_run_is_found() {
     fs::write(&table, &rewritten).unwrap();
     let search = place.runs.find();
     assert!(
-        matches!(&search.notes[..], [KeptNote::Repaired { repairs }] if repairs.len() == 1),
+        matches!(&search.notes[..], [KeptNote::Tables { remarks }] if remarks.len() == 1),
         "{}",
         notes(&search)
     );
@@ -274,14 +274,73 @@ fn a_damaged_state_is_put_aside_and_the_one_before_is_taken() {
 }
 
 #[test]
-fn a_table_that_was_cut_is_told_and_nothing_of_it_is_lost() {
+fn a_table_that_was_cut_is_told_and_the_run_goes_on_with_what_there_is() {
     let mut place = place();
     let folder = place.kept(2);
-    fs::write(folder.join("history.csv"), "step,t\n").unwrap();
+    let history = folder.join("history.csv");
+    let text = fs::read_to_string(&history).unwrap();
+    let two: String = text.split_inclusive('\n').take(2).collect();
+    for (change, words, left) in [
+        (two.as_str(), "2 of 3 rows are missing", vec![0.0]),
+        (
+            "step,t\n",
+            "all 3 rows are missing; 12 columns are missing",
+            vec![],
+        ),
+        ("\0rubbish", "cannot be read", vec![]),
+    ] {
+        fs::write(&history, change).unwrap();
+        let search = place.runs.find();
+        assert!(notes(&search).contains(words), "{}", notes(&search));
+        let run = search.run.as_ref().expect("it goes on");
+        assert_eq!((run.step(), steps(&run.rows().unwrap())), (2, left));
+    }
     let search = place.runs.find();
-    assert!(search.run.is_none());
-    assert!(notes(&search).contains("history.csv"), "{}", notes(&search));
+    let kept = folder.join("history.csv.as-found");
+    let words = format!("what was found is kept as {}", kept.display());
+    assert!(notes(&search).ends_with(&words), "{}", notes(&search));
+    let run = search.run.unwrap();
+    let mut keeper = place.runs.go_on(&run).unwrap();
+    assert_eq!(fs::read(kept).unwrap(), b"\0rubbish");
+    keeper.step(place.simulation.report());
+    place.advance(&mut keeper);
+    place.keep(&mut keeper);
+    drop((keeper, run));
+    let search = place.runs.find();
+    assert!(search.notes.is_empty(), "{}", notes(&search));
+    assert_eq!(steps(&search.run.unwrap().rows().unwrap()), [3.0]);
     assert_eq!(place.names().len(), 1);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_in_the_place_of_a_run_is_not_waited_for() {
+    let mut place = place();
+    let folder = place.kept(1);
+    let pipe = |path: &Path| {
+        let made = std::process::Command::new("mkfifo").arg(path).status();
+        assert!(made.unwrap().success());
+    };
+    for file in ["history.csv", "shape.csv", "ledger.csv", "scene.toml"] {
+        fs::remove_file(folder.join(file)).unwrap();
+        pipe(&folder.join(file));
+    }
+    pipe(&PathBuf::from(format!("{}-2", folder.display())));
+    let search = place.runs.find();
+    assert!(
+        notes(&search).contains("it is a pipe"),
+        "{}",
+        notes(&search)
+    );
+    assert_eq!(search.run.expect("it is found").step(), 1);
+    fs::rename(&folder, folder.with_file_name("elsewhere")).unwrap();
+    pipe(&folder);
+    assert!(place.runs.find().run.is_none());
+    assert!(place.runs.find_in(&folder).run.is_none());
+    assert_eq!(
+        place.kept(1),
+        PathBuf::from(format!("{}-3", folder.display()))
+    );
 }
 
 #[test]

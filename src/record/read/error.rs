@@ -1,9 +1,13 @@
 //! Why a run's folder cannot be read back.
 
 use super::super::LoadError;
+use super::super::shortened::shortened_to;
 use crate::fem::FemError;
 use std::io;
 use std::path::PathBuf;
+
+/// Letters of what is wrong with XML, in which names are quoted, at most.
+const LONGEST_REASON: usize = 160;
 
 /// A run's folder cannot be read back.
 #[derive(Debug, thiserror::Error)]
@@ -73,7 +77,11 @@ pub enum ReadError {
         text: String,
     },
     /// A VTU file is not XML.
-    #[error("{} is damaged: it is not XML: {reason}", path.display())]
+    #[error(
+        "{} is damaged: it is not XML: {}",
+        path.display(),
+        shortened_to(&reason.to_string(), LONGEST_REASON)
+    )]
     Xml {
         /// The file.
         path: PathBuf,

@@ -1,6 +1,6 @@
 //! The fields of a VTU file, as this program writes it.
 
-use super::super::whole::read_text;
+use super::super::whole::read_file_text;
 use super::{LARGEST, ReadError, WrongArray};
 use crate::fem::Mesh;
 use crate::scheme::State;
@@ -25,7 +25,7 @@ pub struct StoredFields {
 /// # Errors
 /// [`ReadError`]: which file, which array, and what is wrong with it.
 pub fn read_fields(path: &Path) -> Result<StoredFields, ReadError> {
-    let text = read_text(path, LARGEST).map_err(|reason| ReadError::Unreadable {
+    let text = read_file_text(path, LARGEST).map_err(|reason| ReadError::Unreadable {
         path: path.to_owned(),
         reason,
     })?;

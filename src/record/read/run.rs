@@ -1,7 +1,7 @@
 //! A run's folder, read back.
 
-use super::super::folder::FIELDS;
-use super::super::{Columns, LoadedScene, load_scene};
+use super::super::folder::{FIELDS, SCENE};
+use super::super::{Columns, LoadedScene, load_run_scene};
 use super::{ReadError, read_fields};
 use crate::fem::Mesh;
 use crate::scene::Scene;
@@ -40,7 +40,7 @@ pub struct RecordedRun {
 /// # Errors
 /// [`ReadError`]: what is missing or damaged.
 pub fn read_run(folder: &Path) -> Result<RecordedRun, ReadError> {
-    for missing in ["scene.toml", "history.csv"] {
+    for missing in [SCENE, "history.csv"] {
         if !folder.join(missing).exists() {
             return Err(ReadError::NotARun {
                 folder: folder.to_owned(),
@@ -48,7 +48,7 @@ pub fn read_run(folder: &Path) -> Result<RecordedRun, ReadError> {
             });
         }
     }
-    let LoadedScene { scene, .. } = load_scene(folder.join("scene.toml").as_os_str(), &[])?;
+    let LoadedScene { scene, .. } = load_run_scene(folder, &[])?;
     let history = Columns::read(folder)?;
     let mut mesh: Option<(Arc<Mesh>, PathBuf)> = None;
     let mut fields: Vec<RecordedFields> = Vec::new();

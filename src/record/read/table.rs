@@ -2,7 +2,8 @@
 
 use super::super::Columns;
 use super::super::lenient::LenientTable;
-use super::super::whole::read_text;
+use super::super::shortened::shortened;
+use super::super::whole::read_file_text;
 use super::{LARGEST, ReadError};
 use std::path::Path;
 
@@ -12,11 +13,19 @@ use std::path::Path;
 /// # Errors
 /// [`ReadError`] with line and column.
 pub(in super::super) fn read_table(path: &Path) -> Result<Columns, ReadError> {
-    let text = read_text(path, LARGEST).map_err(|reason| ReadError::Unreadable {
+    let text = read_file_text(path, LARGEST).map_err(|reason| ReadError::Unreadable {
         path: path.to_owned(),
         reason,
     })?;
-    let whole = text.rfind('\n').map_or("", |end| &text[..=end]);
+    parse_table(path, &text)
+}
+
+/// As [`read_table`], of the text of the file.
+///
+/// # Errors
+/// [`ReadError`] with line and column.
+pub(in super::super) fn parse_table(path: &Path, text: &str) -> Result<Columns, ReadError> {
+    let whole = text.rfind(['\n', '\r']).map_or("", |end| &text[..=end]);
     let mut table = LenientTable::new(whole).ok_or_else(|| ReadError::EmptyTable {
         path: path.to_owned(),
     })?;
@@ -35,8 +44,8 @@ pub(in super::super) fn read_table(path: &Path) -> Result<Columns, ReadError> {
             column.push(table.value(cell).ok_or_else(|| ReadError::Cell {
                 path: path.to_owned(),
                 line: line.number,
-                column: name.clone(),
-                text: cell.clone().into_owned(),
+                column: shortened(name).into_owned(),
+                text: shortened(cell).into_owned(),
             })?);
         }
     }
@@ -76,6 +85,11 @@ mod tests {
         );
         let text = error("step,t\n0,0\n1,one\n");
         assert!(text.contains("line 3, column t has \"one\""), "{text}");
+        let long = "one".repeat(1 << 20);
+        let text = read(&format!("step,t\n0,{long}\n"))
+            .expect_err("damaged")
+            .to_string();
+        assert!(text.len() < 400, "{} bytes", text.len());
     }
 
     #[test]
