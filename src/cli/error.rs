@@ -231,6 +231,14 @@ pub(super) enum CliError {
     Output(#[source] io::Error),
 }
 
+/// Whether it is the scene that asks for what cannot be.
+fn is_of_scene(error: &SimulationError) -> bool {
+    matches!(
+        error,
+        SimulationError::Mesh(_) | SimulationError::NoVesicle(_) | SimulationError::Memory { .. }
+    )
+}
+
 impl CliError {
     /// The exit status of wrong arguments and wrong scenes.
     pub const USAGE: u8 = 2;
@@ -259,17 +267,14 @@ impl CliError {
                 | FigureError::Resolution { .. }
                 | FigureError::Occupied { .. }
                 | FigureError::Nothing,
-            )
-            | CliError::Study(
-                SimulationError::Mesh(_)
-                | SimulationError::NoVesicle(_)
-                | SimulationError::Memory { .. },
-            )
-            | CliError::SetUp(
-                SimulationError::Mesh(_)
-                | SimulationError::NoVesicle(_)
-                | SimulationError::Memory { .. },
             ) => CliError::USAGE,
+            CliError::Study(error)
+            | CliError::SetUp(error)
+            | CliError::Accuracy(StudyError::Failed { source: error, .. })
+                if is_of_scene(error) =>
+            {
+                CliError::USAGE
+            }
             CliError::SetUp(_)
             | CliError::Study(_)
             | CliError::Run { .. }

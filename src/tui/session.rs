@@ -286,7 +286,8 @@ impl Session {
             Effect::Drop(run) => {
                 self.logbooks.remove(&run);
                 if let Some(worker) = self.workers.remove(&run) {
-                    self.aside("end of a run", move || drop(worker))?;
+                    // Without a thread for it, it ends here, with the step in hand.
+                    let _ = self.aside("end of a run", move || drop(worker));
                 }
             }
             Effect::Discard(run) => {
@@ -366,18 +367,22 @@ impl Session {
     }
 
     /// Does something that may take long, on a thread of its own.
-    fn aside(&self, name: &str, work: impl FnOnce() + Send + 'static) -> Result<(), AppError> {
-        spawn(name, self.incoming.clone(), work)
+    ///
+    /// # Errors
+    /// In words: the system starts no thread for it.
+    fn aside(&self, name: &str, work: impl FnOnce() + Send + 'static) -> Result<(), String> {
+        let thread = spawn(name, self.incoming.clone(), work);
+        thread
             .map(|_| ())
-            .map_err(AppError::Threads)
+            .map_err(|reason| format!("the system starts no thread for it now: {reason}"))
     }
 
     fn load(
-        &self,
+        &mut self,
         open: impl FnOnce() -> Result<Slot, crate::record::LoadError> + Send + 'static,
     ) -> Result<(), AppError> {
         let incoming = self.incoming.clone();
-        self.aside("loading", move || {
+        let thread = self.aside("loading", move || {
             let loaded = open().map(|mut slot| {
                 keeping::look_for(&mut slot);
                 Box::new(slot)
@@ -385,7 +390,11 @@ impl Session {
             let loaded = loaded.map_err(|error| error.to_string());
             // If the loop has ended, nobody wants it.
             let _ = incoming.send(Incoming::Message(Message::Loaded(loaded)));
-        })
+        });
+        match thread {
+            Ok(()) => Ok(()),
+            Err(words) => self.message(Message::Loaded(Err(words))),
+        }
     }
 
     /// Prices the effects of a scene, until it is done or nobody looks any more.
@@ -394,12 +403,16 @@ impl Session {
         let end = Arc::new(AtomicBool::new(false));
         self.pricing = Some(Arc::clone(&end));
         let incoming = self.incoming.clone();
-        self.aside("pricing", move || {
+        let thread = self.aside("pricing", move || {
             // If the loop has ended, nobody wants it.
             pricing::measure(&scene, &end, &mut |text| {
                 let _ = incoming.send(Incoming::Message(Message::Prices(text)));
             });
-        })
+        });
+        match thread {
+            Ok(()) => Ok(()),
+            Err(words) => self.message(Message::Prices(words)),
+        }
     }
 
     /// Measures what a scene would take, until it is done or nobody looks any more.
@@ -408,7 +421,8 @@ impl Session {
         self.expecting = Some(Arc::clone(&end));
         let incoming = self.incoming.clone();
         let home = std::env::var_os("HOME").map(PathBuf::from);
-        self.aside("expectation", move || {
+        let asked = name.clone();
+        let thread = self.aside("expectation", move || {
             let load = || {
                 let source = opening::typed_path(&name, home);
                 let slot = opening::open(source.as_os_str(), &[]);
@@ -418,7 +432,11 @@ impl Session {
             let words = pricing::expected(scene, load, &end);
             // If the loop has ended, nobody wants it.
             let _ = incoming.send(Incoming::Message(Message::Expected(name, words)));
-        })
+        });
+        match thread {
+            Ok(()) => Ok(()),
+            Err(words) => self.message(Message::Expected(asked, Some(words))),
+        }
     }
 
     fn save_view(&mut self, picture: Arc<Picture>, slot: usize) -> Result<(), AppError> {
@@ -525,11 +543,15 @@ impl Session {
         self.terminal.give_away();
         let incoming = self.incoming.clone();
         let editor = editing::editor(|name| std::env::var(name).ok());
-        self.aside("editor", move || {
+        let thread = self.aside("editor", move || {
             let edited = editing::edit(&editor, &file).map(|()| file);
             // If the loop has ended, nobody wants it.
             let _ = incoming.send(Incoming::Edited(edited));
-        })
+        });
+        match thread {
+            Ok(()) => Ok(()),
+            Err(words) => self.edited(Err(words)),
+        }
     }
 
     fn edited(&mut self, edited: Result<PathBuf, String>) -> Result<(), AppError> {
