@@ -43,12 +43,17 @@ pub(super) enum Failure {
     Ended,
 }
 
-/// A first step of which no part is solved for so long will not be.
-const HOPELESS: Duration = Duration::from_secs(12);
+/// A first step of which no part is solved in so many attempts, each shorter than the one before, will not be.
+const HOPELESS: u64 = 20;
 
 /// Whether nothing of a run was solved, though it was tried.
 pub(super) fn is_stuck(underway: &Underway) -> bool {
     underway.step <= 1 && underway.parts == 0 && underway.refused > 0
+}
+
+/// Whether nothing of a run will be solved.
+pub(super) fn is_hopeless(underway: &Underway) -> bool {
+    is_stuck(underway) && underway.refused >= HOPELESS
 }
 
 /// Computes the scene this way for at most so long; `go_on` is asked at every step, and within one that takes
@@ -106,7 +111,7 @@ fn advance(
         }
         let mut failure = None;
         let mut leave = |underway: Option<&Underway>| {
-            let is_hopeless = underway.is_some_and(is_stuck) && watch.wall() > HOPELESS;
+            let is_hopeless = underway.is_some_and(is_hopeless);
             failure = match go_on(share) {
                 false => Some(Failure::Ended),
                 true => (is_hopeless || watch.wall() > limit).then_some(Failure::TooLong),

@@ -15,7 +15,7 @@ mod tests;
 
 use super::choice::fixed_mesh;
 use super::clock::Stopwatch;
-use super::measure::is_stuck;
+use super::measure::{is_hopeless, is_stuck};
 use crate::scene::{LinearMethod, Mesh, Scene};
 use crate::simulation::{Simulation, SimulationError, Underway, node_count, step_count};
 use patience::Patience;
@@ -52,6 +52,11 @@ impl Unsolved {
     /// Whether no part of the step was solved, though it was tried.
     pub fn is_stuck(&self) -> bool {
         self.underway.as_ref().is_some_and(is_stuck)
+    }
+
+    /// Whether it was tried so often that it will not be.
+    pub fn is_hopeless(&self) -> bool {
+        self.underway.as_ref().is_some_and(is_hopeless)
     }
 }
 

@@ -30,13 +30,16 @@ use super::watch::Watch;
 use super::{editing, heap, job_control, opening, panel, pricing};
 use crate::record::{self, Settings};
 use crate::scene::{AnchoringKind, Scene};
-use crate::simulation::{Command, Continuity, Orders, Picture, RunId, Worker};
+use crate::simulation::{Command, Continuity, Orders, Picture, RunId, Worker, free_memory};
 
 /// How long saving may hold up an end that was not asked for by a person.
 const LAST_SAVE: Duration = Duration::from_millis(1200);
 
 /// How long the steps in hand may hold up an end that a person asked for.
 const LAST_STEP: Duration = Duration::from_secs(3);
+
+/// How often it is asked how much memory there is.
+const MEMORY_ASKED: Duration = Duration::from_secs(1);
 
 /// How long the terminal may take to be put back at the end before it is helped.
 const RESTORED: Duration = Duration::from_millis(1300);
@@ -125,6 +128,7 @@ pub fn run(options: Options) -> Result<Ending, AppError> {
         queue,
         pricing: None,
         expecting: None,
+        memory_asked: None,
         quitting: false,
     };
     session.run()
@@ -150,6 +154,8 @@ struct Session {
     pricing: Option<Arc<AtomicBool>>,
     /// Where it is measured what a scene would take: likewise.
     expecting: Option<Arc<AtomicBool>>,
+    /// When it was asked last how much memory there is.
+    memory_asked: Option<Instant>,
     quitting: bool,
 }
 
@@ -266,6 +272,17 @@ impl Session {
             .iter()
             .map(|(run, worker)| (*run, worker.computing(), worker.mailbox().fetch()))
             .collect();
+        // Before older fields are stored. Nothing is there to be told where the system does not.
+        let is_due = self
+            .memory_asked
+            .is_none_or(|at| at.elapsed() >= MEMORY_ASKED);
+        if is_due
+            && fetched.iter().any(|(_, _, picture)| picture.is_some())
+            && let Some(free) = free_memory()
+        {
+            self.memory_asked = Some(Instant::now());
+            self.update(Message::FreeMemory(free.bytes))?;
+        }
         for (run, computing, picture) in fetched {
             self.update(Message::Computing(run, computing))?;
             if let Some(picture) = picture {
