@@ -2,6 +2,7 @@
 //! was about to keep is lost; so work that takes much asks beforehand.
 
 use std::fmt;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -43,6 +44,15 @@ pub struct Shortage {
 /// Bytes that are set aside and may not have been taken yet.
 static CLAIMED: Mutex<u64> = Mutex::new(0);
 
+/// Bytes that are left alone: see [`keep_free`].
+static KEPT_FREE: AtomicU64 = AtomicU64::new(0);
+
+/// Has every further claim leave so many bytes alone, for all that a program does without claiming: states that
+/// are kept, messages, threads.
+pub fn keep_free(bytes: u64) {
+    KEPT_FREE.store(bytes, Ordering::Relaxed);
+}
+
 /// Told when some of them are given back.
 static RELEASED: Condvar = Condvar::new();
 
@@ -65,7 +75,8 @@ impl Claim {
     pub fn unless(bytes: u64, leave: &mut dyn FnMut() -> bool) -> Result<Option<Self>, Shortage> {
         let mut claimed = CLAIMED.lock().unwrap_or_else(PoisonError::into_inner);
         loop {
-            match judge(bytes, *claimed, free_memory()) {
+            let kept = KEPT_FREE.load(Ordering::Relaxed);
+            match judge(bytes, kept, *claimed, free_memory()) {
                 Verdict::Fits => break,
                 Verdict::Refused(shortage) => return Err(shortage),
                 Verdict::Waits if leave() => return Ok(None),
@@ -107,14 +118,14 @@ enum Verdict {
     Refused(Shortage),
 }
 
-/// Whether so many bytes are to be had beside those that others claimed. All is well where the system does
-/// not tell what is free.
-fn judge(bytes: u64, claimed: u64, free: Option<FreeMemory>) -> Verdict {
+/// Whether so many bytes are to be had beside those that are kept free, and those that others claimed. All is
+/// well where the system does not tell what is free.
+fn judge(bytes: u64, kept: u64, claimed: u64, free: Option<FreeMemory>) -> Verdict {
     let Some(free) = free else {
         return Verdict::Fits;
     };
     // Saturates.
-    let needed = (free.bound.margin() * bytes as f64) as u64;
+    let needed = ((free.bound.margin() * bytes as f64) as u64).saturating_add(kept);
     match needed {
         _ if needed > free.bytes => Verdict::Refused(Shortage { needed, free }),
         _ if needed > free.bytes.saturating_sub(claimed) => Verdict::Waits,
@@ -127,7 +138,7 @@ fn judge(bytes: u64, claimed: u64, free: Option<FreeMemory>) -> Verdict {
 /// # Errors
 /// [`Shortage`].
 pub(super) fn check(bytes: u64, free: Option<FreeMemory>) -> Result<(), Shortage> {
-    match judge(bytes, 0, free) {
+    match judge(bytes, 0, 0, free) {
         Verdict::Refused(shortage) => Err(shortage),
         Verdict::Fits | Verdict::Waits => Ok(()),
     }
@@ -147,16 +158,18 @@ mod tests {
     #[test]
     fn what_others_have_claimed_is_waited_for_and_what_is_not_there_is_refused() {
         let machine = free(100, MemoryBound::Machine);
-        assert_eq!(judge(100, 0, machine), Verdict::Fits);
-        assert_eq!(judge(60, 50, machine), Verdict::Waits);
-        let Verdict::Refused(shortage) = judge(101, 0, machine) else {
+        assert_eq!(judge(100, 0, 0, machine), Verdict::Fits);
+        assert_eq!(judge(60, 0, 50, machine), Verdict::Waits);
+        let Verdict::Refused(shortage) = judge(101, 0, 0, machine) else {
             panic!("more than there is");
         };
         assert_eq!((shortage.needed, shortage.free.bytes), (101, 100));
         // What is ended at once beyond its bound has some room.
-        let verdict = judge(90, 0, free(100, MemoryBound::AddressSpace));
+        let verdict = judge(90, 0, 0, free(100, MemoryBound::AddressSpace));
         assert!(matches!(verdict, Verdict::Refused(_)), "{verdict:?}");
-        assert_eq!(judge(u64::MAX, u64::MAX, None), Verdict::Fits);
+        // What is kept free is not to be had by waiting.
+        assert!(matches!(judge(60, 50, 0, machine), Verdict::Refused(_)));
+        assert_eq!(judge(u64::MAX, 0, u64::MAX, None), Verdict::Fits);
         assert!(check(60, machine).is_ok() && check(101, machine).is_err());
     }
 
