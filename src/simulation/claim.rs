@@ -44,13 +44,31 @@ pub struct Shortage {
 /// Bytes that are set aside and may not have been taken yet.
 static CLAIMED: Mutex<u64> = Mutex::new(0);
 
-/// Bytes that are left alone: see [`keep_free`].
+/// Bytes that are left alone.
 static KEPT_FREE: AtomicU64 = AtomicU64::new(0);
 
-/// Has every further claim leave so many bytes alone, for all that a program does without claiming: states that
-/// are kept, messages, threads.
-pub fn keep_free(bytes: u64) {
-    KEPT_FREE.store(bytes, Ordering::Relaxed);
+/// How much that is: no claim is granted it.
+pub fn kept_free() -> u64 {
+    KEPT_FREE.load(Ordering::Relaxed)
+}
+
+/// Memory that all claims leave alone until this is dropped, for what is taken now and then without asking.
+#[derive(Debug)]
+pub(super) struct KeptFree {
+    bytes: u64,
+}
+
+impl KeptFree {
+    pub(super) fn of(bytes: u64) -> Self {
+        KEPT_FREE.fetch_add(bytes, Ordering::Relaxed);
+        Self { bytes }
+    }
+}
+
+impl Drop for KeptFree {
+    fn drop(&mut self) {
+        KEPT_FREE.fetch_sub(self.bytes, Ordering::Relaxed);
+    }
 }
 
 /// Told when some of them are given back.
@@ -75,8 +93,8 @@ impl Claim {
     pub fn unless(bytes: u64, leave: &mut dyn FnMut() -> bool) -> Result<Option<Self>, Shortage> {
         let mut claimed = CLAIMED.lock().unwrap_or_else(PoisonError::into_inner);
         loop {
-            let kept = KEPT_FREE.load(Ordering::Relaxed);
-            match judge(bytes, kept, *claimed, free_memory()) {
+            let free = free_memory();
+            match judge(bytes, kept_free(), *claimed, free) {
                 Verdict::Fits => break,
                 Verdict::Refused(shortage) => return Err(shortage),
                 Verdict::Waits if leave() => return Ok(None),

@@ -34,7 +34,7 @@ pub use crate::fem::OutlineMeasure;
 pub use crate::physics::NamedValue;
 pub use crate::scheme::{Phase, RecallError, State};
 pub use budget::{ErrorBudget, ErrorPart};
-pub use claim::{Claim, Shortage, keep_free};
+pub use claim::{Claim, Shortage, kept_free};
 pub use error::SimulationError;
 pub use event::{Event, EventKind};
 pub use free_memory::{FreeMemory, MemoryBound, free_memory};

@@ -31,7 +31,7 @@ use super::{editing, heap, job_control, opening, panel, pricing};
 use crate::record::{self, Settings};
 use crate::scene::{AnchoringKind, Scene};
 use crate::simulation::{
-    Command, Continuity, Orders, Picture, RunId, Worker, free_memory, keep_free,
+    Command, Continuity, Orders, Picture, RunId, Worker, free_memory, kept_free,
 };
 
 /// How long saving may hold up an end that was not asked for by a person.
@@ -39,10 +39,6 @@ const LAST_SAVE: Duration = Duration::from_millis(1200);
 
 /// How long the steps in hand may hold up an end that a person asked for.
 const LAST_STEP: Duration = Duration::from_secs(3);
-
-/// Bytes that further runs, older fields and drawings leave alone once there is a run: a state that is kept is copied
-/// and written, a few megabytes a run.
-const KEPT_FREE: u64 = 16 << 20;
 
 /// How often it is asked how much memory there is.
 const MEMORY_ASKED: Duration = Duration::from_secs(1);
@@ -287,8 +283,7 @@ impl Session {
             && let Some(free) = free_memory()
         {
             self.memory_asked = Some(Instant::now());
-            keep_free(KEPT_FREE);
-            let free = free.bytes.saturating_sub(KEPT_FREE);
+            let free = free.bytes.saturating_sub(kept_free());
             self.update(Message::FreeMemory(free))?;
         }
         for (run, computing, picture) in fetched {
