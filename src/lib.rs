@@ -16,3 +16,8 @@ mod signals;
 pub mod simulation;
 pub mod study;
 pub mod tui;
+
+/// Counts what each thread holds, as in the program, for the tests of what is needed.
+#[cfg(test)]
+#[global_allocator]
+static ALLOCATOR: study::CountingAllocator = study::CountingAllocator;

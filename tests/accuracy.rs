@@ -1,5 +1,9 @@
 //! `vesica accuracy` with runs that are finished.
 
+#[cfg(unix)]
+#[path = "common/ignored.rs"]
+mod ignored;
+
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -167,5 +171,76 @@ fn a_mesh_that_cannot_be_refined_leaves_its_files_within_bounded_memory() {
             let is_number = extension == "png" || !text.contains("NaN") && !text.contains("inf,");
             assert!(!bytes.is_empty() && is_number, "{name}.{extension}");
         }
+    }
+}
+
+/// Ctrl-C ends a study with the status that shells have for it.
+#[cfg(target_os = "linux")]
+#[test]
+fn ctrl_c_ends_a_study() {
+    const SIGINT: i32 = 2;
+    if ignored::is_ignored(SIGINT) {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let child = Command::new(env!("CARGO_BIN_EXE_vesica"))
+        .current_dir(folder.path())
+        .args(["accuracy", "case3", "--budget", "100000"])
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("vesica starts");
+    // Once it listens.
+    let status = format!("/proc/{}/status", child.id());
+    let listens = || {
+        let text = fs::read_to_string(&status).expect("it lives");
+        let mask = text.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+        let mask = u64::from_str_radix(mask.expect("a line").trim(), 16).expect("a mask");
+        mask >> (SIGINT - 1) & 1 == 1
+    };
+    while !listens() {
+        std::thread::yield_now();
+    }
+    let killed = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
+    assert!(killed.expect("kill starts").success());
+    let output = child.wait_with_output().expect("it ends");
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(130), "{told}");
+    assert!(told.contains("ended by Ctrl-C"), "{told}");
+}
+
+/// What is wrong with the scene is no failure of a run.
+#[test]
+fn a_scene_without_a_vesicle_is_a_wrong_scene() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let scene = SCENE.replace("[0.3, 0.2]", "[0.001, 0.001]");
+    fs::write(folder.path().join("none.toml"), scene).expect("it can be written");
+    let output = vesica(folder.path(), &["accuracy", "none.toml", "--budget", "5"]);
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    assert!(told.contains("no vesicle"), "{told}");
+}
+
+/// Under a bound of memory there is a word, and a status: the program never just ends.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_study_that_does_not_fit_into_memory_says_so() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fs::write(folder.path().join("scene.toml"), SCENE).expect("it can be written");
+    for (kilobytes, status) in [(30_000, 2), (44_000, 1)] {
+        let limited =
+            format!("ulimit -v {kilobytes} && exec \"$0\" accuracy scene.toml --budget 600");
+        let output = Command::new("sh")
+            .args(["-c", &limited, env!("CARGO_BIN_EXE_vesica")])
+            .current_dir(folder.path())
+            .stdin(Stdio::null())
+            .output()
+            .expect("it starts");
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(status), "{kilobytes}: {told}");
+        assert!(told.contains("ulimit -v"), "{kilobytes}: {told}");
     }
 }

@@ -1,5 +1,9 @@
 //! `vesica figures`: the real binary, on meshes of seconds.
 
+#[cfg(unix)]
+#[path = "common/ignored.rs"]
+mod ignored;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -275,6 +279,21 @@ fn one_run_that_fails_leaves_the_others_figures() {
 #[cfg(unix)]
 #[test]
 fn an_interrupt_saves_what_was_computed() {
+    ended_by("TERM", 143);
+}
+
+/// Ctrl-C.
+#[cfg(unix)]
+#[test]
+fn ctrl_c_saves_what_was_computed() {
+    if !ignored::is_ignored(2) {
+        ended_by("INT", 130);
+    }
+}
+
+/// Ends a run by a signal when it is under way.
+#[cfg(unix)]
+fn ended_by(signal: &str, status: i32) {
     let folder = temporary();
     let path = folder.path();
     let arguments = ["figures", "circle", "--set", "mesh.cells=16", "--out", "a"];
@@ -287,10 +306,10 @@ fn an_interrupt_saves_what_was_computed() {
         std::thread::sleep(std::time::Duration::from_millis(10));
     }
     let killed = Command::new("kill")
-        .args(["-TERM", &child.id().to_string()])
+        .args([&format!("-{signal}"), &child.id().to_string()])
         .status();
     assert!(killed.expect("kill starts").success());
-    assert_eq!(child.wait().expect("it ends").code(), Some(143));
+    assert_eq!(child.wait().expect("it ends").code(), Some(status));
     let summary = fs::read_to_string(path.join("a/runs/circle/run.json")).expect("a run");
     assert!(summary.contains(r#""status": "interrupted""#), "{summary}");
     // Its folder can be drawn.
@@ -368,4 +387,40 @@ print("read", len(rows), "nodes")
     let output = output.expect("Python starts");
     assert!(output.status.success(), "{}", stderr(&output));
     assert_eq!(output.stdout, b"read 289 nodes\n");
+}
+
+/// Where there is no memory for a picture, the numbers are there, and words.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_picture_that_does_not_fit_is_told_and_the_numbers_are_saved() {
+    let folder = temporary();
+    let path = folder.path();
+    assert_status(
+        &figures(path, &["circle", "--width", "400", "--out", "a"]),
+        0,
+    );
+    let limited = "ulimit -v 60000 && exec \"$0\" figures a/runs/circle --width 10000 --out b";
+    let output = Command::new("sh")
+        .args(["-c", limited, env!("CARGO_BIN_EXE_vesica")])
+        .current_dir(path)
+        .stdin(Stdio::null())
+        .output()
+        .expect("it starts");
+    assert_status(&output, 1);
+    let told = stderr(&output);
+    assert!(
+        told.contains("needs about") && told.contains("ulimit -v"),
+        "{told}"
+    );
+    assert_eq!(
+        names(&path.join("b")).len(),
+        4,
+        "{:?}",
+        names(&path.join("b"))
+    );
+    assert!(
+        names(&path.join("b"))
+            .iter()
+            .all(|name| name.ends_with(".csv"))
+    );
 }

@@ -9,7 +9,7 @@ use crate::figure::{FigureOptions, save_study};
 use crate::record::load_scene;
 use crate::signals::EndingSignal;
 use crate::study::{
-    Budget, Choice, ErrorSize, FinishedRun, FinishedRuns, Point, Study, StudyError, chart, study,
+    Budget, ErrorSize, FinishedRun, FinishedRuns, Point, Study, StudyError, StudyNews, chart, study,
 };
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::ffi::OsString;
@@ -83,10 +83,16 @@ pub(super) fn accuracy(arguments: &Arguments) -> Result<(), CliError> {
     }
     let begun = Instant::now();
     // The bar shows the time that is used up, which never becomes less; the words, how far the run is.
-    let mut watch = |choice: &Choice, share: f64| {
+    let mut watch = |news: StudyNews| {
         let used = begun.elapsed().as_secs_f64() / budget.time.as_secs_f64();
         bar.set_position((1000.0 * used).min(1000.0) as u64);
-        bar.set_message(format!("of the budget; {choice}: {:.0} %", 100.0 * share));
+        match news {
+            StudyNews::FirstSteps => bar.set_message("of the budget; the first steps"),
+            StudyNews::Run(choice, share) => {
+                bar.set_message(format!("of the budget; {choice}: {:.0} %", 100.0 * share));
+            }
+            StudyNews::Note(words) => bar.suspend(|| output::note(words)),
+        }
         signal.received().is_none()
     };
     let result = study(&loaded.scene, budget, finished, &mut watch);
@@ -140,8 +146,8 @@ pub(super) fn accuracy(arguments: &Arguments) -> Result<(), CliError> {
 
 fn print(study: &Study) -> Result<(), CliError> {
     output::line(format_args!(
-        "{:>5}  {:>6} {:<18} {:<10} {:>9} {:>7} {:>7} {:>9} {:>9} {:>9} {:>9}",
-        "cells",
+        "{:<17}  {:>6} {:<18} {:<10} {:>9} {:>7} {:>7} {:>9} {:>9} {:>9} {:>9}",
+        "mesh",
         "nodes",
         "steps",
         "",
@@ -166,7 +172,7 @@ fn print(study: &Study) -> Result<(), CliError> {
             "Reference: {}, {} ({:.1} s); its own error in φ is {} from its mesh and {} from its steps.",
             match &reference.run {
                 Some(run) => run.clone(),
-                None => format!("{} cells", reference.cells),
+                None => reference.mesh.clone(),
             },
             reference.pace,
             reference.seconds,
@@ -214,8 +220,8 @@ fn row(point: &Point) -> String {
     };
     let errors = point.errors;
     let mut row = format!(
-        "{:>5}{} {:>6} {:<18} {how:<10} {:>9} {memory:>7} {:>7} {:>9} {:>9} {:>9} {:>9}",
-        point.cells,
+        "{:<17}{} {:>6} {:<18} {how:<10} {:>9} {memory:>7} {:>7} {:>9} {:>9} {:>9} {:>9}",
+        point.mesh,
         if point.is_own { "*" } else { " " },
         point.nodes,
         point.pace.to_string(),

@@ -277,7 +277,11 @@ impl CliError {
                 | FigureError::Nothing,
             )
             | CliError::AppFailed { is_of_scene: true } => CliError::USAGE,
-            CliError::Study(error) | CliError::SetUp(error) if error.is_of_scene() => {
+            CliError::Study(error)
+            | CliError::SetUp(error)
+            | CliError::Accuracy(StudyError::Failed { source: error, .. })
+                if error.is_of_scene() =>
+            {
                 CliError::USAGE
             }
             CliError::SetUp(_)

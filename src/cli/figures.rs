@@ -315,21 +315,27 @@ fn compute(jobs: &[Job], signal: &EndSignal) -> Vec<Outcome> {
     let bars = MultiProgress::new();
     let next = AtomicUsize::new(0);
     let outcomes: Vec<Mutex<Option<Outcome>>> = jobs.iter().map(|_| Mutex::new(None)).collect();
-    thread::scope(|scope| {
-        for _ in 0..threads.min(jobs.len()) {
-            scope.spawn(|| {
-                while let Some(job) = jobs.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let outcome = compute_one(job, signal, &bars)
-                        .unwrap_or_else(|error| Outcome::Failed(error.to_string()));
-                    let place = jobs.iter().position(|other| std::ptr::eq(other, job));
-                    if let Some(place) = place
-                        && let Ok(mut place) = outcomes[place].lock()
-                    {
-                        *place = Some(outcome);
-                    }
-                }
-            });
+    let work = || {
+        while let Some(job) = jobs.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let outcome = compute_one(job, signal, &bars)
+                .unwrap_or_else(|error| Outcome::Failed(error.to_string()));
+            let place = jobs.iter().position(|other| std::ptr::eq(other, job));
+            if let Some(place) = place
+                && let Ok(mut place) = outcomes[place].lock()
+            {
+                *place = Some(outcome);
+            }
         }
+    };
+    thread::scope(|scope| {
+        // One of them is this thread: where the system starts no other, it does all.
+        for _ in 1..threads.min(jobs.len()) {
+            let helper = thread::Builder::new().spawn_scoped(scope, work);
+            if helper.is_err() {
+                break;
+            }
+        }
+        work();
     });
     let outcome = |outcome: Mutex<Option<Outcome>>| outcome.into_inner().ok().flatten();
     let unknown = || Outcome::Failed("its thread ended too early".to_owned());

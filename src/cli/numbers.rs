@@ -1,5 +1,6 @@
 //! Numbers among the arguments, with errors that say what is allowed.
 
+use crate::study::Budget;
 use crate::tui::state::App;
 use std::time::Duration;
 
@@ -19,7 +20,7 @@ pub(super) fn count_from_one(text: &str) -> Result<u64, String> {
 
 /// A budget of time, in seconds.
 pub(super) fn budget(text: &str) -> Result<u64, String> {
-    const MOST: u64 = 1_000_000;
+    const MOST: u64 = Budget::MOST;
     text.parse()
         .ok()
         .filter(|seconds| (1..=MOST).contains(seconds))

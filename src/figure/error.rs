@@ -2,6 +2,7 @@
 
 use super::{LARGEST_WIDTH, LEAST_WIDTH};
 use crate::record::RecordError;
+use crate::simulation::Shortage;
 use std::path::PathBuf;
 
 /// A figure could not be made or saved.
@@ -45,7 +46,15 @@ pub enum FigureError {
         /// How many it should have.
         nodes: usize,
     },
-    /// The picture needs more memory than can be had.
+    /// The picture needs more memory than there is.
+    #[error("{what} needs {shortage}: draw it smaller, or where there is more memory")]
+    Memory {
+        /// What, in words.
+        what: String,
+        /// How much it needs, and what there is.
+        shortage: Shortage,
+    },
+    /// The picture is larger than any can be.
     #[error(
         "a picture of {width} × {height} px is too large: lower the width, or draw fewer scenes"
     )]

@@ -15,6 +15,7 @@ mod curves;
 mod data;
 mod drawing;
 mod error;
+mod needs;
 mod number;
 mod outline;
 mod paint;

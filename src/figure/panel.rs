@@ -1,13 +1,13 @@
 //! The picture of a state: a field in colour, the membrane, the director.
 
-use super::Director;
 use super::colour::{Colour, Scale};
 use super::data::Field;
 use super::drawing::{Drawing, Image, Rectangle};
 use super::number::{Axis, number};
 use super::outline::chain;
-use super::sampling::{Frame, sample};
+use super::sampling::{Frame, sample, sample_each};
 use super::text::{Across, Along, Label};
+use super::{Director, FigureError, needs};
 use crate::fem::{Contour, Mesh, Wall};
 use crate::physics::bending_energy_density;
 use crate::scheme::State;
@@ -74,13 +74,16 @@ pub(super) fn symbol(state: &State, field: Field) -> Label {
 }
 
 /// Draws a state in a square.
+///
+/// # Errors
+/// [`FigureError::Memory`] for its colours.
 pub(super) fn draw(
     drawing: &mut Drawing,
     place: Rectangle,
     mesh: &Mesh,
     state: &State,
     style: &Style,
-) {
+) -> Result<(), FigureError> {
     let values = values(state, style.field);
     let finer = (LEAST_SAMPLES / place.width()).ceil().max(1.0);
     // An odd factor: the centre of a pixel is then the centre of a cell.
@@ -89,18 +92,13 @@ pub(super) fn draw(
         place.width() as usize * finer,
         place.height() as usize * finer,
     ];
-    // Where this is no number, there is no domain.
-    let everywhere = vec![1.0; mesh.nodes().len()];
-    let sampled = sample(mesh, [&values, &everywhere], size[0], size[1]);
-    let colour = |[value, domain]: &[f64; 2]| match domain.is_nan() {
-        true => Colour::WHITE,
-        false => style.scale.at(*value),
-    };
-    drawing.images.push(Image {
-        place,
-        size,
-        cells: sampled.iter().map(colour).collect(),
+    let _claim = needs::colours(size)?;
+    // What no value is put into is outside of the domain.
+    let mut cells = vec![Colour::WHITE; size[0] * size[1]];
+    sample_each(mesh, [&*values], size[0], size[1], |cell, [value]| {
+        cells[cell] = style.scale.at(value);
     });
+    drawing.images.push(Image { place, size, cells });
 
     let frame = Frame::around(mesh);
     let on_picture = |at: [f64; 2]| {
@@ -134,6 +132,7 @@ pub(super) fn draw(
         0.8 * style.stroke(),
         Colour::BLACK,
     );
+    Ok(())
 }
 
 /// The director inside the vesicle, on a lattice.

@@ -32,9 +32,14 @@ pub(super) fn pixels(drawing: &Drawing) -> Result<Vec<u8>, FigureError> {
         units,
     };
     paint(drawing, units, canvas).map_err(|error| FigureError::Draw(error.to_string()))?;
-    // Nothing is transparent on white.
-    let rgb = pixmap.data().chunks_exact(4).flat_map(|rgba| &rgba[..3]);
-    Ok(rgb.copied().collect())
+    // Nothing is transparent on white. In place: a picture is large.
+    let mut pixels = pixmap.take();
+    let count = pixels.len() / 4;
+    for number in 1..count {
+        pixels.copy_within(4 * number..4 * number + 3, 3 * number);
+    }
+    pixels.truncate(3 * count);
+    Ok(pixels)
 }
 
 /// Each pixel of the image's place takes the colour of the cell that its centre is in.

@@ -33,16 +33,17 @@ impl Frame {
     }
 }
 
-/// The values of P1 functions at the centres of `columns` × `rows` equal cells of the frame, row by row
-/// from above; NaN where the mesh has no triangle.
-pub(super) fn sample<const N: usize>(
+/// Gives `put` the values of P1 functions at the centres of `columns` × `rows` equal cells of the frame, each
+/// with the cell's number, row by row from above: none where the mesh has no triangle, and twice where two
+/// meet.
+pub(super) fn sample_each<const N: usize>(
     mesh: &Mesh,
     fields: [&[f64]; N],
     columns: usize,
     rows: usize,
-) -> Vec<[f64; N]> {
+    mut put: impl FnMut(usize, [f64; N]),
+) {
     let frame = Frame::around(mesh);
-    let mut values = vec![[f64::NAN; N]; columns * rows];
     let center = |cell: usize, cells: usize| (cell as f64 + 0.5) / cells as f64;
     for (corners, gradients) in mesh.triangles().iter().zip(mesh.gradients()) {
         let places = corners.map(|node| mesh.nodes()[node as usize]);
@@ -63,11 +64,24 @@ pub(super) fn sample<const N: usize>(
                 if shares.iter().any(|share| *share < -SLACK) {
                     continue;
                 }
-                values[row * columns + column] =
-                    std::array::from_fn(|field| (0..3).map(|a| shares[a] * nodal[a][field]).sum());
+                let value = |field: usize| (0..3).map(|a| shares[a] * nodal[a][field]).sum();
+                put(row * columns + column, std::array::from_fn(value));
             }
         }
     }
+}
+
+/// Those values, NaN where the mesh has no triangle.
+pub(super) fn sample<const N: usize>(
+    mesh: &Mesh,
+    fields: [&[f64]; N],
+    columns: usize,
+    rows: usize,
+) -> Vec<[f64; N]> {
+    let mut values = vec![[f64::NAN; N]; columns * rows];
+    sample_each(mesh, fields, columns, rows, |cell, sampled| {
+        values[cell] = sampled
+    });
     values
 }
 

@@ -5,11 +5,12 @@ use super::drawing::Drawing;
 use super::provenance::{Provenance, Shown};
 use super::scalars::{self, ScalarFigure};
 use super::strip::{self, Strip};
-use super::table::{Table, state_table, strip_rows, strip_table};
+use super::table::{write_state, write_strips};
 use super::text::Label;
-use super::{Existing, FigureError, FigureOptions, curves, pixels, png, svg, view};
+use super::{Existing, FigureError, FigureOptions, curves, needs, pixels, png, svg, view};
 use crate::record::{make_folder, write_fields, write_new, write_series, write_whole};
 use crate::scene::Scene;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// Saves a view in a folder: `<name>-step-<step>`, with the field if it is not φ, as PNG, SVG, CSV (the values at the nodes) and
@@ -35,17 +36,15 @@ pub fn save_view(
     };
     let provenance = Provenance::new(what(view.field), view.command, &[shown]);
     let stem = files.stem(0);
-    files.picture(
-        &stem,
-        &view::draw(view, &label, options),
-        options,
-        &provenance,
-    )?;
-    let table = state_table(&label.file, view.mesh, (step, t), view.state);
-    files.text(&stem, "csv", table.text())?;
+    // The numbers first: a picture may be what there is no memory for.
+    files.write(&stem, "csv", |file| {
+        write_state(file, &label.file, view.mesh, (step, t), view.state)
+    })?;
     let path = files.path(&stem, "vtu");
     write_fields(&path, view.mesh, view.state, t)?;
     files.written.push(path);
+    let drawing = view::draw(view, &label, options)?;
+    files.picture(&stem, &drawing, options, &provenance)?;
     Ok(files.written)
 }
 
@@ -106,17 +105,11 @@ pub fn save_set(
     if runs.len() > 1 {
         groups.push((ALL.to_owned(), 0..runs.len()));
     }
-    // A run's rows stand in two tables, and making them takes longer than all drawing.
-    let rows: Vec<Table> = runs
-        .iter()
-        .zip(&labels)
-        .map(|(run, label)| strip_rows(&label.file, &run.mesh, &five(&run.snapshots)))
-        .collect();
     let sets: Vec<Set> = groups
         .into_iter()
         .map(|(name, range)| {
-            let (runs, labels) = (&runs[range.clone()], &labels[range.clone()]);
-            Set::new(name, runs, labels, &rows[range])
+            let (runs, labels) = (&runs[range.clone()], &labels[range]);
+            Set::new(name, runs, labels)
         })
         .collect();
     let stems: Vec<String> = sets.iter().flat_map(Set::stems).collect();
@@ -124,13 +117,17 @@ pub fn save_set(
         return Err(FigureError::Nothing);
     }
     let mut files = Files::claim(folder, stems, &["png", "svg", "csv", "pvd"], options)?;
+    // The numbers first: a picture may be what there is no memory for.
     for set in &sets {
-        set.save(&mut files, options)?;
+        set.save_tables(&mut files)?;
     }
     if options.fields {
         for (run, label) in runs.iter().zip(&labels) {
             save_fields(run, label, &mut files)?;
         }
+    }
+    for set in &sets {
+        set.save_pictures(&mut files, options)?;
     }
     Ok(files.written)
 }
@@ -168,20 +165,13 @@ struct Set<'a> {
     runs: &'a [RunData],
     labels: &'a [RunLabel],
     strips: Vec<Vec<&'a Snapshot>>,
-    strip_rows: &'a [Table],
     scalars: Vec<ScalarFigure>,
 }
 
 impl<'a> Set<'a> {
-    fn new(
-        name: String,
-        runs: &'a [RunData],
-        labels: &'a [RunLabel],
-        strip_rows: &'a [Table],
-    ) -> Self {
+    fn new(name: String, runs: &'a [RunData], labels: &'a [RunLabel]) -> Self {
         Set {
             name,
-            strip_rows,
             runs,
             labels,
             strips: runs.iter().map(|run| five(&run.snapshots)).collect(),
@@ -205,7 +195,23 @@ impl<'a> Set<'a> {
         format!("{}-{figure}", self.name)
     }
 
-    fn save(&self, files: &mut Files, options: &FigureOptions) -> Result<(), FigureError> {
+    fn save_tables(&self, files: &mut Files) -> Result<(), FigureError> {
+        if self.has_strip() {
+            let labels = self.labels.iter().map(|label| &*label.file);
+            let meshes = self.runs.iter().map(|run| &*run.mesh);
+            let strips = labels.zip(meshes).zip(&self.strips);
+            let strips = strips.map(|((label, mesh), strip)| (label, mesh, &strip[..]));
+            let stem = files.renamed(&self.stem(SNAPSHOTS));
+            files.write(&stem, "csv", |file| write_strips(file, strips))?;
+        }
+        for figure in &self.scalars {
+            let stem = files.renamed(&self.stem(figure.file));
+            files.text(&stem, "csv", figure.table.text())?;
+        }
+        Ok(())
+    }
+
+    fn save_pictures(&self, files: &mut Files, options: &FigureOptions) -> Result<(), FigureError> {
         if self.has_strip() {
             self.save_strip(files, options)?;
         }
@@ -228,14 +234,11 @@ impl<'a> Set<'a> {
             });
             let stem = files.renamed(&self.stem(figure.file));
             files.picture(&stem, &drawing, options, &provenance)?;
-            files.text(&stem, "csv", figure.table.text())?;
         }
         Ok(())
     }
 
     fn save_strip(&self, files: &mut Files, options: &FigureOptions) -> Result<(), FigureError> {
-        let mut table = strip_table();
-        self.strip_rows.iter().for_each(|rows| table.append(rows));
         let mut strips = Vec::new();
         for ((run, label), snapshots) in self.runs.iter().zip(self.labels).zip(&self.strips) {
             if !snapshots.is_empty() {
@@ -251,8 +254,7 @@ impl<'a> Set<'a> {
             times.map(|snapshot| (snapshot.step, snapshot.t)).collect()
         });
         let stem = files.renamed(&self.stem(SNAPSHOTS));
-        files.picture(&stem, &strip::draw(&strips, options), options, &provenance)?;
-        files.text(&stem, "csv", table.text())
+        files.picture(&stem, &strip::draw(&strips, options)?, options, &provenance)
     }
 
     fn provenance(&self, what: &str, times: impl Fn(usize) -> Vec<(u64, f64)>) -> Provenance {
@@ -357,20 +359,23 @@ impl Files {
         self.folder.join(format!("{stem}.{extension}"))
     }
 
-    fn write(&mut self, stem: &str, extension: &str, content: &[u8]) -> Result<(), FigureError> {
+    fn write(
+        &mut self,
+        stem: &str,
+        extension: &str,
+        content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<(), FigureError> {
         let path = self.path(stem, extension);
-        let write = if self.replace {
-            write_whole(&path, |file| file.write_all(content))
-        } else {
-            write_new(&path, |file| file.write_all(content))
-        };
-        write?;
+        match self.replace {
+            true => write_whole(&path, content)?,
+            false => write_new(&path, content)?,
+        }
         self.written.push(path);
         Ok(())
     }
 
     pub fn text(&mut self, stem: &str, extension: &str, text: &str) -> Result<(), FigureError> {
-        self.write(stem, extension, text.as_bytes())
+        self.write(stem, extension, |file| file.write_all(text.as_bytes()))
     }
 
     pub fn picture(
@@ -381,9 +386,12 @@ impl Files {
         provenance: &Provenance,
     ) -> Result<(), FigureError> {
         let (width, height, dpi) = (drawing.width, drawing.height, options.dpi);
+        let _claim = needs::picture(drawing)?;
         let picture = pixels::pixels(drawing)?;
         let file = png::encode(&picture, width, height, dpi, provenance)?;
-        self.write(stem, "png", &file)?;
+        drop(picture);
+        self.write(stem, "png", |out| out.write_all(&file))?;
+        drop(file);
         self.text(stem, "svg", &svg::encode(drawing, dpi, provenance)?)
     }
 }

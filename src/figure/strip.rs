@@ -5,7 +5,7 @@ use super::drawing::{Drawing, Rectangle};
 use super::number::number;
 use super::panel::{self, Numbers, Style};
 use super::text::{Across, Along, Label, line_height};
-use super::{FigureOptions, TEXT_SIZES_A_WIDTH, text_size};
+use super::{FigureError, FigureOptions, TEXT_SIZES_A_WIDTH, text_size};
 use crate::fem::Mesh;
 
 /// A run's strip.
@@ -25,7 +25,10 @@ fn time_label(t: f64) -> Label {
 }
 
 /// Draws the strips under each other, with one scale of colours.
-pub(super) fn draw(strips: &[Strip], options: &FigureOptions) -> Drawing {
+///
+/// # Errors
+/// [`FigureError::Memory`].
+pub(super) fn draw(strips: &[Strip], options: &FigureOptions) -> Result<Drawing, FigureError> {
     let states = || strips.iter().flat_map(|strip| &strip.snapshots);
     let scale = panel::scale(
         states().map(|snapshot| &*snapshot.state),
@@ -92,7 +95,7 @@ pub(super) fn draw(strips: &[Strip], options: &FigureOptions) -> Drawing {
                 place.left = left + column as f64 * (side + gap);
                 place.right = place.left + side;
                 let square = place.on_pixels();
-                panel::draw(&mut drawing, square, strip.mesh, &snapshot.state, &style);
+                panel::draw(&mut drawing, square, strip.mesh, &snapshot.state, &style)?;
                 let numbers = Numbers {
                     left: column == 0,
                     below: numbers_below,
@@ -115,5 +118,5 @@ pub(super) fn draw(strips: &[Strip], options: &FigureOptions) -> Drawing {
         top += 0.6 * size;
     }
     drawing.height = top.ceil() as u32;
-    drawing
+    Ok(drawing)
 }

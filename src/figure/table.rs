@@ -5,6 +5,7 @@ use crate::fem::Mesh;
 use crate::record::Number;
 use crate::scheme::State;
 use std::fmt::Write;
+use std::io;
 
 /// A table of numbers whose first column names the scene.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -33,18 +34,34 @@ impl Table {
         self.text.push('\n');
     }
 
-    /// Appends the rows of a table without a header.
-    pub fn append(&mut self, rows: &Table) {
-        self.text.push_str(&rows.text);
-    }
-
     pub fn text(&self) -> &str {
         &self.text
     }
+
+    /// Writes what there is and goes on empty, once that is much: what has a row a node is large.
+    fn pour(&mut self, file: &mut dyn io::Write, least: usize) -> io::Result<()> {
+        if self.text.len() >= least {
+            file.write_all(self.text.as_bytes())?;
+            self.text.clear();
+        }
+        Ok(())
+    }
 }
 
-/// Everything of a state: a node a row.
-pub(super) fn state_table(scene: &str, mesh: &Mesh, (step, t): (u64, f64), state: &State) -> Table {
+/// Bytes of rows that are gathered before they are written.
+const GATHERED: usize = 1 << 16;
+
+/// Writes everything of a state: a node a row.
+///
+/// # Errors
+/// The system's.
+pub(super) fn write_state(
+    file: &mut dyn io::Write,
+    scene: &str,
+    mesh: &Mesh,
+    (step, t): (u64, f64),
+    state: &State,
+) -> io::Result<()> {
     let columns = [
         "scene", "step", "t", "x", "y", "phi", "d_x", "d_y", "omega", "mu",
     ];
@@ -55,37 +72,40 @@ pub(super) fn state_table(scene: &str, mesh: &Mesh, (step, t): (u64, f64), state
         let [phi, omega, mu] = [&state.phi, &state.omega, &state.mu].map(|field| Some(field[node]));
         let place = [Some(step as f64), Some(t), Some(x), Some(y)];
         table.row(scene, place.into_iter().chain([phi, dx, dy, omega, mu]));
+        table.pour(file, GATHERED)?;
     }
-    table
+    table.pour(file, 0)
 }
 
-/// What a strip shows of its snapshots, φ and d: a node a row.
-pub(super) fn strip_table() -> Table {
+/// Writes what strips show of their snapshots, φ and d, a node a row: for each scene, by its name in files.
+///
+/// # Errors
+/// The system's.
+pub(super) fn write_strips<'a>(
+    file: &mut dyn io::Write,
+    strips: impl Iterator<Item = (&'a str, &'a Mesh, &'a [&'a Snapshot])>,
+) -> io::Result<()> {
     let columns = ["scene", "step", "t", "x", "y", "phi", "d_x", "d_y"];
-    Table::new(&columns.map(str::to_owned))
-}
-
-/// The rows of such a table for one scene.
-pub(super) fn strip_rows(scene: &str, mesh: &Mesh, snapshots: &[&Snapshot]) -> Table {
-    let mut table = Table::default();
-    for snapshot in snapshots {
-        let state = &snapshot.state;
-        for node in mesh.outer_order() {
-            let [x, y] = mesh.nodes()[node];
-            let place = [
-                Some(snapshot.step as f64),
-                Some(snapshot.t),
-                Some(x),
-                Some(y),
-            ];
-            let [dx, dy] = director_at(state, node);
-            table.row(
-                scene,
-                place.into_iter().chain([Some(state.phi[node]), dx, dy]),
-            );
+    let mut table = Table::new(&columns.map(str::to_owned));
+    for (scene, mesh, snapshots) in strips {
+        for snapshot in snapshots {
+            let state = &snapshot.state;
+            for node in mesh.outer_order() {
+                let [x, y] = mesh.nodes()[node];
+                let place = [
+                    Some(snapshot.step as f64),
+                    Some(snapshot.t),
+                    Some(x),
+                    Some(y),
+                ];
+                let [dx, dy] = director_at(state, node);
+                let cells = place.into_iter().chain([Some(state.phi[node]), dx, dy]);
+                table.row(scene, cells);
+                table.pour(file, GATHERED)?;
+            }
         }
     }
-    table
+    table.pour(file, 0)
 }
 
 fn director_at(state: &State, node: usize) -> [Option<f64>; 2] {

@@ -14,6 +14,7 @@ use crate::simulation::{NamedValue, OutlineMeasure, Report};
 use std::sync::Arc;
 
 mod files;
+mod memory;
 
 const WIDTHS: [u32; 5] = [400, 640, 1200, 2000, 4000];
 
@@ -113,7 +114,10 @@ fn drawings(runs: &[RunData], width: u32) -> Vec<(&'static str, Drawing)> {
             snapshots: data::five(&run.snapshots),
         });
     }
-    let mut drawings = vec![("strip", strip::draw(&strips, &options))];
+    let mut drawings = vec![(
+        "strip",
+        strip::draw(&strips, &options).expect("room for it"),
+    )];
     let keys = scalars::keys(&labels);
     for figure in scalars::figures(runs, &labels) {
         let title = Label::text(&labels[0].title);
@@ -153,7 +157,8 @@ fn views(run: &RunData, width: u32) -> Vec<(&'static str, Drawing)> {
     ] {
         let report = report(run.snapshots[0].step);
         let view = first_view(run, &report, field);
-        drawings.push((name, view::draw(&view, &label, &options(width))));
+        let drawing = view::draw(&view, &label, &options(width));
+        drawings.push((name, drawing.expect("room for it")));
     }
     drawings
 }

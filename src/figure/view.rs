@@ -5,10 +5,17 @@ use super::drawing::{Drawing, Rectangle};
 use super::number::number;
 use super::panel::{self, Numbers, Style};
 use super::text::{Across, Along, Label, line_height};
-use super::{FigureOptions, VIEW_TEXT_SIZES_A_WIDTH, text_size};
+use super::{FigureError, FigureOptions, VIEW_TEXT_SIZES_A_WIDTH, text_size};
 
 /// Draws the view, with its title and its time above.
-pub(super) fn draw(view: &View, label: &RunLabel, options: &FigureOptions) -> Drawing {
+///
+/// # Errors
+/// [`FigureError::Memory`].
+pub(super) fn draw(
+    view: &View,
+    label: &RunLabel,
+    options: &FigureOptions,
+) -> Result<Drawing, FigureError> {
     let size = text_size(options.width, VIEW_TEXT_SIZES_A_WIDTH);
     let scale = panel::scale(std::iter::once(view.state), view.field, options.colours);
     let style = Style {
@@ -52,7 +59,7 @@ pub(super) fn draw(view: &View, label: &RunLabel, options: &FigureOptions) -> Dr
         bottom: top + side,
     }
     .on_pixels();
-    panel::draw(&mut drawing, square, view.mesh, view.state, &style);
+    panel::draw(&mut drawing, square, view.mesh, view.state, &style)?;
     let numbers = Numbers {
         left: true,
         below: true,
@@ -61,5 +68,5 @@ pub(super) fn draw(view: &View, label: &RunLabel, options: &FigureOptions) -> Dr
     let corner = [square.right + gap, square.top];
     panel::draw_bar(&mut drawing, &scale, corner, square.height(), size, &name);
     drawing.height = (square.bottom + panel::lower_room(size) + margin).ceil() as u32;
-    drawing
+    Ok(drawing)
 }

@@ -37,11 +37,12 @@ pub fn save_study(
     let stem = files.stem(0);
     let title = format!("What accuracy costs: {}", study.scene);
     let provenance = Provenance::plain(&title, command);
-    files.picture(&stem, &draw(study, &title, options), options, &provenance)?;
+    // The numbers first: the picture may be what there is no memory for.
     files.text(&stem, "csv", &study.to_csv())?;
     let mut json = serde_json::to_string_pretty(study).unwrap_or_default();
     json.push('\n');
     files.text(&stem, "json", &json)?;
+    files.picture(&stem, &draw(study, &title, options), options, &provenance)?;
     Ok(files.written)
 }
 
@@ -110,7 +111,7 @@ fn draw(study: &Study, title: &str, options: &FigureOptions) -> Drawing {
     };
     let mut x = margin;
     for &cells in &meshes {
-        let label = Label::text(&format!("h = 1/{cells}"));
+        let label = Label::text(&study.mesh_words(cells));
         let middle = top + 0.56 * size;
         drawing.line(
             vec![[x, middle], [x + 1.8 * size, middle]],

@@ -94,6 +94,13 @@ impl Ldlt {
         let SymbolicCholeskyRaw::Supernodal(supernodes) = symbolic.raw() else {
             return Err(failed("the factor has no supernodes".to_owned()));
         };
+        // What follows takes its numbers twice: where that is not to be had, here is a word for it, and further on
+        // the end of the program.
+        let mut probe: Vec<f32> = Vec::new();
+        probe
+            .try_reserve_exact(2 * symbolic.len_val())
+            .map_err(|_| failed("not enough memory".to_owned()))?;
+        drop(probe);
         let supernodes = Supernodes::new(supernodes);
         let memory = |request: StackReq| {
             MemBuffer::try_new(request).map_err(|_| failed("not enough memory".to_owned()))

@@ -501,13 +501,10 @@ impl Scheme {
             && self.membrane.is_fast()
         {
             if self.slowness.is_proved_by(work.newton, work.krylov) {
-                self.detour = Some(Detour::from_slowness(length, self.detour));
-                self.membrane
-                    .fall_back(&self.space)
-                    .map_err(|source| StepError::Membrane {
-                        iteration: 0,
-                        source,
-                    })?;
+                // The step is solved; where there is no memory for the factor, it goes on as it did.
+                if self.membrane.fall_back(&self.space).is_ok() {
+                    self.detour = Some(Detour::from_slowness(length, self.detour));
+                }
             } else if self.slowness.is_refuted() {
                 // It takes more memory than all the rest.
                 self.membrane.let_factor_go();

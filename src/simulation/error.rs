@@ -1,53 +1,24 @@
 //! Why a run cannot start or go on.
 
-use std::fmt;
-
 use thiserror::Error;
 
-use super::free_memory::FreeMemory;
+use super::claim::Shortage;
 use super::ladder::Tried;
 use super::presence::NoVesicle;
 use crate::fem::FemError;
 use crate::linalg::LinalgError;
 use crate::scheme::{InitialError, RecallError, StepError};
 
-/// Bytes in words: three digits.
-struct Bytes(u64);
-
-impl fmt::Display for Bytes {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let megabytes = self.0 as f64 / 1e6;
-        let (value, unit) = if megabytes < 999.5 {
-            (megabytes, "MB")
-        } else {
-            (megabytes / 1e3, "GB")
-        };
-        let decimals = match value {
-            value if value < 9.995 => 2,
-            value if value < 99.95 => 1,
-            _ => 0,
-        };
-        write!(f, "{value:.decimals$} {unit}")
-    }
-}
-
 /// Why a run cannot start or go on.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SimulationError {
     /// The run would need more memory than there is.
-    #[error(
-        "a mesh {mesh} would need about {}, and {} {}: {remedy}",
-        Bytes(*needed),
-        Bytes(free.bytes),
-        free.bound
-    )]
+    #[error("a mesh {mesh} would need {shortage}: {remedy}")]
     Memory {
         /// How large the mesh is, in words.
         mesh: String,
-        /// Bytes, estimated.
-        needed: u64,
-        /// What there is.
-        free: FreeMemory,
+        /// What it needs, and what there is.
+        shortage: Shortage,
         /// What can be done.
         remedy: &'static str,
     },

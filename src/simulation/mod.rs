@@ -2,6 +2,7 @@
 //! and what happens on the way.
 
 mod budget;
+mod claim;
 mod controller;
 mod division;
 mod error;
@@ -33,6 +34,7 @@ pub use crate::fem::OutlineMeasure;
 pub use crate::physics::NamedValue;
 pub use crate::scheme::{Phase, RecallError, State};
 pub use budget::{ErrorBudget, ErrorPart};
+pub use claim::{Claim, Shortage, kept_free};
 pub use error::SimulationError;
 pub use event::{Event, EventKind};
 pub use free_memory::{FreeMemory, MemoryBound, free_memory};
@@ -51,6 +53,7 @@ pub use worker::{
 use controller::Controller;
 use division::Division;
 use last_whole::LastWhole;
+use needs::claim_memory;
 use presence::check_vesicle;
 use underway::Left;
 use warnings::NearWall;
@@ -197,7 +200,8 @@ impl Simulation {
             true => Err(SimulationError::Ended),
             false => Ok(()),
         };
-        check_memory(scene)?;
+        // Until the set-up has taken it: others that are set up meanwhile are to count with it.
+        let _claim = claim_memory(scene, &mut || go_on(SetUp::Mesh).is_err())?;
         go_on(SetUp::Mesh)?;
         let mesh = Mesh::of_unless(scene, &mut || go_on(SetUp::Mesh).is_err())?;
         go_on(SetUp::InitialState)?;

@@ -1,6 +1,7 @@
 //! What a run needs before it is begun: memory.
 
 use super::SimulationError;
+use super::claim::{self, Claim, Shortage};
 use super::free_memory::{FreeMemory, free_memory};
 use crate::scene::{Boundary, LinearMethod, Mesh, MeshSize, Order, Quadrature, Scene};
 
@@ -109,33 +110,42 @@ pub fn check_memory(scene: &Scene) -> Result<(), SimulationError> {
 }
 
 fn refuse(scene: &Scene, free: Option<FreeMemory>) -> Result<(), SimulationError> {
-    let margin = free.map_or(1.0, |free| free.bound.margin());
-    // Saturates.
-    let needed = (margin * memory_needed(scene) as f64) as u64;
-    match free {
-        Some(free) if needed > free.bytes => {
-            let (mesh, remedy) = match &scene.mesh {
-                Mesh::Structured { cells, .. } => (
-                    format!("of {cells} \u{d7} {cells} cells"),
-                    "lower mesh.cells",
-                ),
-                Mesh::Delaunay { .. } => (
-                    format!("of about {:.0} nodes", node_count(scene)),
-                    "raise mesh.size",
-                ),
-                Mesh::File(file) => (
-                    format!("of {} nodes", file.triangulation.nodes.len()),
-                    "take a coarser one",
-                ),
-            };
-            Err(SimulationError::Memory {
-                mesh,
-                needed,
-                free,
-                remedy,
-            })
-        }
-        _ => Ok(()),
+    claim::check(memory_needed(scene), free).map_err(|shortage| too_large(scene, shortage))
+}
+
+/// Sets aside what a run of the scene needs, for its set-up.
+///
+/// # Errors
+/// [`SimulationError::Memory`]; `Ended` where it was left while it waited for the claims of others.
+pub(super) fn claim_memory(
+    scene: &Scene,
+    leave: &mut dyn FnMut() -> bool,
+) -> Result<Claim, SimulationError> {
+    let claim = Claim::unless(memory_needed(scene), leave);
+    claim
+        .map_err(|shortage| too_large(scene, shortage))?
+        .ok_or(SimulationError::Ended)
+}
+
+fn too_large(scene: &Scene, shortage: Shortage) -> SimulationError {
+    let (mesh, remedy) = match &scene.mesh {
+        Mesh::Structured { cells, .. } => (
+            format!("of {cells} \u{d7} {cells} cells"),
+            "lower mesh.cells",
+        ),
+        Mesh::Delaunay { .. } => (
+            format!("of about {:.0} nodes", node_count(scene)),
+            "raise mesh.size",
+        ),
+        Mesh::File(file) => (
+            format!("of {} nodes", file.triangulation.nodes.len()),
+            "take a coarser one",
+        ),
+    };
+    SimulationError::Memory {
+        mesh,
+        shortage,
+        remedy,
     }
 }
 

@@ -60,15 +60,15 @@ pub(super) fn advice(study: &Study) -> (Option<Advice>, Vec<String>) {
         .iter()
         .find(|(cells, _)| *cells == judged.cells);
     let (space, time) = (floor.map(|(_, space)| *space), time_error(study, judged));
-    let (cells, pace, what) = (judged.cells, judged.pace, whose(study, judged));
+    let (mesh, pace, what) = (&judged.mesh, judged.pace, whose(study, judged));
     let (Some(space), Some(time)) = (space, time) else {
         let known = match (space, time) {
             (Some(space), None) => format!(
-                "At {cells} cells and {pace}{what} the error of φ from the mesh is about {space:.1e}; that of the \
+                "At {mesh} and {pace}{what} the error of φ from the mesh is about {space:.1e}; that of the \
                  steps is not known."
             ),
             (None, Some(time)) => format!(
-                "At {cells} cells and {pace}{what} the error of φ from the steps is about {time:.1e}; that of the \
+                "At {mesh} and {pace}{what} the error of φ from the steps is about {time:.1e}; that of the \
                  mesh is not known."
             ),
             _ => "What part of the error is that of the mesh and of the steps is not known."
@@ -80,11 +80,11 @@ pub(super) fn advice(study: &Study) -> (Option<Advice>, Vec<String>) {
         knob: Knob::of(space, time),
         space,
         time,
-        cells,
+        cells: judged.cells,
         pace,
     };
     let mut sentences = vec![format!(
-        "At {cells} cells and {pace}{what} the error of φ is about {space:.1e} from the mesh and {time:.1e} \
+        "At {mesh} and {pace}{what} the error of φ is about {space:.1e} from the mesh and {time:.1e} \
          from the steps: {}.",
         match advice.knob {
             Knob::Mesh => "the mesh dominates",
@@ -109,7 +109,7 @@ fn whose(study: &Study, judged: &Point) -> String {
     match judged {
         it if it.is_own => String::new(),
         it if it.cells == own.cells => " (the scene's mesh, but not its steps)".to_owned(),
-        _ => format!(" (not the scene's mesh of {} cells)", own.cells),
+        _ => format!(" (not the scene's mesh of {})", study.mesh_words(own.cells)),
     }
 }
 
@@ -143,8 +143,9 @@ fn time_error(study: &Study, point: &Point) -> Option<ErrorSize> {
     })
 }
 
-/// A reference whose own error is this part of what it measures, or more, is no measure of it.
-const COARSE: f64 = 0.5;
+/// A reference whose own error is this part of what it measures, or more, is no measure of it: about what is left
+/// where it has half the width, and the order is 2.
+const COARSE: f64 = 0.35;
 
 /// That the reference's own error is no small part of what it measures.
 fn coarse_reference(study: &Study, judged: &Point) -> Option<String> {
@@ -177,8 +178,9 @@ fn finer_mesh(study: &Study, judged: &Point) -> Option<String> {
         Some((same.1.seconds, point.seconds))
     })?;
     Some(format!(
-        "From {coarser} to {} cells took {:.1}× the time and gave {:.1}× less error from the mesh.",
-        judged.cells,
+        "From {} to {} took {:.1}× the time and gave {:.1}× less error from the mesh.",
+        study.mesh_words(coarser),
+        judged.mesh,
         pair.1 / pair.0.max(1e-9),
         before.get() / after.get(),
     ))
@@ -199,7 +201,7 @@ fn cheaper(study: &Study, judged: &Point) -> Option<String> {
     (best.seconds < 0.8 * judged.seconds).then(|| {
         let mesh = match &best.run {
             Some(run) => format!("The run {run} with {} nodes", best.nodes),
-            None => format!("{} cells", best.cells),
+            None => best.mesh.clone(),
         };
         format!(
             "{mesh} and {} ({}, {}) give the same error in {:.2} of the time.",
@@ -232,6 +234,7 @@ mod tests {
         };
         let point = |cells: usize, tolerance: f64| Point {
             cells,
+            mesh: format!("{cells} cells"),
             nodes: (cells + 1) * (cells + 1),
             pace: Pace::Tolerance(tolerance),
             quadrature: "consistent",
@@ -262,6 +265,7 @@ mod tests {
         let reference = Reference {
             run: None,
             cells: reference,
+            mesh: format!("{reference} cells"),
             nodes: (reference + 1) * (reference + 1),
             pace: Pace::Tolerance(1e-4),
             seconds: 100.0,
@@ -279,6 +283,7 @@ mod tests {
             words.filter(|it| it.contains("own error, about")).count()
         };
         assert_eq!(said(&study(180, 120)), 1);
+        assert_eq!(said(&study(210, 120)), 1);
         assert_eq!(said(&study(360, 120)), 0);
     }
 

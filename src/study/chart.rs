@@ -83,7 +83,13 @@ pub fn chart(study: &Study) -> String {
     );
     let letters = meshes.iter().enumerate();
     let mut letters: Vec<String> = letters
-        .map(|(mesh, cells)| format!("{} {cells} cells", char::from(b'a' + (mesh as u8).min(25))))
+        .map(|(mesh, cells)| {
+            format!(
+                "{} {}",
+                char::from(b'a' + (mesh as u8).min(25)),
+                study.mesh_words(*cells)
+            )
+        })
         .collect();
     let digits = runs.iter().enumerate();
     letters.extend(digits.map(|(run, name)| format!("{} {name}", run + 1)));

@@ -1,6 +1,6 @@
 //! One way to compute a scene: a mesh, steps, quadrature and iteration.
 
-use crate::scene::{InitialDirector, Time};
+use crate::scene::{InitialDirector, Time, significant};
 use crate::scene::{Iteration, Mesh, Order, Quadrature, Scene, Shape};
 use serde::Serialize;
 use std::fmt;
@@ -24,11 +24,59 @@ impl fmt::Display for Pace {
     }
 }
 
+/// What kind of mesh it is, and so what tells how fine it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum MeshKind {
+    /// Cells along each side.
+    Structured,
+    /// Generated, by the length of its edges: the scene's own, and how many of them lie along a side.
+    Generated {
+        /// mesh.size.
+        size: f64,
+        /// 1/h.
+        cells: usize,
+    },
+    /// That of a file, which has so many nodes.
+    File {
+        /// How many.
+        nodes: usize,
+    },
+}
+
+impl MeshKind {
+    fn of(scene: &Scene) -> Self {
+        match &scene.mesh {
+            Mesh::Structured { .. } => Self::Structured,
+            Mesh::Delaunay { size, .. } => Self::Generated {
+                size: *size,
+                cells: cells_of(*size),
+            },
+            Mesh::File(file) => Self::File {
+                nodes: file.triangulation.nodes.len(),
+            },
+        }
+    }
+
+    /// How fine the mesh with so many cells (1/h) is, in words.
+    pub fn words(self, cells: usize) -> String {
+        match self {
+            Self::Structured => format!("{cells} cells"),
+            Self::Generated { size, cells: own } => {
+                let size = size * own as f64 / cells as f64;
+                format!("mesh.size {}", significant(size, 3))
+            }
+            Self::File { nodes } => format!("{nodes} nodes"),
+        }
+    }
+}
+
 /// One way to compute a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Choice {
     /// 1/h.
     pub cells: usize,
+    /// What kind of mesh it is on.
+    pub mesh: MeshKind,
     /// How long steps are.
     pub pace: Pace,
     /// The rule of every integral.
@@ -39,7 +87,7 @@ pub struct Choice {
 
 impl fmt::Display for Choice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} cells and {}", self.cells, self.pace)
+        write!(f, "{} and {}", self.mesh.words(self.cells), self.pace)
     }
 }
 
@@ -48,6 +96,7 @@ impl Choice {
     pub fn of(scene: &Scene) -> Self {
         Self {
             cells: fineness(scene),
+            mesh: MeshKind::of(scene),
             pace: match scene.time.tolerance {
                 None => Pace::Step(scene.time.step),
                 Some(tolerance) => Pace::Tolerance(tolerance),
@@ -165,6 +214,26 @@ mod tests {
         let refined = refine.expect("it stays refined");
         let close = |a: f64, b: f64| (a - b).abs() < 1e-15;
         assert!(close(size, 0.015) && close(refined.size, 0.005) && refined.band == 0.1);
+    }
+
+    #[test]
+    fn a_mesh_is_told_by_what_it_is_given_by() {
+        let scene = |text: &str| {
+            let file = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n\
+                        $EndNodes\n$Elements\n2\n1 2 0 1 2 3\n2 2 0 1 3 4\n$EndElements\n";
+            let mut read = |_: &str| Ok(file.as_bytes().to_vec());
+            Scene::parse(text, "a study", &[], &mut read).expect("a scene")
+        };
+        let of = |text: &str| Choice::of(&scene(text));
+        let told = |choice: Choice| choice.mesh.words(choice.cells);
+        assert_eq!(told(of("mesh.cells = 24")), "24 cells");
+        let own = of("mesh = { kind = 'delaunay', size = 0.03 }");
+        assert_eq!(told(own), "mesh.size 0.0300");
+        assert_eq!(told(Choice { cells: 66, ..own }), "mesh.size 0.0150");
+        assert_eq!(
+            told(of("mesh = { kind = 'file', path = 'a.msh' }")),
+            "4 nodes"
+        );
     }
 
     /// Whatever the values are, and nothing else on a grid.

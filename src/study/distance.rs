@@ -19,6 +19,10 @@ use std::sync::Arc;
 /// Samples along each side.
 const SAMPLES: usize = 512;
 
+/// They are laid over the two meshes in so many bands, one after the other: where one of them lies takes 48 bytes,
+/// and all at once would take more than most runs.
+const BANDS: usize = 32;
+
 /// The state of a run at T.
 #[derive(Debug, Clone)]
 pub(super) struct Solution {
@@ -74,22 +78,12 @@ impl Solution {
         let relative = |value: f64, reference: f64| {
             ErrorSize::new((value - reference).abs() / reference.abs())
         };
-        let common = Common::of(self, reference);
-        let director = self.director.as_ref().zip(reference.director.as_ref());
-        let inside = |place: [Option<f64>; 2]| place[1].map_or(0.0, potentials::inside);
-        let phases = [&*self.phase, &*reference.phase];
+        let [phase, director] = self.square_differences(reference);
+        let root = |square: Option<f64>| ErrorSize::new(square?.sqrt());
         Errors {
-            phase: common.as_ref().and_then(|common| common.difference(phases)),
+            phase: root(phase),
             membrane: membrane_distance(&self.membrane, &reference.membrane),
-            director: director.and_then(|(own, other)| {
-                let common = common.as_ref()?;
-                let squares = [0, 1].map(|axis| {
-                    common.square([&own[axis], &other[axis]], |sample| {
-                        inside(common.at(phases, sample))
-                    })
-                });
-                ErrorSize::new((squares[0] + squares[1]).sqrt())
-            }),
+            director: root(director),
             energy: relative(self.energy, reference.energy),
             surface_area: relative(self.surface_area, reference.surface_area),
         }
@@ -97,59 +91,57 @@ impl Solution {
 
     /// ‖φ − φ*‖ in L2.
     pub(super) fn phase_error(&self, reference: &Self) -> Option<ErrorSize> {
-        Common::of(self, reference)?.difference([&self.phase, &reference.phase])
+        let [phase, _] = self.square_differences(reference);
+        ErrorSize::new(phase?.sqrt())
     }
-}
 
-/// The samples of two solutions over the rectangle that holds their common domain.
-struct Common {
-    rasters: [Raster; 2],
-    /// The area that a sample stands for.
-    cell: f64,
-}
-
-impl Common {
-    /// `None` where the two have no domain in common.
-    fn of(one: &Solution, other: &Solution) -> Option<Self> {
-        let meshes = [&*one.mesh, &*other.mesh];
+    /// ∫|φ − φ*|² and ∫ I(φ*)|d − d*|² over the common domain: `None` where there is none, and of a director
+    /// that one of the two has not.
+    fn square_differences(&self, reference: &Self) -> [Option<f64>; 2] {
+        let meshes = [&*self.mesh, &*reference.mesh];
         let [a, b] = meshes.map(Rectangle::around);
         let range = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].min(b[1])];
         let region = Rectangle {
             x: range(a.x, b.x),
             y: range(a.y, b.y),
         };
-        (region.width() > 0.0 && region.height() > 0.0).then(|| Self {
-            rasters: meshes.map(|mesh| Raster::new(mesh, region, SAMPLES, SAMPLES)),
-            cell: region.width() * region.height() / (SAMPLES * SAMPLES) as f64,
-        })
-    }
-
-    /// The values of a function of each at a sample.
-    fn at(&self, [one, other]: [&[f64]; 2], [column, row]: [usize; 2]) -> [Option<f64>; 2] {
-        [
-            self.rasters[0].at(one, column, row),
-            self.rasters[1].at(other, column, row),
-        ]
-    }
-
-    /// The difference of a function of each, in L2.
-    fn difference(&self, functions: [&[f64]; 2]) -> Option<ErrorSize> {
-        ErrorSize::new(self.square(functions, |_| 1.0).sqrt())
-    }
-
-    /// The integral of the weighted square of the difference of a function of each. Not a number where
-    /// no sample is in both.
-    fn square(&self, functions: [&[f64]; 2], weight: impl Fn([usize; 2]) -> f64) -> f64 {
-        let (mut sum, mut is_empty) = (0.0, true);
-        for row in 0..SAMPLES {
-            for column in 0..SAMPLES {
-                if let [Some(a), Some(b)] = self.at(functions, [column, row]) {
-                    sum += weight([column, row]) * (a - b) * (a - b);
+        if !(region.width() > 0.0 && region.height() > 0.0) {
+            return [None; 2];
+        }
+        let directors = self.director.as_ref().zip(reference.director.as_ref());
+        let (mut phase, mut director, mut is_empty) = (0.0, 0.0, true);
+        for band in 0..BANDS {
+            let y =
+                [band, band + 1].map(|n| region.y[0] + region.height() * n as f64 / BANDS as f64);
+            let band = Rectangle { y, ..region };
+            let rasters = meshes.map(|mesh| Raster::new(mesh, band, SAMPLES, SAMPLES / BANDS));
+            for row in 0..SAMPLES / BANDS {
+                for column in 0..SAMPLES {
+                    let at = |[one, other]: [&[f64]; 2]| {
+                        let one = rasters[0].at(one, column, row)?;
+                        Some([one, rasters[1].at(other, column, row)?])
+                    };
+                    let Some([one, other]) = at([&self.phase, &reference.phase]) else {
+                        continue;
+                    };
                     is_empty = false;
+                    phase += (one - other) * (one - other);
+                    let Some((own, others)) = directors else {
+                        continue;
+                    };
+                    for (own, others) in own.iter().zip(others) {
+                        if let Some([a, b]) = at([own, others]) {
+                            director += potentials::inside(other) * (a - b) * (a - b);
+                        }
+                    }
                 }
             }
         }
-        if is_empty { f64::NAN } else { sum * self.cell }
+        let cell = region.width() * region.height() / (SAMPLES * SAMPLES) as f64;
+        [
+            (!is_empty).then_some(cell * phase),
+            directors.filter(|_| !is_empty).map(|_| cell * director),
+        ]
     }
 }
 

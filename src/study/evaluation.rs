@@ -51,13 +51,14 @@ pub(super) fn evaluate(
         .any(|point| is_on_own_mesh(point) && point.error().is_some())
     {
         remarks.push(format!(
-            "No run on the scene's own mesh, {} cells, is among the points that were measured.",
-            own.cells
+            "No run on the scene's own mesh, {}, is among the points that were measured.",
+            own.mesh.words(own.cells)
         ));
     }
     let reference = reference.map(|(run, choice, measured)| Reference {
         run,
         cells: choice.cells,
+        mesh: choice.mesh.words(choice.cells),
         nodes: measured.nodes,
         pace: choice.pace,
         seconds: measured.seconds,

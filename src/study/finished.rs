@@ -109,6 +109,7 @@ impl FinishedRun {
                 refused: summary.refused,
                 newton: summary.newton,
                 krylov: summary.krylov,
+                underway: None,
                 estimates: summary.errors,
                 outcome: Ok(Solution::of(&simulation)),
             },

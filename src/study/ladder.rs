@@ -1,11 +1,12 @@
 //! The runs of a study, within a budget.
 //!
 //! A ladder of meshes (a quarter, a half and the whole of the scene's cells) and tolerances, the
-//! scene's own choice, another quadrature and another iteration. The cheapest run comes first; from
-//! what it took the others' prices are estimated. An answer takes a run on the scene's own mesh and a
-//! reference on a finer one: what they take is set aside, and where the budget does not pay for them the
-//! study ends at once and names one that does; before that, the first steps on the scene's mesh are tried. Of the others a run that would not fit into what is left
-//! of the budget is left out; half of the budget is for the reference, the finest mesh that it pays for.
+//! scene's own choice, another quadrature and another iteration. The first steps on the scene's mesh are tried
+//! first; from what they took the prices of runs are estimated, and better from each run that is made. An answer
+//! takes a run on the scene's own mesh and a reference on a finer one: what they take is set aside, and where the
+//! budget does not pay for them the study ends at once and names one that does. Of the others a run that would not
+//! fit into what is left of the budget is left out, the cheapest comes first; half of the budget is for the
+//! reference, on the finest mesh that it pays for.
 //! A run that fails, or is stopped, stays in the study and says so.
 
 use super::choice::{Choice, fixed_mesh};
@@ -13,9 +14,10 @@ use super::evaluation::evaluate;
 use super::finished::FinishedRuns;
 use super::measure::{Failure, Measurement, measure};
 use super::plan::{Known, known, ladder, own_mesh, price, references};
-use super::price::{Foresight, run_price};
+use super::price::{Foresight, LONGEST, Unsolved, run_price_within};
 use super::report::Study;
 use crate::scene::Scene;
+use crate::simulation::SimulationError;
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
@@ -28,23 +30,63 @@ pub struct Budget {
     pub full: bool,
 }
 
+impl Budget {
+    /// The largest that can be given, in seconds.
+    pub const MOST: u64 = 1_000_000;
+}
+
+/// What is told of a study on its way.
+#[derive(Debug, Clone, Copy)]
+pub enum StudyNews<'a> {
+    /// The first steps on the scene's mesh are tried, for what runs will take.
+    FirstSteps,
+    /// A run is under way, and how far it is, from 0 to 1.
+    Run(&'a Choice, f64),
+    /// Something to know before it goes on.
+    Note(&'a str),
+}
+
 /// Why there is no study.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum StudyError {
-    /// Not even the cheapest run came to its end.
-    #[error("not even the cheapest run ({cells} cells, {pace}) came to its end: {reason}")]
-    Nothing {
-        /// 1/h.
-        cells: usize,
-        /// How long its steps were.
-        pace: String,
+    /// A run that there must be cannot be made.
+    #[error("a run with {run}, without which there is no answer, fails: {source}")]
+    Failed {
+        /// The run.
+        run: String,
         /// Why.
-        reason: String,
+        source: SimulationError,
+    },
+    /// A step cannot be solved.
+    #[error(
+        "a run with {run}: {unsolved}. No --budget helps where it is a step that fails: see what `vesica check` \
+         says of the scene"
+    )]
+    Unsolved {
+        /// The run.
+        run: String,
+        /// How far it came.
+        unsolved: Unsolved,
+    },
+    /// The first run did not come to its end in time.
+    #[error(
+        "the cheapest run, with {run}, was stopped after {seconds:.0} s, at {:.0} % of its way: raise --budget, or \
+         give a coarser mesh",
+        100.0 * share
+    )]
+    TooLong {
+        /// The run.
+        run: String,
+        /// How long it took.
+        seconds: f64,
+        /// How far it came.
+        share: f64,
     },
     /// The budget does not pay for an answer.
     #[error(
         "a budget of {budget:.0} s is too little: a run with {own} and a reference with {reference} take \
-         about {price:.0} s, and {left:.0} s are left; give --budget {enough:.0}, or a coarser mesh"
+         about {price:.0} s, and {left:.0} s are left; {}",
+        remedy(*least, better)
     )]
     Budget {
         /// What there is, in seconds.
@@ -57,12 +99,29 @@ pub enum StudyError {
         price: f64,
         /// What is left of the budget, in seconds.
         left: f64,
-        /// With how much there is an answer, with a good reference.
-        enough: f64,
+        /// With how much there is an answer.
+        least: f64,
+        /// With how much there is one with a better reference, and on which mesh that is.
+        better: Option<(f64, String)>,
     },
     /// Whoever watches has ended it.
     #[error("the study was ended before its first run was done")]
     Ended,
+}
+
+/// What to do about a budget that does not pay for an answer.
+fn remedy(least: f64, better: &Option<(f64, String)>) -> String {
+    let most = Budget::MOST as f64;
+    match better {
+        _ if least > most => format!(
+            "no --budget up to {most:.0} pays for that: give a coarser mesh, or an earlier time.end"
+        ),
+        Some((better, mesh)) if *better <= most => format!(
+            "give --budget {better:.0}, for a reference ({mesh}) whose own error is a small part of what it \
+             measures; --budget {least:.0}, for one whose error is a third of that or more; or a coarser mesh"
+        ),
+        _ => format!("give --budget {least:.0}, or a coarser mesh"),
+    }
 }
 
 /// An estimate of a run's price may be too low by this before the run is stopped.
@@ -75,12 +134,17 @@ const REFERENCE_SHARE: f64 = 0.5;
 /// is enough: it makes the estimates better.
 const EASY: f64 = 0.05;
 
+/// The first steps on the scene's mesh may take so long before anything else is computed,
+const FIRST_STEPS: Duration = Duration::from_secs(5);
+
+/// and this part of the budget.
+const FIRST_PART: u32 = 4;
+
 /// A budget that is recommended is so many times what the runs are expected to take.
 const MARGIN: f64 = 1.3;
 
-/// Makes the runs of a study, and puts those beside them that are finished. `watch` is told which run is
-/// under way and how far it is (0 to 1), and says whether to go on; without it the study ends with what
-/// there is.
+/// Makes the runs of a study, and puts those beside them that are finished. `watch` is told what is being
+/// done, and says whether to go on; without it the study ends with what there is.
 ///
 /// # Errors
 /// [`StudyError`]: there is nothing to report.
@@ -88,7 +152,7 @@ pub fn study(
     scene: &Scene,
     budget: Budget,
     finished: FinishedRuns,
-    watch: &mut dyn FnMut(&Choice, f64) -> bool,
+    watch: &mut dyn FnMut(StudyNews) -> bool,
 ) -> Result<Study, StudyError> {
     let own = Choice::of(scene);
     let is_own_there = finished.beside.iter().any(|run| run.is_own);
@@ -112,6 +176,15 @@ pub fn study(
     };
     let is_enough = finished.against.is_some() && !finished.beside.is_empty();
     let mut is_checked = is_enough;
+    // What cannot be is refused before anything is computed in vain.
+    if !is_enough && runs.foresee(FIRST_STEPS.min(budget.time / FIRST_PART))? {
+        runs.check_budget()?;
+        runs.tell_of_reference();
+        is_checked = true;
+    }
+    if runs.ended {
+        return Err(StudyError::Ended);
+    }
     let mut made = 0;
     while !runs.ended {
         // The cheap ones first, so that prices are known better and better. The first in the list is the
@@ -121,11 +194,12 @@ pub fn study(
         if made > 0 && !is_checked && !rest.first().is_some_and(is_easy) {
             is_checked = true;
             if runs.check_budget().is_err() {
-                runs.foresee();
+                runs.foresee(LONGEST)?;
                 if runs.ended {
                     break;
                 }
                 runs.check_budget()?;
+                runs.tell_of_reference();
                 // The order may be another one now.
                 continue;
             }
@@ -140,11 +214,13 @@ pub fn study(
         }
         runs.make(next, if made == 0 { runs.left(1.0) } else { room });
         made += 1;
-        match &runs.done[0].1.outcome {
-            Ok(_) => {}
-            Err(_) if is_enough => {}
-            Err(Failure::Ended) => return Err(StudyError::Ended),
-            Err(reason) => return Err(runs.nothing(reason)),
+        if !is_enough
+            && runs
+                .done
+                .iter()
+                .all(|(_, measured)| measured.outcome.is_err())
+        {
+            runs.go_on_after_failure(&own)?;
         }
     }
     let reference = match finished.against {
@@ -185,7 +261,7 @@ struct Runs<'a> {
     done: Vec<(Choice, Measurement)>,
     /// What the run on the scene's mesh is expected to take, by its first steps.
     foreseen: Option<Known>,
-    watch: &'a mut dyn FnMut(&Choice, f64) -> bool,
+    watch: &'a mut dyn FnMut(StudyNews) -> bool,
     ended: bool,
 }
 
@@ -208,31 +284,56 @@ impl Runs<'_> {
         price(self.scene, choice, known)
     }
 
-    /// Makes the first steps of the run on the scene's mesh: they tell more than runs on meshes that may be
-    /// too coarse for the scene.
-    fn foresee(&mut self) {
+    /// Makes the first steps of the run on the scene's mesh, in so much time at most: they tell more
+    /// than runs on meshes that may be too coarse for the scene. Whether they told what it will take.
+    ///
+    /// # Errors
+    /// [`StudyError`]: the run cannot be made at all.
+    fn foresee(&mut self, limit: Duration) -> Result<bool, StudyError> {
         let (Some(choice), _) = self.missing() else {
-            return;
+            return Ok(false);
         };
-        let seconds = self.left(1.0);
-        let (begun, watch, mut is_ended) = (Instant::now(), &mut *self.watch, false);
+        if self.foreseen.is_some() {
+            return Ok(true);
+        }
+        let left = Duration::try_from_secs_f64(self.left(1.0)).unwrap_or_default();
+        let (watch, mut is_ended) = (&mut *self.watch, false);
         let mut go_on = || {
-            is_ended |= !watch(&choice, 0.0);
-            !is_ended && begun.elapsed().as_secs_f64() < seconds
+            is_ended |= !watch(StudyNews::FirstSteps);
+            !is_ended
         };
-        let price = run_price(&choice.applied_to(self.scene), &mut go_on);
+        let scene = choice.applied_to(self.scene);
+        let foresight = run_price_within(&scene, limit.min(left), &mut go_on);
         self.ended |= is_ended;
-        if let Ok(Foresight::Price(price)) = price {
-            self.foreseen = Some((choice, price.seconds));
+        match foresight {
+            Ok(Foresight::Price(price)) => {
+                self.foreseen = Some((choice, price.seconds));
+                Ok(true)
+            }
+            Ok(Foresight::Unsolved(unsolved)) if unsolved.is_hopeless() => {
+                let run = choice.to_string();
+                Err(StudyError::Unsolved { run, unsolved })
+            }
+            Ok(_) => Ok(false),
+            Err(source) => {
+                let run = choice.to_string();
+                Err(StudyError::Failed { run, source })
+            }
         }
     }
 
-    /// Which runs there must be still, and what they take: that on the scene's mesh, and a reference.
+    /// Which runs there must be still, and what they take: that on the scene's mesh, and a reference: on the
+    /// finest mesh that the budget has room for.
     fn missing(&self) -> (Option<Choice>, Option<Choice>) {
         let is_made = |wanted: &Choice| self.done.iter().any(|(choice, _)| choice == wanted);
-        let cheapest = self.references.iter();
-        let cheapest = cheapest.min_by(|a, b| self.price(a).total_cmp(&self.price(b)));
-        (self.own_mesh.filter(|own| !is_made(own)), cheapest.copied())
+        let own = self.own_mesh.filter(|own| !is_made(own));
+        let left = self.left(1.0) - own.map_or(0.0, |own| self.price(&own));
+        let fits = |choice: &&Choice| self.price(choice) <= left;
+        let finest = self.references.iter().filter(fits).map(|it| it.cells).max();
+        let on_finest = |choice: &&Choice| finest.is_none_or(|cells| cells == choice.cells);
+        let candidates = self.references.iter().filter(on_finest);
+        let cheapest = candidates.min_by(|a, b| self.price(a).total_cmp(&self.price(b)));
+        (own, cheapest.copied())
     }
 
     /// How long a run may take, so that there is time for those that there must be.
@@ -256,15 +357,6 @@ impl Runs<'_> {
         if price <= self.left(1.0) || !price.is_finite() {
             return Ok(());
         }
-        let finest = self.references.first().map(|choice| choice.cells);
-        let good = self
-            .references
-            .iter()
-            .filter(|choice| Some(choice.cells) == finest);
-        let good = good
-            .map(|choice| self.price(choice))
-            .fold(f64::INFINITY, f64::min);
-        let good = if good.is_finite() { good } else { 0.0 };
         let words =
             |choice: Option<Choice>| choice.map_or("what there is".to_owned(), |it| it.to_string());
         Err(StudyError::Budget {
@@ -273,26 +365,79 @@ impl Runs<'_> {
             reference: words(reference),
             price,
             left: self.left(1.0).max(0.0),
-            enough: round_up(MARGIN * (self.begun.elapsed().as_secs_f64() + own_price + good)),
+            least: self.advised(price),
+            better: self.better(reference.as_ref(), own_price),
         })
     }
 
-    /// Why there is nothing to report where the first run failed.
-    fn nothing(&self, reason: &Failure) -> StudyError {
-        if let (Failure::TooLong, Err(error)) = (reason, self.check_budget()) {
-            return error;
+    /// The budget that has room for what takes so long still.
+    fn advised(&self, price: f64) -> f64 {
+        round_up(MARGIN * (self.begun.elapsed().as_secs_f64() + price))
+    }
+
+    /// The budget for a reference on a finer mesh than this one's, with a run on the scene's mesh that takes so long,
+    /// and that mesh.
+    fn better(&self, reference: Option<&Choice>, own_price: f64) -> Option<(f64, String)> {
+        let finest = self.references.iter().map(|choice| choice.cells).max()?;
+        if reference.is_none_or(|reference| reference.cells >= finest) {
+            return None;
         }
-        let (first, measured) = &self.done[0];
-        StudyError::Nothing {
-            cells: first.cells,
-            pace: first.pace.to_string(),
-            reason: match reason {
-                Failure::Failed(reason) => reason.clone(),
-                _ => format!(
-                    "it was stopped after {:.0} s; raise --budget",
-                    measured.seconds
-                ),
-            },
+        let on_finest = self.references.iter().filter(|it| it.cells == finest);
+        let cheapest = on_finest.min_by(|a, b| self.price(a).total_cmp(&self.price(b)))?;
+        let budget = self.advised(own_price + self.price(cheapest));
+        Some((budget, cheapest.mesh.words(cheapest.cells)))
+    }
+
+    /// Says beforehand where the reference will be no good measure.
+    fn tell_of_reference(&mut self) {
+        let (own_mesh, reference) = self.missing();
+        let own_price = own_mesh.map_or(0.0, |choice| self.price(&choice));
+        let Some((better, mesh)) = self.better(reference.as_ref(), own_price) else {
+            return;
+        };
+        let reference = reference.map_or(String::new(), |it| it.mesh.words(it.cells));
+        let mut note = format!(
+            "the budget pays for a reference with {reference}, whose own error may be a third of what it measures, \
+             or more"
+        );
+        if better <= Budget::MOST as f64 {
+            note += &format!("; a --budget of {better:.0} pays for one with {mesh}");
+        }
+        self.ended |= !(self.watch)(StudyNews::Note(&note));
+    }
+
+    /// What to do where no run has come to its end so far.
+    ///
+    /// # Errors
+    /// [`StudyError`]: there is nothing to report.
+    fn go_on_after_failure(&self, own: &Choice) -> Result<(), StudyError> {
+        let Some((choice, measured)) = self.done.last() else {
+            return Ok(());
+        };
+        let (run, seconds) = (choice.to_string(), measured.seconds);
+        match &measured.outcome {
+            Ok(_) => Ok(()),
+            Err(Failure::Ended) => Err(StudyError::Ended),
+            // On a finer mesh there may be a vesicle.
+            Err(Failure::Failed(_)) if measured.nodes == 0 && choice.cells < own.cells => Ok(()),
+            Err(Failure::Failed(source)) => {
+                let source = source.clone();
+                Err(StudyError::Failed { run, source })
+            }
+            Err(Failure::TooLong) => {
+                let underway = measured.underway;
+                let unsolved = Unsolved { seconds, underway };
+                if unsolved.is_stuck() {
+                    return Err(StudyError::Unsolved { run, unsolved });
+                }
+                self.check_budget()?;
+                let share = measured.share;
+                Err(StudyError::TooLong {
+                    run,
+                    seconds,
+                    share,
+                })
+            }
         }
     }
 
@@ -300,10 +445,10 @@ impl Runs<'_> {
     fn without_own_steps(&self, own: &Choice) -> String {
         let price = self.price(own);
         let spent = self.begun.elapsed().as_secs_f64();
-        let hint = match price.is_finite() && !self.ended {
+        let enough = round_up(MARGIN * (spent + price) / self.share());
+        let hint = match enough <= Budget::MOST as f64 && !self.ended {
             true => format!(
-                ": they take about {price:.0} s, and a --budget of {:.0} has room for them",
-                round_up(MARGIN * (spent + price) / self.share())
+                ": they take about {price:.0} s, and a --budget of {enough:.0} has room for them"
             ),
             false => String::new(),
         };
@@ -313,7 +458,9 @@ impl Runs<'_> {
     fn measure(&mut self, choice: &Choice, seconds: f64) -> Measurement {
         let limit = Duration::try_from_secs_f64(seconds).unwrap_or_default();
         let watch = &mut *self.watch;
-        let measured = measure(self.scene, choice, limit, &mut |done| watch(choice, done));
+        let measured = measure(self.scene, choice, limit, &mut |done| {
+            watch(StudyNews::Run(choice, done))
+        });
         self.ended |= measured.outcome.as_ref().err() == Some(&Failure::Ended);
         measured
     }
@@ -355,7 +502,7 @@ mod tests {
     fn runs<'a>(
         scene: &'a Scene,
         seconds: f64,
-        watch: &'a mut dyn FnMut(&Choice, f64) -> bool,
+        watch: &'a mut dyn FnMut(StudyNews) -> bool,
     ) -> Runs<'a> {
         let own = own_mesh(&Choice::of(scene));
         let budget = Budget {
@@ -378,46 +525,107 @@ mod tests {
     #[test]
     fn a_budget_without_an_answer_is_refused_with_one_that_has_it() {
         let scene = scene(CALM);
-        let mut watch = |_: &Choice, _: f64| true;
+        let mut watch = |_: StudyNews| true;
         let error = runs(&scene, 3000.0, &mut watch).check_budget();
-        let Err(StudyError::Budget { price, enough, .. }) = error else {
+        let Err(StudyError::Budget {
+            price,
+            least,
+            better: Some((better, _)),
+            ..
+        }) = &error
+        else {
             panic!("{error:?}");
         };
-        // With half as many cells again.
-        let expected = 1000.0 * (1.0 + 1.5_f64.powf(2.6));
-        assert!((price / expected - 1.0).abs() < 1e-9, "{price}");
+        // With twice the cells, and with three times as many.
+        let [twice, thrice] = [2.0_f64, 3.0].map(|times| 1000.0 * (1.0 + times.powf(2.6)));
+        assert!((price / twice - 1.0).abs() < 1e-9, "{price}");
+        assert!((1.3 * thrice..1.4 * thrice).contains(better), "{better}");
+        let (least, better) = (*least, *better);
         let told = error.expect_err("it is one").to_string();
+        let budgets = [least, better].map(|budget| format!("--budget {budget:.0}"));
         let words = [
             "3000 s is too little",
             "24 cells and tolerance 1e-3",
-            "36 cells",
+            "48 cells",
+            "72 cells",
         ];
-        for word in words.iter().chain(&[&*format!("--budget {enough:.0}")]) {
+        for word in words.iter().chain(&budgets.each_ref().map(|it| &**it)) {
             assert!(told.contains(word), "{told}");
         }
-        // A good reference, which has twice the cells, is paid for.
-        let mut watch = |_: &Choice, _: f64| true;
-        let runs = runs(&scene, enough, &mut watch);
-        assert_eq!(runs.check_budget(), Ok(()));
-        let finest = runs
-            .references
-            .iter()
-            .find(|it| runs.price(it) < runs.left(1.0) - 1000.0);
-        assert_eq!(finest.map(|it| it.cells), Some(48));
+        // What each of them pays for is set aside, and where it is not the best that is said beforehand.
+        for (budget, cells, notes) in [(least, 48, 1), (better, 72, 0)] {
+            let mut told = Vec::new();
+            let mut watch = |news: StudyNews| {
+                if let StudyNews::Note(words) = news {
+                    told.push(words.to_owned());
+                }
+                true
+            };
+            let mut runs = runs(&scene, budget, &mut watch);
+            assert_eq!(runs.check_budget(), Ok(()));
+            assert_eq!(runs.missing().1.map(|it| it.cells), Some(cells));
+            runs.tell_of_reference();
+            drop(runs);
+            assert_eq!(told.len(), notes, "{told:?}");
+            assert!(
+                told.iter()
+                    .all(|it| it.contains("a third") && it.contains("72 cells"))
+            );
+        }
+    }
+
+    #[test]
+    fn no_budget_is_advised_that_cannot_be_given() {
+        let scene = scene(CALM);
+        for (own, advised) in [
+            (1e5, "--budget 920000, or a coarser mesh"),
+            (1e6, "no --budget up to 1000000"),
+        ] {
+            let mut watch = |_: StudyNews| true;
+            let mut runs = runs(&scene, 10.0, &mut watch);
+            runs.foreseen = runs.foreseen.map(|(choice, _)| (choice, own));
+            let told = runs.check_budget().expect_err("too little").to_string();
+            assert!(told.contains(advised), "{told}");
+            let words = runs.without_own_steps(&own_mesh(&Choice::of(&scene)));
+            assert_eq!(words.ends_with("was not run."), own == 1e6, "{words}");
+        }
+    }
+
+    #[test]
+    fn a_step_that_cannot_be_solved_is_no_matter_of_the_budget() {
+        let text = "vesicle = { shape = 'circle', radius = 0.3 }
+            mesh.cells = 12
+            membrane.interface_width = 0.1
+            solver.law_tolerance = 1e-300
+            area = {}
+            time = { tolerance = 1e-3, end = 1e-4 }";
+        let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+        let scene = Scene::parse(text, "the test", &[], &mut no_files).expect("right");
+        let budget = Budget {
+            time: Duration::from_secs(8),
+            full: false,
+        };
+        let error = study(&scene, budget, FinishedRuns::default(), &mut |_| true);
+        // By which limit it is left depends on the machine: that it is a step that fails is told in any case.
+        let told = error.expect_err("no step can be solved").to_string();
+        assert!(
+            told.contains("attempts") && !told.contains("raise --budget"),
+            "{told}"
+        );
     }
 
     #[test]
     fn what_an_answer_takes_is_set_aside() {
         let scene = scene(CALM);
-        let mut watch = |_: &Choice, _: f64| true;
-        let runs = runs(&scene, 6000.0, &mut watch);
+        let mut watch = |_: StudyNews| true;
+        let runs = runs(&scene, 14000.0, &mut watch);
         let (own, reference) = runs.missing();
         let (own, reference) = (own.expect("not made"), reference.expect("one of several"));
         let other = Choice { cells: 12, ..own };
         let close = |a: f64, b: f64| (a - b).abs() < 60.0;
         // The half of the budget, but for the run on the scene's mesh; that one leaves the reference its time.
-        assert!(close(runs.room(&other), 0.5 * 6000.0 - 1000.0));
-        assert!(close(runs.room(&own), 6000.0 - runs.price(&reference)));
+        assert!(close(runs.room(&other), 0.5 * 14000.0 - 1000.0));
+        assert!(close(runs.room(&own), 14000.0 - runs.price(&reference)));
     }
 
     #[test]

@@ -5,7 +5,7 @@ use super::clock::Stopwatch;
 use super::distance::Solution;
 use super::memory;
 use crate::scene::Scene;
-use crate::simulation::{ErrorBudget, Schedule, Simulation, SimulationError};
+use crate::simulation::{ErrorBudget, Schedule, Simulation, SimulationError, Underway};
 use std::time::Duration;
 
 /// What a run took, and what came out.
@@ -24,6 +24,8 @@ pub(super) struct Measurement {
     pub(super) refused: u64,
     pub(super) newton: u64,
     pub(super) krylov: u64,
+    /// Where the step stood that was left before its end.
+    pub(super) underway: Option<Underway>,
     /// The errors that the run itself estimated.
     pub(super) estimates: ErrorBudget,
     /// The state at T, or why there is none.
@@ -34,11 +36,24 @@ pub(super) struct Measurement {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Failure {
     /// The run failed.
-    Failed(String),
+    Failed(SimulationError),
     /// It took longer than it was allowed to.
     TooLong,
     /// Whoever watches has it ended.
     Ended,
+}
+
+/// A first step of which no part is solved in so many attempts, each shorter than the one before, will not be.
+const HOPELESS: u64 = 20;
+
+/// Whether nothing of a run was solved, though it was tried.
+pub(super) fn is_stuck(underway: &Underway) -> bool {
+    underway.step <= 1 && underway.parts == 0 && underway.refused > 0
+}
+
+/// Whether nothing of a run will be solved.
+pub(super) fn is_hopeless(underway: &Underway) -> bool {
+    is_stuck(underway) && underway.refused >= HOPELESS
 }
 
 /// Computes the scene this way for at most so long; `go_on` is asked at every step, and within one that takes
@@ -61,6 +76,7 @@ pub(super) fn measure(
         refused: 0,
         newton: 0,
         krylov: 0,
+        underway: None,
         estimates: ErrorBudget::default(),
         outcome: Err(Failure::Ended),
     };
@@ -82,7 +98,7 @@ fn advance(
     let mut simulation =
         Simulation::new_unless(scene, &mut |_| !go_on(0.0)).map_err(|error| match error {
             SimulationError::Ended => Failure::Ended,
-            error => Failure::Failed(error.to_string()),
+            error => Failure::Failed(error),
         })?;
     simulation.follow(&schedule);
     measurement.nodes = simulation.mesh().nodes().len();
@@ -94,23 +110,28 @@ fn advance(
             return Ok(Solution::of(&simulation));
         }
         let mut failure = None;
-        let mut leave = || {
+        let mut leave = |underway: Option<&Underway>| {
+            let is_hopeless = underway.is_some_and(is_hopeless);
             failure = match go_on(share) {
                 false => Some(Failure::Ended),
-                true => (watch.wall() > limit).then_some(Failure::TooLong),
+                true => (is_hopeless || watch.wall() > limit).then_some(Failure::TooLong),
             };
             failure.is_some()
         };
-        let is_whole = !leave()
+        let is_whole = !leave(None)
             && simulation
-                .advance_unless(&mut |_| leave())
-                .map_err(|error| Failure::Failed(error.to_string()))?;
+                .advance_unless(&mut |underway| {
+                    measurement.underway = Some(*underway);
+                    leave(Some(underway))
+                })
+                .map_err(Failure::Failed)?;
         match (is_whole, failure) {
             (true, _) => {}
             (false, Some(failure)) => return Err(failure),
             // It was left for an event, which nobody reads here.
             (false, None) => continue,
         }
+        measurement.underway = None;
         let report = simulation.report();
         measurement.steps = report.step;
         measurement.refused += u64::from(report.refused);

@@ -57,18 +57,18 @@ unsafe impl GlobalAlloc for CountingAllocator {
 
 /// Bytes that this thread holds, counted from an arbitrary origin; always the same where the program's
 /// allocator is another one.
-pub(super) fn held() -> i64 {
+pub(crate) fn held() -> i64 {
     HELD.with(Cell::get)
 }
 
 /// Has the most that this thread holds counted anew from what it holds now, which is returned.
-pub(super) fn forget_most() -> i64 {
+pub(crate) fn forget_most() -> i64 {
     let now = held();
     MOST.with(|most| most.set(now));
     now
 }
 
 /// The most bytes that this thread has held since then, counted as [`held`] counts.
-pub(super) fn most() -> i64 {
+pub(crate) fn most() -> i64 {
     MOST.with(Cell::get)
 }

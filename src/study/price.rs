@@ -15,6 +15,7 @@ mod tests;
 
 use super::choice::fixed_mesh;
 use super::clock::Stopwatch;
+use super::measure::{is_hopeless, is_stuck};
 use crate::scene::{LinearMethod, Mesh, Scene};
 use crate::simulation::{Simulation, SimulationError, Underway, node_count, step_count};
 use patience::Patience;
@@ -45,6 +46,18 @@ pub struct Unsolved {
     pub seconds: f64,
     /// Where it stood; `None`: before its second attempt.
     pub underway: Option<Underway>,
+}
+
+impl Unsolved {
+    /// Whether no part of the step was solved, though it was tried.
+    pub fn is_stuck(&self) -> bool {
+        self.underway.as_ref().is_some_and(is_stuck)
+    }
+
+    /// Whether it was tried so often that it will not be.
+    pub fn is_hopeless(&self) -> bool {
+        self.underway.as_ref().is_some_and(is_hopeless)
+    }
 }
 
 impl fmt::Display for Unsolved {
@@ -98,7 +111,7 @@ impl fmt::Display for RunPrice {
 const CALIBRATION: Duration = Duration::from_millis(1500);
 
 /// and all of it no longer than this where a step is hard, or the machine is busy with other things.
-const LONGEST: Duration = Duration::from_secs(10);
+pub(super) const LONGEST: Duration = Duration::from_secs(10);
 
 /// A set-up or a single attempt at a step that takes so much longer still is not waited for.
 const GRACE: Duration = Duration::from_secs(2);
@@ -122,6 +135,18 @@ pub fn run_price(
     scene: &Scene,
     go_on: &mut dyn FnMut() -> bool,
 ) -> Result<Foresight, SimulationError> {
+    run_price_within(scene, LONGEST, go_on)
+}
+
+/// [`run_price`] in so much time at most, but for the attempt at a step in hand.
+///
+/// # Errors
+/// Those of [`run_price`].
+pub(super) fn run_price_within(
+    scene: &Scene,
+    limit: Duration,
+    go_on: &mut dyn FnMut() -> bool,
+) -> Result<Foresight, SimulationError> {
     // The cast saturates.
     let nodes = node_count(scene) as usize;
     if nodes > MOST_NODES {
@@ -136,12 +161,12 @@ pub fn run_price(
         let name = "price".to_owned();
         thread::Builder::new().name(name).spawn(move || {
             // If it took too long there is nobody who hears it.
-            let _ = tell.send(calibrate(&scene, &mut || is_wanted()));
+            let _ = tell.send(calibrate(&scene, limit, &mut || is_wanted()));
         })
     };
     let Ok(thread) = thread else {
         // Here, then: where a single attempt at a step takes long, so does this.
-        return calibrate(scene, go_on);
+        return calibrate(scene, limit, go_on);
     };
     let foresight = loop {
         if !go_on() {
@@ -153,7 +178,7 @@ pub fn run_price(
                 Err(panic) => std::panic::resume_unwind(panic),
                 Ok(()) => break Foresight::Ended,
             },
-            Err(RecvTimeoutError::Timeout) if begun.elapsed() > LONGEST + GRACE => {
+            Err(RecvTimeoutError::Timeout) if begun.elapsed() > limit + GRACE => {
                 break Foresight::Unsolved(Unsolved {
                     seconds: begun.elapsed().as_secs_f64(),
                     underway: None,
@@ -168,8 +193,12 @@ pub fn run_price(
 }
 
 /// Makes the first steps, and what else tells of a run's price.
-fn calibrate(scene: &Scene, go_on: &mut dyn FnMut() -> bool) -> Result<Foresight, SimulationError> {
-    let mut patience = Patience::new(LONGEST, go_on);
+fn calibrate(
+    scene: &Scene,
+    limit: Duration,
+    go_on: &mut dyn FnMut() -> bool,
+) -> Result<Foresight, SimulationError> {
+    let mut patience = Patience::new(limit, go_on);
     let price = match step_count(&scene.time) {
         Some(steps) => fixed::price(scene, steps, &mut patience)?,
         None => chosen::price(scene, &mut patience)?,

@@ -16,6 +16,9 @@ use std::fmt::Write;
 pub struct Point {
     /// 1/h.
     pub cells: usize,
+    /// How fine the mesh is, in words.
+    #[serde(skip)]
+    pub mesh: String,
     /// Nodes of the mesh; 0 where that was not made.
     pub nodes: usize,
     /// How long steps are.
@@ -62,6 +65,7 @@ impl Point {
     pub(super) fn new(choice: &Choice, own: &Choice, measured: &Measurement) -> Self {
         Self {
             cells: choice.cells,
+            mesh: choice.mesh.words(choice.cells),
             nodes: measured.nodes,
             pace: choice.pace,
             quadrature: match choice.quadrature {
@@ -87,7 +91,7 @@ impl Point {
             estimated_algebra: measured.estimates.algebra.and_then(ErrorSize::new),
             failure: match &measured.outcome {
                 Ok(_) => None,
-                Err(Failure::Failed(reason)) => Some(reason.clone()),
+                Err(Failure::Failed(reason)) => Some(reason.to_string()),
                 Err(Failure::TooLong) => Some(format!(
                     "stopped after {:.0} s, for the budget",
                     measured.seconds
@@ -120,6 +124,9 @@ pub struct Reference {
     pub run: Option<String>,
     /// 1/h.
     pub cells: usize,
+    /// How fine its mesh is, in words.
+    #[serde(skip)]
+    pub mesh: String,
     /// Nodes of its mesh.
     pub nodes: usize,
     /// How long its steps are.
@@ -252,6 +259,11 @@ impl Study {
             .collect();
         rungs.sort_by(|a, b| b.0.total_cmp(&a.0));
         rungs
+    }
+
+    /// How fine the mesh of a run that was made is, by its 1/h, in words.
+    pub fn mesh_words(&self, cells: usize) -> String {
+        self.own.mesh.words(cells)
     }
 
     /// The meshes of the runs that were made, by 1/h, coarsest first.

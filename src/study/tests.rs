@@ -25,13 +25,7 @@ static CALM_STUDY: LazyLock<Study> = LazyLock::new(|| {
         time: Duration::from_secs(600),
         full: false,
     };
-    study(
-        &scene(CALM),
-        budget,
-        FinishedRuns::default(),
-        &mut |_, _| true,
-    )
-    .expect("it is small")
+    study(&scene(CALM), budget, FinishedRuns::default(), &mut |_| true).expect("it is small")
 });
 
 /// The error at T of some cells and steps against a fine run, by another way than the study's.
@@ -126,15 +120,10 @@ fn a_study_that_is_ended_keeps_what_it_has() {
         time: Duration::from_secs(600),
         full: false,
     };
-    let ended = study(
-        &scene(CALM),
-        budget,
-        FinishedRuns::default(),
-        &mut |choice, _| {
-            asked += 1;
-            choice.cells <= 12
-        },
-    );
+    let ended = study(&scene(CALM), budget, FinishedRuns::default(), &mut |news| {
+        asked += 1;
+        !matches!(news, StudyNews::Run(choice, _) if choice.cells > 12)
+    });
     let ended = ended.expect("the first mesh was run");
     assert!(asked > 3);
     // The best of what was run serves as the reference, and is no point itself.
@@ -149,12 +138,9 @@ fn a_study_that_is_ended_keeps_what_it_has() {
             .iter()
             .any(|point| point.failure.as_deref() == Some("ended"))
     );
-    let none = study(
-        &scene(CALM),
-        budget,
-        FinishedRuns::default(),
-        &mut |_, _| false,
-    );
+    let none = study(&scene(CALM), budget, FinishedRuns::default(), &mut |_| {
+        false
+    });
     assert_eq!(none, Err(StudyError::Ended));
 }
 
@@ -191,7 +177,7 @@ fn study_of(text: &str, file: &'static str) -> Study {
         time: Duration::from_secs(600),
         full: false,
     };
-    study(&scene, budget, FinishedRuns::default(), &mut |_, _| true).expect("it is small")
+    study(&scene, budget, FinishedRuns::default(), &mut |_| true).expect("it is small")
 }
 
 /// Two squares beside each other and one above the first, of two triangles each.

@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use super::colour_map::COLOUR_MAPS;
+use super::past::bytes_of;
 use super::saving::{Job, What, save_states};
 use super::state::{DirectorStyle, Field, View};
 use crate::figure::{self, ColourMap, Director, FigureOptions, RunData, Snapshot};
 use crate::record::{Columns, RunFolder};
-use crate::simulation::Picture;
+use crate::simulation::{Claim, Picture};
 
 /// Saves figures: of a view PNG, SVG, CSV and VTU; of a set all figures of the run up to now, its
 /// fields and its whole history. `scene.toml` stands beside them, and they say how they can be made
@@ -20,6 +21,8 @@ pub fn save_figures(job: &Job, folder: &RunFolder) -> Result<(), String> {
     let files = match &job.what {
         What::View(picture, view) => save_view(job, picture, view, folder),
         What::Set(pictures, _) => {
+            let claim = Claim::of(bytes_of_set(pictures, folder));
+            let _claim = claim.map_err(|shortage| format!("the set needs {shortage}"))?;
             let snapshots = pictures.iter().map(|picture| Snapshot {
                 step: picture.report.step,
                 t: picture.report.t,
@@ -39,6 +42,13 @@ pub fn save_figures(job: &Job, folder: &RunFolder) -> Result<(), String> {
         }
     };
     files.map(|_| ()).map_err(|error| error.to_string())
+}
+
+/// Copies of the pictures, and the tables as text and as numbers.
+fn bytes_of_set(pictures: &[Arc<Picture>], folder: &RunFolder) -> u64 {
+    let fields: usize = pictures.iter().map(|picture| bytes_of(picture)).sum();
+    let size = |name| std::fs::metadata(folder.path().join(name)).map_or(0, |it| it.len());
+    fields as u64 + 2 * (size("history.csv") + size("shape.csv"))
 }
 
 fn save_view(

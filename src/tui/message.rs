@@ -40,6 +40,8 @@ pub enum Message {
     Signal(i32),
     /// The terminal is gone.
     HungUp,
+    /// So many bytes of memory are to be had.
+    FreeMemory(u64),
     /// Something to say in passing.
     Remark(String),
     /// Time goes by.

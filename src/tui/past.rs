@@ -7,6 +7,13 @@ use crate::simulation::Picture;
 /// Bytes that older fields may take, by default.
 pub const BUDGET: usize = 64 << 20;
 
+/// What they may take of the memory that is free and that they have already: a third, and no more than
+/// [`BUDGET`].
+pub fn budget(free: u64, stored: usize) -> usize {
+    let free = usize::try_from(free).unwrap_or(usize::MAX);
+    BUDGET.min(free.saturating_add(stored) / 3)
+}
+
 /// The stored pictures of a run, in order of their steps.
 ///
 /// The steps are divided into intervals of the same width, and of each interval the first picture
@@ -149,7 +156,7 @@ impl Past {
 }
 
 /// The memory of a picture.
-fn bytes_of(picture: &Picture) -> usize {
+pub(super) fn bytes_of(picture: &Picture) -> usize {
     let state = &picture.state;
     let director = state
         .director
@@ -264,6 +271,14 @@ mod tests {
         assert_eq!((kept[0], kept[kept.len() - 1]), (0, 99));
         past.set_budget(BUDGET);
         assert_eq!(steps(&past), kept);
+    }
+
+    #[test]
+    fn a_part_of_what_is_free_is_taken() {
+        assert_eq!(budget(u64::MAX, BUDGET), BUDGET);
+        assert_eq!(budget(30 << 20, 0), 10 << 20);
+        // Once it is taken it is not free any more, and the part is the same.
+        assert_eq!(budget(20 << 20, 10 << 20), 10 << 20);
     }
 
     #[test]

@@ -30,13 +30,18 @@ use super::watch::Watch;
 use super::{editing, heap, job_control, opening, panel, pricing};
 use crate::record::{self, Settings};
 use crate::scene::{AnchoringKind, Scene};
-use crate::simulation::{Command, Continuity, Orders, Picture, RunId, Worker};
+use crate::simulation::{
+    Command, Continuity, Orders, Picture, RunId, Worker, free_memory, kept_free,
+};
 
 /// How long saving may hold up an end that was not asked for by a person.
 const LAST_SAVE: Duration = Duration::from_millis(1200);
 
 /// How long the steps in hand may hold up an end that a person asked for.
 const LAST_STEP: Duration = Duration::from_secs(3);
+
+/// How often it is asked how much memory there is.
+const MEMORY_ASKED: Duration = Duration::from_secs(1);
 
 /// How long the terminal may take to be put back at the end before it is helped.
 const RESTORED: Duration = Duration::from_millis(1300);
@@ -141,6 +146,7 @@ pub fn run(options: Options) -> Result<Outcome, AppError> {
         queue,
         pricing: None,
         expecting: None,
+        memory_asked: None,
         quitting: false,
     };
     session.run()
@@ -166,6 +172,8 @@ struct Session {
     pricing: Option<Arc<AtomicBool>>,
     /// Where it is measured what a scene would take: likewise.
     expecting: Option<Arc<AtomicBool>>,
+    /// When it was asked last how much memory there is.
+    memory_asked: Option<Instant>,
     quitting: bool,
 }
 
@@ -282,6 +290,18 @@ impl Session {
             .iter()
             .map(|(run, worker)| (*run, worker.computing(), worker.mailbox().fetch()))
             .collect();
+        // Before older fields are stored. Nothing is there to be told where the system does not.
+        let is_due = self
+            .memory_asked
+            .is_none_or(|at| at.elapsed() >= MEMORY_ASKED);
+        if is_due
+            && fetched.iter().any(|(_, _, picture)| picture.is_some())
+            && let Some(free) = free_memory()
+        {
+            self.memory_asked = Some(Instant::now());
+            let free = free.bytes.saturating_sub(kept_free());
+            self.update(Message::FreeMemory(free))?;
+        }
         for (run, computing, picture) in fetched {
             self.update(Message::Computing(run, computing))?;
             if let Some(picture) = picture {
@@ -302,7 +322,8 @@ impl Session {
             Effect::Drop(run) => {
                 self.logbooks.remove(&run);
                 if let Some(worker) = self.workers.remove(&run) {
-                    self.aside("end of a run", move || drop(worker))?;
+                    // Without a thread for it, it ends here, with the step in hand.
+                    let _ = self.aside("end of a run", move || drop(worker));
                 }
             }
             Effect::Discard(run) => {
@@ -390,18 +411,22 @@ impl Session {
     }
 
     /// Does something that may take long, on a thread of its own.
-    fn aside(&self, name: &str, work: impl FnOnce() + Send + 'static) -> Result<(), AppError> {
-        spawn(name, self.incoming.clone(), work)
+    ///
+    /// # Errors
+    /// In words: the system starts no thread for it.
+    fn aside(&self, name: &str, work: impl FnOnce() + Send + 'static) -> Result<(), String> {
+        let thread = spawn(name, self.incoming.clone(), work);
+        thread
             .map(|_| ())
-            .map_err(AppError::Threads)
+            .map_err(|reason| format!("the system starts no thread for it now: {reason}"))
     }
 
     fn load(
-        &self,
+        &mut self,
         open: impl FnOnce() -> Result<Slot, crate::record::LoadError> + Send + 'static,
     ) -> Result<(), AppError> {
         let incoming = self.incoming.clone();
-        self.aside("loading", move || {
+        let thread = self.aside("loading", move || {
             let loaded = open().map(|mut slot| {
                 keeping::look_for(&mut slot);
                 Box::new(slot)
@@ -409,7 +434,11 @@ impl Session {
             let loaded = loaded.map_err(|error| error.to_string());
             // If the loop has ended, nobody wants it.
             let _ = incoming.send(Incoming::Message(Message::Loaded(loaded)));
-        })
+        });
+        match thread {
+            Ok(()) => Ok(()),
+            Err(words) => self.message(Message::Loaded(Err(words))),
+        }
     }
 
     /// Prices the effects of a scene, until it is done or nobody looks any more.
@@ -418,12 +447,16 @@ impl Session {
         let end = Arc::new(AtomicBool::new(false));
         self.pricing = Some(Arc::clone(&end));
         let incoming = self.incoming.clone();
-        self.aside("pricing", move || {
+        let thread = self.aside("pricing", move || {
             // If the loop has ended, nobody wants it.
             pricing::measure(&scene, &end, &mut |text| {
                 let _ = incoming.send(Incoming::Message(Message::Prices(text)));
             });
-        })
+        });
+        match thread {
+            Ok(()) => Ok(()),
+            Err(words) => self.message(Message::Prices(words)),
+        }
     }
 
     /// Measures what a scene would take, until it is done or nobody looks any more.
@@ -432,7 +465,8 @@ impl Session {
         self.expecting = Some(Arc::clone(&end));
         let incoming = self.incoming.clone();
         let home = std::env::var_os("HOME").map(PathBuf::from);
-        self.aside("expectation", move || {
+        let asked = name.clone();
+        let thread = self.aside("expectation", move || {
             let load = || {
                 let source = opening::typed_path(&name, home);
                 let slot = opening::open(source.as_os_str(), &[]);
@@ -442,7 +476,11 @@ impl Session {
             let words = pricing::expected(scene, load, &end);
             // If the loop has ended, nobody wants it.
             let _ = incoming.send(Incoming::Message(Message::Expected(name, words)));
-        })
+        });
+        match thread {
+            Ok(()) => Ok(()),
+            Err(words) => self.message(Message::Expected(asked, Some(words))),
+        }
     }
 
     fn save_view(&mut self, picture: Arc<Picture>, slot: usize) -> Result<(), AppError> {
@@ -549,11 +587,15 @@ impl Session {
         self.terminal.give_away();
         let incoming = self.incoming.clone();
         let editor = editing::editor(|name| std::env::var(name).ok());
-        self.aside("editor", move || {
+        let thread = self.aside("editor", move || {
             let edited = editing::edit(&editor, &file).map(|()| file);
             // If the loop has ended, nobody wants it.
             let _ = incoming.send(Incoming::Edited(edited));
-        })
+        });
+        match thread {
+            Ok(()) => Ok(()),
+            Err(words) => self.edited(Err(words)),
+        }
     }
 
     fn edited(&mut self, edited: Result<PathBuf, String>) -> Result<(), AppError> {

@@ -53,6 +53,7 @@ fn a_pixel_has_the_colour_of_the_value_at_its_centre() {
     };
     let options = options(600);
     let drawing = view::draw(&view, &RunLabel::new("ramp", &scene, &[]), &options);
+    let drawing = drawing.expect("room for it");
     let pixels = pixels::pixels(&drawing).expect("it is drawn");
     let file = png::encode(
         &pixels,
@@ -178,6 +179,7 @@ fn golden_drawing() -> Drawing {
         &RunLabel::new("golden", &run.scene, &[]),
         &options(400),
     )
+    .expect("room for it")
 }
 
 fn golden_path() -> PathBuf {
@@ -296,10 +298,12 @@ fn nothing_is_overwritten_unless_it_is_wanted() {
         "{error}"
     );
     let files = save(Existing::Number).expect("it is saved");
-    assert!(
-        files[0].ends_with("a-homeotropic-step-0000000-2.png"),
-        "{files:?}"
-    );
+    // The numbers first.
+    for (file, extension) in files.iter().zip(["csv", "vtu", "png", "svg"]) {
+        let name = format!("a-homeotropic-step-0000000-2.{extension}");
+        assert!(file.ends_with(name), "{files:?}");
+    }
+    assert_eq!(files.len(), 4);
     assert_eq!(fs::read_to_string(&first).expect("it is there"), "mine");
     assert_eq!(names(folder.path()).len(), 8);
     save(Existing::Replace).expect("it is saved");

@@ -8,10 +8,16 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError};
 use std::time::{Duration, Instant};
 
+use super::super::claim::KeptFree;
 use super::super::{EventKind, Memory, Report, Schedule, Simulation, SimulationError};
 use super::mailbox::{Canvases, Mailbox, PictureOf};
 use super::{Command, Continuity, Failure, Message, News, Orders, RunId, Setting};
 use crate::scene::{AnchoringKind, Scene, Time};
+
+/// Bytes that telling a state takes: a copy of it, and whoever keeps it makes bytes of that, in a block that grows by
+/// doubling. What is kept of case 3 has 370 bytes a node (`ls -l` of its file).
+const KEEPING: u64 = 4 << 20;
+const KEEPING_A_NODE: u64 = 1200;
 
 /// The thread's own: everything but the simulation.
 pub(super) struct Runner<Sink> {
@@ -146,6 +152,11 @@ impl<Sink: Fn(Message)> Runner<Sink> {
             Err(SimulationError::Ended) => return Ok(()),
             result => result?,
         };
+        // At once: others may wait for the claim that the set-up has just dropped.
+        let nodes = simulation.mesh().nodes().len() as u64;
+        let _kept_free = continuity
+            .keep
+            .map(|_| KeptFree::of(KEEPING + KEEPING_A_NODE * nodes));
         if let Some(memory) = continuity.from {
             simulation.recall(&memory)?;
         }

@@ -177,10 +177,14 @@ fn a_price_that_nobody_waits_for_is_measured_no_further() {
     assert_eq!((price, asked), (Ok(Foresight::Ended), 5));
     // The thread that measures ends as well.
     let mut asked = 0;
-    let price = calibrate(&hard("time = { step = 1e-6, end = 1.0 }"), &mut || {
-        asked += 1;
-        asked < 5
-    });
+    let price = calibrate(
+        &hard("time = { step = 1e-6, end = 1.0 }"),
+        LONGEST,
+        &mut || {
+            asked += 1;
+            asked < 5
+        },
+    );
     assert_eq!((price, asked), (Ok(Foresight::Ended), 5));
 }
 

@@ -59,6 +59,7 @@ pub fn update(app: &mut App, message: Message) -> Vec<Effect> {
         // What was computed is kept without asking.
         Message::Signal(number) => leave(app, Ending::Signal(number), &mut effects),
         Message::HungUp => leave(app, Ending::HungUp, &mut effects),
+        Message::FreeMemory(free) => news::find_room(app, free),
         Message::Remark(text) => remark(app, text),
         Message::Tick => {}
     }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::super::past;
 use super::super::reins::Stand;
 use super::super::state::{App, Notice, Run, Screen, Severity, Status};
 use crate::scene::{AnchoringKind, Warning};
@@ -34,6 +35,15 @@ pub(super) fn show(app: &mut App, picture: Arc<Picture>) {
     run.picture = Some(picture.clone());
     run.past.put(picture);
     app.stale |= app.shows(index);
+    share_memory(app);
+    follow(app);
+}
+
+/// Lets older fields have a part of the memory that there is: the rest is for further runs, and for drawing.
+pub(super) fn find_room(app: &mut App, free: u64) {
+    let runs = app.slots.iter().filter_map(|slot| slot.run.as_ref());
+    let stored: usize = runs.map(|run| run.past.bytes()).sum();
+    app.memory = past::budget(free, stored);
     share_memory(app);
     follow(app);
 }
