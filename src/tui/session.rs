@@ -479,7 +479,7 @@ impl Session {
         });
         match thread {
             Ok(()) => Ok(()),
-            Err(words) => self.message(Message::Expected(asked, Some(words))),
+            Err(words) => self.message(Message::Expected(asked, Some(Err(words)))),
         }
     }
 
