@@ -1,4 +1,4 @@
-//! The example of the README, "Adding an effect": the file that is printed there is compiled here, put
+//! The example of the guide, "Adding an effect": the file that is printed there is compiled here, put
 //! beside the effects of a scene, and keeps the energy law.
 
 mod common;
@@ -59,18 +59,18 @@ fn the_line_of_the_readme_brings_it_in() {
     let others = Effects::from_scene(&scene, &space, &phi);
     let names: Vec<_> = others.iter().map(|effect| effect.name()).collect();
     assert_eq!(names, ["bending", "area", "nematic", "anchoring"]);
-    // The README tells the line, and the place where such lines stand.
-    let readme = include_str!("../README.md");
-    assert!(readme.contains("in the list `effects!` of `src/physics/mod.rs`:\n\n    tension,\n"));
+    // The guide has the line, and the place where such lines stand.
+    let guide = include_str!("../docs/guide/effects.md");
+    assert!(guide.contains("in the list `effects!` of `src/physics/mod.rs`:\n\n    tension,\n"));
     let list = include_str!("../src/physics/mod.rs");
     assert!(list.contains("effects! {\n    area,\n"));
 }
 
 #[test]
-fn the_readme_prints_the_file_that_is_compiled() {
+fn the_guide_prints_the_file_that_is_compiled() {
     let file = include_str!("../docs/effect/tension.rs");
-    let readme = include_str!("../README.md");
-    let printed = readme.split("```rust\n").nth(1).expect("an example");
+    let guide = include_str!("../docs/guide/effects.md");
+    let printed = guide.split("```rust\n").nth(1).expect("an example");
     let printed = printed.split("```").next().expect("its end");
     assert_eq!(printed, file);
 }

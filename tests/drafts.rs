@@ -7,7 +7,7 @@ use vesica::fem::long_axis;
 use vesica::scene::{Scene, find_preset};
 use vesica::simulation::{OutlineMeasure, Simulation};
 
-/// Length and waist of the cases at t = 1e-3 with homeotropic anchoring, from the README. Parallel
+/// Length and waist of the cases at t = 1e-3 with homeotropic anchoring, from docs/guide/cases.md. Parallel
 /// anchoring gives the same with cases 1 and 2 exchanged, and 3 and 4 (`cargo test --test symmetry`).
 const CASES: [(&str, f64, f64); 4] = [
     ("case1-draft", 0.5751, 0.2525),

@@ -46,7 +46,7 @@ pub(super) struct Context<'a> {
 impl Scene {
     /// Reads a scene.
     ///
-    /// - `text` is TOML with the tables and keys of the README; `origin` names it in messages: the
+    /// - `text` is TOML with the tables and keys of docs/guide/scenes.md; `origin` names it in messages: the
     ///   file's name, or `preset case3`.
     /// - `overrides` are arguments `KEY=VALUE`, applied in their order before anything is checked.
     ///   KEY is dotted, VALUE is TOML or a bare word. A key of a table that is not there makes the

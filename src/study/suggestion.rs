@@ -23,7 +23,7 @@ const UNNOTICED: f64 = 0.25;
 const AT_MOST: f64 = 10.0;
 
 /// The error of φ at the end, over the tolerance of a step: case 3 at 120 cells has 4 of order 3 with
-/// tolerances of 1.5e-4 and 2e-4 (README, "What accuracy costs").
+/// tolerances of 1.5e-4 and 2e-4 (docs/guide/accuracy.md).
 const ERROR_TO_TOLERANCE: f64 = 5.0;
 
 /// A change of a scene, and why.

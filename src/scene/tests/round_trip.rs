@@ -65,18 +65,29 @@ fn every_form_of_every_key_round_trips() {
     }
 }
 
-#[test]
-fn the_sample_of_the_readme_is_case_3_and_every_default() {
-    let readme = include_str!("../../../README.md");
-    let samples: Vec<&str> = readme
+/// The one TOML sample of a page.
+fn only_sample(page: &str) -> &str {
+    let samples: Vec<&str> = page
         .split("```toml\n")
         .skip(1)
         .filter_map(|rest| rest.split("```").next())
         .collect();
     let [sample] = samples[..] else {
-        panic!("{} samples in the README", samples.len());
+        panic!("{} samples", samples.len());
     };
-    let scene = read(sample);
+    sample
+}
+
+#[test]
+fn the_sample_of_the_readme_is_a_scene() {
+    let scene = read(only_sample(include_str!("../../../README.md")));
+    assert!(scene.field.is_some() && scene.anchoring.is_none());
+    check(&scene.to_toml());
+}
+
+#[test]
+fn the_sample_of_the_guide_is_case_3_and_every_default() {
+    let scene = read(only_sample(include_str!("../../../docs/guide/scenes.md")));
     assert_eq!(scene, read(preset("case3").expect("a preset")));
     let bare = "name = 'Case 3'\narea = {}\nnematic = {}\nanchoring = {}";
     assert_eq!(scene, read(bare));

@@ -1,4 +1,4 @@
-//! All keys, declared once: what a key does, the footer, the help, and the README's table are read
+//! All keys, declared once: what a key does, the footer, the help, and the guide's table are read
 //! from [`BINDINGS`].
 
 mod conditions;
@@ -170,7 +170,7 @@ pub struct Binding {
     pub plain_label: &'static str,
     /// What they do at present, in a word or two, in ASCII; for the footer.
     pub brief: fn(&App) -> &'static str,
-    /// What they do, for the help and the README, in ASCII.
+    /// What they do, for the help and the guide, in ASCII.
     pub words: &'static str,
     /// Whether they do anything at present, or why not.
     pub when: fn(&App) -> Result<(), &'static str>,
@@ -189,7 +189,7 @@ pub fn footer(app: &App) -> impl Iterator<Item = &'static Binding> {
     bindings(Place::of(app)).filter(|binding| (binding.when)(app).is_ok())
 }
 
-/// What the help and the README name: all that keys do when nothing lies over the screen.
+/// What the help and the guide name: all that keys do when nothing lies over the screen.
 pub fn help() -> impl Iterator<Item = &'static Binding> {
     bindings(Place::Main).chain(bindings(Place::Anywhere))
 }
@@ -213,7 +213,7 @@ pub fn action(app: &App, event: &KeyEvent) -> Option<Result<Action, &'static str
     })
 }
 
-/// The README's table of the keys.
+/// The guide's table of the keys.
 pub fn markdown() -> String {
     let mut table = "| key | what it does |\n| --- | --- |\n".to_owned();
     for binding in help() {
@@ -260,7 +260,7 @@ mod tests {
             }
             assert!(
                 !binding.words.contains('|'),
-                "a column of the README's table"
+                "a column of the guide's table"
             );
         }
     }
@@ -280,10 +280,10 @@ mod tests {
     }
 
     #[test]
-    fn the_readme_has_this_table() {
-        let readme = include_str!("../../../README.md");
+    fn the_guide_has_this_table() {
+        let guide = include_str!("../../../docs/guide/app.md");
         assert!(
-            readme.contains(&markdown()),
+            guide.contains(&markdown()),
             "put this there:\n{}",
             markdown()
         );
