@@ -11,7 +11,7 @@ use ratatui::Terminal;
 use ratatui::backend::TestBackend;
 use vesica::fem::{Mesh, Raster, Rectangle};
 use vesica::scene::{AnchoringKind, Scene, find_preset};
-use vesica::simulation::{Picture, RunId, Setting, Simulation};
+use vesica::simulation::{RunId, RunSnapshot, Setting, Simulation};
 use vesica::tui::canvas::Canvas;
 use vesica::tui::panel::draw;
 use vesica::tui::state::{App, Run, Screen, Slot, Status};
@@ -34,7 +34,7 @@ fn slot(name: &str) -> Slot {
         report.step = step;
         run.history.take(&report);
     }
-    run.picture = Some(Arc::new(Picture {
+    run.picture = Some(Arc::new(RunSnapshot {
         run: run.id,
         anchoring: run.anchoring,
         report: report.clone(),

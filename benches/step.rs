@@ -17,9 +17,9 @@ use criterion::{
     criterion_main,
 };
 use vesica::fem::{Mesh, Patch};
-use vesica::physics::{Effect, Sample};
+use vesica::physics::{Effect, PatchFields};
 use vesica::scene::{Scene, find_preset};
-use vesica::scheme::phases::Phases;
+use vesica::scheme::bench_support::Phases;
 use vesica::scheme::{Scheme, initial_fields};
 
 /// Cells along a side of the mesh: half the paper's, the paper's, twice the paper's.
@@ -174,7 +174,7 @@ impl Effect for Anywhere {
         "anywhere"
     }
 
-    fn integral(&mut self, _patch: &Patch<'_>, _at: &Sample) -> f64 {
+    fn integral(&mut self, _patch: &Patch<'_>, _at: &PatchFields) -> f64 {
         0.0
     }
 
@@ -210,7 +210,7 @@ fn phases(criterion: &mut Criterion) {
         ("residual", |phases| {
             black_box(phases.evaluate().expect("a finite residual"));
         }),
-        ("assembly", Phases::linearise),
+        ("assembly", Phases::assemble_jacobian),
         ("preconditioner", Phases::precondition),
         ("product", Phases::product),
     ];

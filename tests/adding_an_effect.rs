@@ -5,7 +5,8 @@ mod common;
 
 // What the file finds around it in src/physics/: that folder's own names as `super`, and fem and scene.
 use vesica::physics::{
-    DirectorReach, Effect, Effects, MembraneForce, MembraneLinearisation, Sample, Setting, Terms,
+    DirectorCoupling, Effect, EffectContext, Effects, LedgerTerms, MembraneForce, MembraneJacobian,
+    PatchFields,
 };
 use vesica::{fem, scene};
 
@@ -47,14 +48,14 @@ fn the_effect_of_the_readme_keeps_the_energy_law() {
 fn the_line_of_the_readme_brings_it_in() {
     let scene = common::scene(SMALL, &[] as &[&str]);
     let mesh = common::mesh(&scene);
-    let space = fem::Space::new(mesh, fem::Rule::Lumped);
+    let space = fem::Space::new(mesh, fem::QuadratureRule::Lumped);
     let phi = vec![0.5; space.nodes()];
-    let setting = Setting {
+    let context = EffectContext {
         scene: &scene,
         space: &space,
         phi: &phi,
     };
-    let effect = tension::of_scene(&setting).expect("an effect");
+    let effect = tension::of_scene(&context).expect("an effect");
     assert_eq!(effect.name(), "tension");
     let others = Effects::from_scene(&scene, &space, &phi);
     let names: Vec<_> = others.iter().map(|effect| effect.name()).collect();

@@ -7,8 +7,8 @@ use std::cell::Cell;
 
 use common::{SMALL, scene, scheme};
 use vesica::fem::Patch;
-use vesica::physics::{Effect, Sample};
-use vesica::scheme::{Memory, Scheme};
+use vesica::physics::{Effect, PatchFields};
+use vesica::scheme::{Scheme, SchemeCheckpoint};
 
 /// The system's allocator, which counts what each thread asks of it.
 struct Counting;
@@ -166,7 +166,7 @@ impl Effect for Anywhere {
         "anywhere"
     }
 
-    fn integral(&mut self, _patch: &Patch<'_>, _at: &Sample) -> f64 {
+    fn integral(&mut self, _patch: &Patch<'_>, _at: &PatchFields) -> f64 {
         0.0
     }
 
@@ -260,18 +260,18 @@ fn a_state_is_remembered_and_recalled_without_allocation() {
     ] {
         let scene = scene(SMALL, &[path]);
         let mut scheme = scheme(&scene);
-        let mut memory = Memory::default();
+        let mut memory = SchemeCheckpoint::default();
         let step = |scheme: &mut Scheme| {
             scheme.step(scene.time.step).expect("a step");
         };
         (0..WARM_UP).for_each(|_| step(&mut scheme));
-        scheme.remember(&mut memory);
+        scheme.save(&mut memory);
         for _ in 0..STEPS {
             let count = allocations(|| {
                 step(&mut scheme);
-                scheme.recall(&memory).expect("the same scheme");
+                scheme.restore(&memory).expect("the same scheme");
                 step(&mut scheme);
-                scheme.remember(&mut memory);
+                scheme.save(&mut memory);
             });
             assert_eq!(count, 0, "{path}");
         }

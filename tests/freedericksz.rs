@@ -8,9 +8,9 @@
 
 use std::sync::Arc;
 
-use vesica::fem::{Mesh, Rule, Space};
+use vesica::fem::{Mesh, QuadratureRule, Space};
 use vesica::linalg::{ConjugateGradients, LinearOperator, SparseMatrix};
-use vesica::physics::{DirectorForm, Effect, Field, Nematic, Sample};
+use vesica::physics::{DirectorForm, Effect, Field, Nematic, PatchFields};
 use vesica::scene;
 
 const WEIGHT: f64 = 2.0;
@@ -47,7 +47,7 @@ impl System {
 fn step(space: &Space, effects: &mut [Box<dyn Effect>], director: &mut [Vec<f64>; 2], dt: f64) {
     let patch = space.whole();
     let nodes = space.nodes();
-    let mut old = Sample::new(true);
+    let mut old = PatchFields::new(true);
     old.set_phi(&patch, &vec![1.0; nodes]);
     old.set_director(&patch, director);
     let mut form = DirectorForm::default();
@@ -143,7 +143,7 @@ fn growth(space: &Space, susceptibility: f64, dt: f64) -> f64 {
 
 /// Where the distortion neither grows nor decays. It is there for any Δt, since the implicit elastic
 /// force and the explicit one of the field then cancel.
-fn threshold(rule: Rule, dt: f64) -> f64 {
+fn threshold(rule: QuadratureRule, dt: f64) -> f64 {
     let mesh = Mesh::structured(CELLS, 0.0, 0).expect("a fair mesh");
     let space = Space::new(Arc::new(mesh), rule);
     let expected = WEIGHT * std::f64::consts::PI.powi(2);
@@ -158,7 +158,10 @@ fn the_director_turns_above_the_threshold_only() {
     let expected = WEIGHT * std::f64::consts::PI.powi(2);
     // The least eigenvalue of P1 elements is above π² by π⁴h²/12 (consistent), below by as much (lumped).
     let error = std::f64::consts::PI.powi(2) / (12.0 * (CELLS * CELLS) as f64);
-    for (rule, sign) in [(Rule::Consistent, 1.0), (Rule::Lumped, -1.0)] {
+    for (rule, sign) in [
+        (QuadratureRule::Consistent, 1.0),
+        (QuadratureRule::Lumped, -1.0),
+    ] {
         for dt in [1e-4, 1e-2] {
             let ratio = threshold(rule, dt) / expected - 1.0;
             assert!(
@@ -174,7 +177,7 @@ fn the_director_turns_above_the_threshold_only() {
 #[test]
 fn a_negative_susceptibility_never_turns_it() {
     let mesh = Mesh::structured(CELLS, 0.0, 0).expect("a fair mesh");
-    let space = Space::new(Arc::new(mesh), Rule::Lumped);
+    let space = Space::new(Arc::new(mesh), QuadratureRule::Lumped);
     let [none, weak, strong] = [-1e-9, -20.0, -1000.0].map(|weight| growth(&space, weight, 1e-3));
     assert!(
         strong < weak && weak < none && none < 1.0,

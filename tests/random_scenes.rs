@@ -15,7 +15,7 @@ use vesica::fem::Mesh;
 use vesica::physics::NamedValue;
 use vesica::scene::{NodalValues, Scene, Shape};
 use vesica::scheme::initial_fields;
-use vesica::simulation::{Report, Simulation, SimulationError, Underway};
+use vesica::simulation::{Report, Simulation, SimulationError, StepProgress};
 
 /// One of these texts.
 fn one_of(words: &'static [&'static str]) -> impl Strategy<Value = &'static str> {
@@ -229,7 +229,7 @@ fn take_steps(text: &str) -> Result<Ending, String> {
     for _ in 0..2 {
         let attempts = Cell::new(0);
         let before = sum(&simulation.report().energies);
-        let mut leave = |_: &Underway| {
+        let mut leave = |_: &StepProgress| {
             attempts.set(attempts.get() + 1);
             attempts.get() > ATTEMPTS
         };
@@ -435,7 +435,7 @@ fn the_volume_stays_in_long_steps_of_the_third_order() {
     let volume = simulation.report().phase_integral;
     for _ in 11..=40 {
         keep_volume(&mut simulation, 1, 1e-14);
-        let ladder = &simulation.report().ladder;
+        let ladder = &simulation.report().effort;
         assert_eq!(ladder.parts, 1, "{ladder:?}");
     }
     let drift = (simulation.report().phase_integral - volume).abs();

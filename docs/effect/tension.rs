@@ -1,6 +1,9 @@
 //! A line tension, E_tension = ½ σ ∫ |∇φ|².
 
-use super::{DirectorReach, Effect, MembraneForce, MembraneLinearisation, Sample, Setting, Terms};
+use super::{
+    DirectorCoupling, Effect, EffectContext, LedgerTerms, MembraneForce, MembraneJacobian,
+    PatchFields,
+};
 use crate::fem::Patch;
 use crate::scene::Iteration;
 
@@ -12,7 +15,7 @@ pub struct Tension {
 }
 
 /// The effect, where the scene has it; this one every scene has.
-pub(super) fn of_scene(_setting: &Setting<'_>) -> Option<Box<dyn Effect>> {
+pub(super) fn of_scene(_context: &EffectContext<'_>) -> Option<Box<dyn Effect>> {
     Some(Box::new(Tension { weight: 0.5 }))
 }
 
@@ -23,22 +26,22 @@ impl Effect for Tension {
     }
 
     /// The energy: ½ σ |∇φ|², triangle by triangle.
-    fn integral(&mut self, patch: &Patch<'_>, at: &Sample) -> f64 {
+    fn integral(&mut self, patch: &Patch<'_>, at: &PatchFields) -> f64 {
         let squares = at.phi_gradient.iter().map(|[x, y]| x * x + y * y);
         0.5 * self.weight * patch.integrate_elements(&squares.collect::<Vec<_>>())
     }
 
     /// It leaves the director alone.
-    fn director_reach(&self) -> Option<DirectorReach> {
-        Some(DirectorReach::NOWHERE)
+    fn director_coupling(&self) -> Option<DirectorCoupling> {
+        Some(DirectorCoupling::NONE)
     }
 
     /// The force: σ (∇φ, ∇ψ), at the new φ, for the energy is convex.
     fn add_membrane_force(
         &mut self,
         _patch: &Patch<'_>,
-        _old: &Sample,
-        new: &Sample,
+        _old: &PatchFields,
+        new: &PatchFields,
         force: &mut MembraneForce,
     ) {
         for (flux, gradient) in force.flux.iter_mut().zip(&new.phi_gradient) {
@@ -48,15 +51,15 @@ impl Effect for Tension {
     }
 
     /// Its derivative: σ times the unit tensor.
-    fn add_membrane_linearisation(
+    fn add_membrane_jacobian(
         &mut self,
         _patch: &Patch<'_>,
-        _old: &Sample,
-        _new: &Sample,
+        _old: &PatchFields,
+        _new: &PatchFields,
         _iteration: Iteration,
-        linearisation: &mut MembraneLinearisation,
+        jacobian: &mut MembraneJacobian,
     ) {
-        for [xx, _, yy] in &mut linearisation.tensor {
+        for [xx, _, yy] in &mut jacobian.tensor {
             *xx += self.weight;
             *yy += self.weight;
         }
@@ -66,9 +69,9 @@ impl Effect for Tension {
     fn add_dissipation(
         &mut self,
         patch: &Patch<'_>,
-        old: &Sample,
-        new: &Sample,
-        terms: &mut Terms,
+        old: &PatchFields,
+        new: &PatchFields,
+        terms: &mut LedgerTerms,
     ) {
         let gradients = new.phi_gradient.iter().zip(&old.phi_gradient);
         let squares = gradients.map(|(new, old)| {

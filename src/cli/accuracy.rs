@@ -9,7 +9,7 @@ use crate::figure::{FigureOptions, save_study};
 use crate::record::load_scene;
 use crate::signals::EndingSignal;
 use crate::study::{
-    Budget, ErrorSize, FinishedRun, FinishedRuns, Point, Study, StudyError, StudyNews, chart, study,
+    Budget, ComparedRun, ComparedRuns, ErrorSize, Point, Study, StudyError, StudyNews, chart, study,
 };
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::ffi::OsString;
@@ -67,8 +67,8 @@ pub(super) fn accuracy(arguments: &Arguments) -> Result<(), CliError> {
         time: Duration::from_secs(arguments.budget.unwrap_or(default)),
         full: arguments.full,
     };
-    let read = |path: &PathBuf| FinishedRun::read(path, &loaded.scene);
-    let finished = FinishedRuns {
+    let read = |path: &PathBuf| ComparedRun::read(path, &loaded.scene);
+    let finished = ComparedRuns {
         beside: arguments
             .beside
             .iter()
@@ -83,10 +83,10 @@ pub(super) fn accuracy(arguments: &Arguments) -> Result<(), CliError> {
     }
     let begun = Instant::now();
     // The bar shows the time that is used up, which never becomes less; the words, how far the run is.
-    let mut watch = |news: StudyNews| {
+    let mut watch = |event: StudyNews| {
         let used = begun.elapsed().as_secs_f64() / budget.time.as_secs_f64();
         bar.set_position((1000.0 * used).min(1000.0) as u64);
-        match news {
+        match event {
             StudyNews::FirstSteps => bar.set_message("of the budget; the first steps"),
             StudyNews::Run(choice, share) => {
                 bar.set_message(format!("of the budget; {choice}: {:.0} %", 100.0 * share));

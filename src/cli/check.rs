@@ -3,11 +3,11 @@
 use super::error::CliError;
 use super::output;
 use super::run::some_step;
-use crate::fem::Quality;
+use crate::fem::MeshQuality;
 use crate::record::{load_scene, step_count};
 use crate::scene::{self, Mesh, Scene, Warning, significant};
 use crate::simulation::{self, Examination, memory_needed};
-use crate::study::{Foresight, MOST_NODES, run_price};
+use crate::study::{Foresight, MOST_NODES, run_estimate};
 use std::ffi::{OsStr, OsString};
 
 /// Arguments of `vesica check`.
@@ -63,7 +63,7 @@ fn check_one(source: &OsStr, arguments: &Arguments) -> Result<bool, CliError> {
     let foresight = match arguments.quick {
         true => None,
         // Nobody is there who might not want to wait: Ctrl-C ends the process.
-        false => Some(run_price(&scene, &mut || true).map_err(CliError::Foreseen)?),
+        false => Some(run_estimate(&scene, &mut || true).map_err(CliError::Foreseen)?),
     };
     let tried = tried(foresight.as_ref(), &describe(&scene, &found));
     output::line(format_args!("{name}: {tried}"))?;
@@ -147,7 +147,7 @@ struct Found {
     /// How many there are, in words.
     nodes: String,
     /// Of the mesh, if it was made.
-    quality: Option<Quality>,
+    quality: Option<MeshQuality>,
 }
 
 /// How good the triangles are, of meshes where that does not follow from the scene.

@@ -5,7 +5,7 @@ use crate::figure::FigureError;
 use crate::record::{CheckpointError, LoadError, ReadError, RecordError, Whereabouts};
 use crate::scene::UnknownPreset;
 use crate::simulation::SimulationError;
-use crate::study::{FinishedRunError, StudyError};
+use crate::study::{ComparedRunError, StudyError};
 use crate::tui::AppError;
 use std::ffi::OsString;
 use std::io;
@@ -133,7 +133,7 @@ pub(super) enum CliError {
     Accuracy(#[from] StudyError),
     /// A finished run cannot take part in it.
     #[error(transparent)]
-    FinishedRun(#[from] FinishedRunError),
+    ComparedRun(#[from] ComparedRunError),
     /// A run was made but not all of it could be recorded.
     #[error("not all of the run could be recorded: {error}\n{whereabouts}")]
     Unrecorded {
@@ -268,7 +268,7 @@ impl CliError {
             | CliError::Foreseen(_)
             | CliError::Accuracy(StudyError::Budget { .. })
             | CliError::Read(_)
-            | CliError::FinishedRun(_)
+            | CliError::ComparedRun(_)
             | CliError::SetInRun { .. }
             | CliError::Figure(
                 FigureError::Width { .. }

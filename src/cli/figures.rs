@@ -10,7 +10,7 @@ use crate::figure::{
     save_set,
 };
 use crate::record::{
-    Ending, IfOccupied, Preparation, RecordError, RecordedRun, RunFolder, Settings, clean,
+    Ending, IfOccupied, RecordError, RecordedRun, RecorderBuilder, RunFolder, Settings, clean,
     load_scene, read_run,
 };
 use crate::scene::{Scene, preset};
@@ -350,7 +350,7 @@ fn compute_one(
     signal: &EndSignal,
     bars: &MultiProgress,
 ) -> Result<Outcome, RecordError> {
-    let preparation = Preparation::begin(job.folder.clone(), &job.scene, Settings::default())?;
+    let preparation = RecorderBuilder::begin(job.folder.clone(), &job.scene, Settings::default())?;
     let begun = Instant::now();
     let mut ended = None;
     let simulation = Simulation::new_unless(&job.scene, &mut |_| {

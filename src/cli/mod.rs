@@ -4,12 +4,12 @@
 //! was ended early, but cleanly, by signal n (130 for Ctrl-C, as shells have it).
 
 mod accuracy;
+mod allocator;
 mod app;
 mod check;
 mod effects;
 mod error;
 mod figures;
-mod heap;
 mod numbers;
 mod output;
 mod presets;
@@ -64,7 +64,7 @@ enum Command {
 
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
-    heap::share_one();
+    allocator::share_one();
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => return refuse(&error),

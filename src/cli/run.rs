@@ -7,13 +7,13 @@ use super::progress::Progress;
 use super::set_up::{Outcome, set_up};
 use super::signals::EndSignal;
 use crate::record::{
-    Brief, Ending, EventRecord, Found, IfOccupied, Preparation, RecordError, Recorder, Resumption,
-    RunFolder, RunSummary, Schedule, Settings, Status, load_run_scene, load_scene, same_run,
-    step_count,
+    Ending, EventRecord, Found, IfOccupied, RecordError, Recorder, RecorderBuilder, Resumption,
+    RunFolder, RunSummary, Schedule, Settings, ShortNumber, Status, load_run_scene, load_scene,
+    same_run, step_count,
 };
 use crate::scene::{Scene, Time, preset};
 use crate::signals::EndingSignal;
-use crate::simulation::{Simulation, SimulationError, Underway, check_memory, check_outlines};
+use crate::simulation::{Simulation, SimulationError, StepProgress, check_memory, check_outlines};
 use std::ffi::{OsStr, OsString};
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -102,14 +102,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     };
     let folder = match (found, taken_folder(arguments)) {
         (Found::Run(resumption), _) => {
-            return take_up(arguments, &scene, *resumption, &signal);
+            return reopen(arguments, &scene, *resumption, &signal);
         }
         (Found::Abandoned, Some(path)) => RunFolder::at(&path, IfOccupied::Replace),
         _ => folder(arguments, &name),
     };
     let folder = folder.map_err(CliError::Folder)?;
     let settings = arguments.settings(Settings::default());
-    let preparation = Preparation::begin(folder, &scene, settings)?;
+    let preparation = RecorderBuilder::begin(folder, &scene, settings)?;
     let begun = Instant::now();
     let simulation = match set_up(&scene, &signal, arguments.quiet)? {
         Outcome::Ready(simulation) => *simulation,
@@ -132,7 +132,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
 }
 
 /// Takes a run up again.
-fn take_up(
+fn reopen(
     arguments: &Arguments,
     scene: &Scene,
     resumption: Resumption,
@@ -148,7 +148,7 @@ fn take_up(
     let (step, t) = (resumption.step(), resumption.t());
     let end = match schedule.steps {
         Some(steps) => format!("step {steps}"),
-        None => format!("t = {}", Brief(schedule.end)),
+        None => format!("t = {}", ShortNumber(schedule.end)),
     };
     let path = resumption.folder().to_owned();
     let folder = path.display();
@@ -187,7 +187,7 @@ fn take_up(
         tell(format_args!(
             "the run in {folder} is at step {step} already, t = {}, and the end is {end}: {left} (a later \
              end: --until T or --steps N)",
-            Brief(t)
+            ShortNumber(t)
         ));
     }
     if is_over && !is_to_end {
@@ -215,7 +215,7 @@ fn take_up(
     tell(format_args!(
         "the run in {folder} goes on from step {}, t = {}, to {end}",
         report.step,
-        Brief(report.t)
+        ShortNumber(report.t)
     ));
     record(simulation, recorder, signal, arguments.quiet)
 }
@@ -261,8 +261,8 @@ fn record(
                 number,
                 step: summary.steps,
                 of: steps.map_or(String::new(), |steps| format!(" of {steps}")),
-                within: within.map_or(String::new(), |Underway { step, t, .. }| {
-                    format!(", within step {step}, at t = {}", Brief(t))
+                within: within.map_or(String::new(), |StepProgress { step, t, .. }| {
+                    format!(", within step {step}, at t = {}", ShortNumber(t))
                 }),
                 folder: path,
             })
@@ -360,7 +360,7 @@ impl Patience {
         Self { quiet, step: None }
     }
 
-    fn look(&mut self, underway: &Underway, progress: &Progress) {
+    fn look(&mut self, underway: &StepProgress, progress: &Progress) {
         let (begun, told_after) = match self.step {
             Some((step, begun, told_after)) if step == underway.step => (begun, told_after),
             _ => (Instant::now(), Self::FIRST),
@@ -384,7 +384,7 @@ const GOES_ON: &str = "the run goes on in memory, and tries again every second";
 /// Tells of something that happened in a run.
 fn tell(event: &EventRecord) {
     let EventRecord { step, t, text, .. } = event;
-    output::note(format_args!("step {step}, t = {}: {text}", Brief(*t)));
+    output::note(format_args!("step {step}, t = {}: {text}", ShortNumber(*t)));
 }
 
 /// The scene with all overrides, and what to call its runs.
@@ -473,8 +473,8 @@ fn result_line(summary: &RunSummary, folder: &Path) -> String {
         "{}: {steps}, t = {}, E_total = {}, largest law residual {:.1e}, \
          {per_step:.2} ms a step, in {}",
         summary.scene,
-        Brief(summary.t),
-        Brief(energy),
+        ShortNumber(summary.t),
+        ShortNumber(energy),
         summary.largest_law_residual,
         folder.display(),
     )

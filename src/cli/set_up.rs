@@ -31,7 +31,7 @@ pub(super) enum Outcome {
 }
 
 /// What the thread sends.
-enum News {
+enum WorkerEvent {
     Doing(SetUp),
     Done(Result<Box<Simulation>, SimulationError>),
 }
@@ -42,7 +42,7 @@ enum News {
 /// # Errors
 /// [`CliError::Thread`].
 pub(super) fn set_up(scene: &Scene, signal: &EndSignal, quiet: bool) -> Result<Outcome, CliError> {
-    let (sender, news) = mpsc::channel();
+    let (sender, event) = mpsc::channel();
     let ended = Arc::new(AtomicBool::new(false));
     let worker = {
         let (scene, ended) = (scene.clone(), Arc::clone(&ended));
@@ -51,11 +51,11 @@ pub(super) fn set_up(scene: &Scene, signal: &EndSignal, quiet: bool) -> Result<O
             let result = Simulation::new_unless(&scene, &mut |part| {
                 if last.replace(part) != Some(part) {
                     // If nobody listens, `ended` is set.
-                    let _ = sender.send(News::Doing(part));
+                    let _ = sender.send(WorkerEvent::Doing(part));
                 }
                 ended.load(Ordering::Relaxed)
             });
-            let _ = sender.send(News::Done(result.map(Box::new)));
+            let _ = sender.send(WorkerEvent::Done(result.map(Box::new)));
         };
         thread::Builder::new()
             .name("set-up".to_owned())
@@ -69,10 +69,10 @@ pub(super) fn set_up(scene: &Scene, signal: &EndSignal, quiet: bool) -> Result<O
             ended.store(true, Ordering::Relaxed);
             return Ok(Outcome::Signal(signal));
         }
-        match news.recv_timeout(INTERVAL) {
-            Ok(News::Doing(part)) => display.part = part,
-            Ok(News::Done(Ok(simulation))) => return Ok(Outcome::Ready(simulation)),
-            Ok(News::Done(Err(error))) => return Ok(Outcome::Failed(error)),
+        match event.recv_timeout(INTERVAL) {
+            Ok(WorkerEvent::Doing(part)) => display.part = part,
+            Ok(WorkerEvent::Done(Ok(simulation))) => return Ok(Outcome::Ready(simulation)),
+            Ok(WorkerEvent::Done(Err(error))) => return Ok(Outcome::Failed(error)),
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => {
                 // It has panicked, and its message is printed.

@@ -13,8 +13,8 @@ use spade::{
     RefinementParameters, Triangulation as _,
 };
 
+use super::hilbert::along_curve;
 use super::mesh::sort_by_nodes;
-use super::numbering::along_curve;
 use super::quadtree::Quadtree;
 use super::{FemError, Mesh};
 use crate::scene::MeshSize;
@@ -282,7 +282,7 @@ fn numbered(nodes: &[[f64; 2]], triangles: &[[u32; 3]]) -> Result<Mesh, FemError
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Quality, Wall};
+    use super::super::{MeshQuality, Wall};
     use super::*;
     use crate::scene::{Curve, Outline, Refinement, Shape};
 
@@ -300,9 +300,9 @@ mod tests {
         delaunay(size, seed, &mut || false).expect("a mesh")
     }
 
-    fn quality(mesh: &Mesh) -> Quality {
+    fn quality(mesh: &Mesh) -> MeshQuality {
         assert!((mesh.areas().iter().sum::<f64>() - 1.0).abs() < 1e-12);
-        let quality = Quality::of(mesh);
+        let quality = MeshQuality::of(mesh);
         assert!(quality.least_angle >= 25.0, "{quality:?}");
         quality
     }

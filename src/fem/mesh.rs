@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
 use super::FemError;
-use super::numbering::along_curve;
+use super::hilbert::along_curve;
 use crate::scene::Triangulation;
 
 /// A triangulation. Nothing in it says how it was made, [`Mesh::grid`] apart.

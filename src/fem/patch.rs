@@ -8,8 +8,8 @@
 use std::ops::Range;
 
 use super::space::{GROUP, LANES, Lane};
-use super::{MassForm, Rule, Space, SymmetricTensor};
-use crate::linalg::{count, vector};
+use super::{MassForm, QuadratureRule, Space, SymmetricTensor};
+use crate::linalg::{op_counts, vector};
 
 /// The six different entries aa, ab, ac, bb, bc, cc of the element matrices of a group of triangles.
 type Entries = [Lane; 6];
@@ -99,7 +99,7 @@ impl<'a> Patch<'a> {
     /// A P1 function at the points and its gradient on the triangles.
     pub fn sample(&self, nodal: &[f64], points: &mut [f64], gradients: &mut [[f64; 2]]) {
         let groups = self.groups().zip(gradients.chunks_mut(LANES));
-        if self.space.rule() == Rule::Lumped {
+        if self.space.rule() == QuadratureRule::Lumped {
             points.copy_from_slice(nodal);
             for ((triangles, _, slopes), gradients) in groups {
                 store_gradients(&corners(nodal, triangles), slopes, gradients);
@@ -116,7 +116,7 @@ impl<'a> Patch<'a> {
 
     /// The values of a P1 function at the points.
     pub fn interpolate(&self, nodal: &[f64], points: &mut [f64]) {
-        if self.space.rule() == Rule::Lumped {
+        if self.space.rule() == QuadratureRule::Lumped {
             points.copy_from_slice(nodal);
             return;
         }
@@ -155,7 +155,7 @@ impl<'a> Patch<'a> {
     /// load_i ← load_i + ∫ f ψ_i + ∫ q·∇ψ_i for a density f at the points and a flux q on the
     /// triangles.
     pub fn add_load(&self, density: &[f64], fluxes: &[[f64; 2]], load: &mut [f64]) {
-        if self.space.rule() == Rule::Lumped {
+        if self.space.rule() == QuadratureRule::Lumped {
             for ((load, weight), f) in load.iter_mut().zip(self.weights()).zip(density) {
                 *load += weight * f;
             }
@@ -191,10 +191,12 @@ impl<'a> Patch<'a> {
     /// matrix ← matrix + ∫ c ψ_j ψ_i for a coefficient at the points; `values` are stored in the
     /// pattern of the mesh.
     pub fn add_mass(&self, coefficient: &[f64], values: &mut [f64]) {
-        count::assembly();
+        op_counts::assembly();
         match self.space.rule() {
-            Rule::Lumped => self.add_diagonal(coefficient, values),
-            Rule::Consistent => self.add_elements(coefficient, |_, _| [[0.0; LANES]; 6], values),
+            QuadratureRule::Lumped => self.add_diagonal(coefficient, values),
+            QuadratureRule::Consistent => {
+                self.add_elements(coefficient, |_, _| [[0.0; LANES]; 6], values)
+            }
         }
     }
 
@@ -206,8 +208,8 @@ impl<'a> Patch<'a> {
         tensors: &[SymmetricTensor],
         values: &mut [f64],
     ) {
-        count::assembly();
-        if self.space.rule() == Rule::Lumped {
+        op_counts::assembly();
+        if self.space.rule() == QuadratureRule::Lumped {
             self.add_diagonal(coefficient, values);
         }
         self.add_elements(
@@ -245,7 +247,7 @@ impl<'a> Patch<'a> {
         values: &mut [f64],
     ) {
         let assembly = self.space.assembly();
-        let lumped = self.space.rule() == Rule::Lumped;
+        let lumped = self.space.rule() == QuadratureRule::Lumped;
         for (group, (triangles, areas, slopes)) in self.groups().enumerate() {
             let areas = lanes(areas);
             let mut entries = of_group(group, (&areas, slopes));
@@ -296,9 +298,9 @@ impl<'a> Patch<'a> {
         [x_block, y_block]: [&mut [f64]; 2],
         coupling: &mut MassForm,
     ) {
-        count::assembly();
+        op_counts::assembly();
         let assembly = self.space.assembly();
-        let lumped = self.space.rule() == Rule::Lumped;
+        let lumped = self.space.rule() == QuadratureRule::Lumped;
         if lumped {
             self.add_diagonal(coefficient, x_block);
             self.add_diagonal(coefficient, y_block);
@@ -343,7 +345,7 @@ impl<'a> Patch<'a> {
 
     /// The mean over each triangle, by the rule, of a function at the points.
     pub fn element_means(&self, points: &[f64], means: &mut [f64]) {
-        if self.space.rule() == Rule::Lumped {
+        if self.space.rule() == QuadratureRule::Lumped {
             for (mean, triangle) in means.iter_mut().zip(self.triangles()) {
                 let [a, b, c] = triangle.map(|node| points[node as usize]);
                 *mean = (a + b + c) / 3.0;
@@ -367,7 +369,7 @@ impl<'a> Patch<'a> {
     /// the points has the same integral as triangle by triangle: a copy with the consistent rule; a
     /// mean over the triangles that meet in a node, weighted by their areas, with the lumped one.
     pub fn from_elements(&self, elements: &[f64], points: &mut [f64]) {
-        if self.space.rule() == Rule::Consistent {
+        if self.space.rule() == QuadratureRule::Consistent {
             let groups = points.as_chunks_mut::<GROUP>().0.iter_mut();
             for (group, elements) in groups.zip(elements.chunks(LANES)) {
                 let values = lanes(elements);
@@ -396,8 +398,10 @@ impl<'a> Patch<'a> {
         let mean = |u: [f64; 3], v: [f64; 3]| {
             let corners = u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
             match rule {
-                Rule::Lumped => corners / 3.0,
-                Rule::Consistent => ((u[0] + u[1] + u[2]) * (v[0] + v[1] + v[2]) + corners) / 12.0,
+                QuadratureRule::Lumped => corners / 3.0,
+                QuadratureRule::Consistent => {
+                    ((u[0] + u[1] + u[2]) * (v[0] + v[1] + v[2]) + corners) / 12.0
+                }
             }
         };
         for (means, triangle) in means.iter_mut().zip(self.triangles()) {
@@ -416,8 +420,8 @@ impl<'a> Patch<'a> {
             let sum = values[0] + values[1] + values[2];
             for (&node, value) in triangle.iter().zip(values) {
                 load[node as usize] += match self.space.rule() {
-                    Rule::Lumped => c * area / 3.0 * value,
-                    Rule::Consistent => c * area / 12.0 * (sum + value),
+                    QuadratureRule::Lumped => c * area / 3.0 * value,
+                    QuadratureRule::Consistent => c * area / 12.0 * (sum + value),
                 };
             }
         }

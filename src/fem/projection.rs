@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::{FemError, MassForm, Mesh, Rule, Space};
+use super::{FemError, MassForm, Mesh, QuadratureRule, Space};
 use crate::linalg::{ConjugateGradients, LinearOperator, SparseMatrix};
 
 /// Relative residual to which the systems of the projections are solved: rounding, with a margin.
@@ -31,7 +31,7 @@ pub fn l2_projection(
     given: &impl GivenFunction,
     wall: Option<f64>,
 ) -> Result<Vec<f64>, FemError> {
-    let space = Space::new(mesh.clone(), Rule::Consistent);
+    let space = Space::new(mesh.clone(), QuadratureRule::Consistent);
     let mut load = vec![0.0; space.nodes()];
     let no_flux = vec![[0.0; 2]; space.elements()];
     space
@@ -51,7 +51,7 @@ pub fn ritz_projection(
     given: &impl GivenFunction,
     wall: Option<f64>,
 ) -> Result<Vec<f64>, FemError> {
-    let space = Space::new(mesh.clone(), Rule::Consistent);
+    let space = Space::new(mesh.clone(), QuadratureRule::Consistent);
     let mut load = vec![0.0; space.nodes()];
     let no_density = vec![0.0; space.points()];
     space
@@ -193,7 +193,7 @@ mod tests {
             (p * q - 1.0, [(1.0 - 2.0 * x) * q, p * (1.0 - 2.0 * y)])
         };
         let projected = ritz_projection(&mesh, &bump, Some(-1.0)).expect("solvable");
-        let space = Space::new(mesh.clone(), Rule::Consistent);
+        let space = Space::new(mesh.clone(), QuadratureRule::Consistent);
         let mut residual = vec![0.0; space.nodes()];
         space.stiffness().multiply(&projected, &mut residual);
         let mut load = vec![0.0; space.nodes()];
@@ -220,7 +220,7 @@ mod tests {
             )
         };
         let projected = ritz_projection(&mesh, &wave, None).expect("solvable");
-        let space = Space::new(mesh.clone(), Rule::Consistent);
+        let space = Space::new(mesh.clone(), QuadratureRule::Consistent);
         let wanted = space.whole().integrate(&values_at_points(&space, &wave));
         assert!((space.integrate_nodal(&projected) - wanted).abs() < 1e-15);
     }

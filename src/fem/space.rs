@@ -12,8 +12,8 @@
 
 use std::sync::Arc;
 
-use super::rule::{POINTS, seven_points};
-use super::{Assembly, FemError, MassForm, Mesh, Patch, Rule};
+use super::quadrature::{POINTS, seven_points};
+use super::{Assembly, FemError, MassForm, Mesh, Patch, QuadratureRule};
 use crate::linalg::SparseMatrix;
 use crate::linalg::vector;
 
@@ -35,7 +35,7 @@ const PATCH: usize = 32;
 pub struct Space {
     mesh: Arc<Mesh>,
     assembly: Assembly,
-    rule: Rule,
+    rule: QuadratureRule,
     pub(super) coordinates: [[f64; 3]; POINTS],
     pub(super) relative_weights: [f64; POINTS],
     /// λ_a λ_b w of each of the seven points, for the six different entries of an element matrix.
@@ -55,7 +55,7 @@ pub struct Space {
 
 impl Space {
     /// The space on a mesh.
-    pub fn new(mesh: Arc<Mesh>, rule: Rule) -> Self {
+    pub fn new(mesh: Arc<Mesh>, rule: QuadratureRule) -> Self {
         let assembly = Assembly::new(&mesh);
         let (coordinates, relative_weights) = seven_points();
         let mut nodal_weights = vec![0.0; mesh.nodes().len()];
@@ -65,8 +65,8 @@ impl Space {
             }
         }
         let weights = match rule {
-            Rule::Lumped => nodal_weights.clone(),
-            Rule::Consistent => {
+            QuadratureRule::Lumped => nodal_weights.clone(),
+            QuadratureRule::Consistent => {
                 let mut weights = vec![0.0; mesh.areas().len().div_ceil(LANES) * GROUP];
                 for (triangle, area) in mesh.areas().iter().enumerate() {
                     for (point, weight) in relative_weights.iter().enumerate() {
@@ -90,8 +90,8 @@ impl Space {
         }
         let stiffness = SparseMatrix::zeros(assembly.pattern.clone());
         let mass = match rule {
-            Rule::Lumped => MassForm::Nodal(nodal_weights.clone()),
-            Rule::Consistent => MassForm::sparse(assembly.pattern.clone()),
+            QuadratureRule::Lumped => MassForm::Nodal(nodal_weights.clone()),
+            QuadratureRule::Consistent => MassForm::sparse(assembly.pattern.clone()),
         };
         let mut space = Self {
             mesh,
@@ -114,7 +114,7 @@ impl Space {
             .whole()
             .add_mass_and_stiffness(&nothing, &identity, &mut stiffness.values);
         space.stiffness = stiffness;
-        if rule == Rule::Consistent {
+        if rule == QuadratureRule::Consistent {
             let mut mass = SparseMatrix::zeros(space.assembly.pattern.clone());
             space.whole().add_mass(&vec![1.0; points], &mut mass.values);
             space.mass = MassForm::Sparse(mass);
@@ -131,8 +131,8 @@ impl Space {
         let (mesh, nodes) = self.mesh.part(triangles)?;
         let mut part = Self::new(Arc::new(mesh), self.rule);
         part.numbers = Some(match self.rule {
-            Rule::Lumped => nodes.clone(),
-            Rule::Consistent => {
+            QuadratureRule::Lumped => nodes.clone(),
+            QuadratureRule::Consistent => {
                 let mut numbers = vec![0; part.points()];
                 for (local, &triangle) in triangles.iter().enumerate() {
                     for point in 0..POINTS {
@@ -157,7 +157,7 @@ impl Space {
     }
 
     /// The quadrature rule.
-    pub fn rule(&self) -> Rule {
+    pub fn rule(&self) -> QuadratureRule {
         self.rule
     }
 
@@ -194,8 +194,8 @@ impl Space {
     /// A mass form of the space's kind, zero.
     pub fn new_form(&self) -> MassForm {
         match self.rule {
-            Rule::Lumped => MassForm::nodal(self.nodes()),
-            Rule::Consistent => MassForm::sparse(self.assembly.pattern.clone()),
+            QuadratureRule::Lumped => MassForm::nodal(self.nodes()),
+            QuadratureRule::Consistent => MassForm::sparse(self.assembly.pattern.clone()),
         }
     }
 
@@ -208,8 +208,8 @@ impl Space {
     /// nodes and each has triangles everywhere about it.
     pub fn patches(&self) -> impl Iterator<Item = Patch<'_>> {
         let elements = match self.rule {
-            Rule::Lumped => self.elements(),
-            Rule::Consistent => self.elements().min(PATCH * LANES),
+            QuadratureRule::Lumped => self.elements(),
+            QuadratureRule::Consistent => self.elements().min(PATCH * LANES),
         };
         (0..self.elements())
             .step_by(elements.max(1))
@@ -224,8 +224,8 @@ impl Space {
     fn patch(&self, first: usize, elements: usize) -> Patch<'_> {
         let end = (first + elements).min(self.elements());
         let points = match self.rule {
-            Rule::Lumped => 0..self.points(),
-            Rule::Consistent => first / LANES * GROUP..end.div_ceil(LANES) * GROUP,
+            QuadratureRule::Lumped => 0..self.points(),
+            QuadratureRule::Consistent => first / LANES * GROUP..end.div_ceil(LANES) * GROUP,
         };
         Patch::new(self, first..end, points)
     }
@@ -234,7 +234,7 @@ impl Space {
     /// the last triangle's).
     pub fn point_positions(&self) -> Vec<[f64; 2]> {
         let (nodes, triangles) = (self.mesh.nodes(), self.mesh.triangles());
-        if self.rule == Rule::Lumped {
+        if self.rule == QuadratureRule::Lumped {
             return nodes.to_vec();
         }
         let place = |index: usize| {

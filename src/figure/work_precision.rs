@@ -13,7 +13,7 @@ use super::provenance::Provenance;
 use super::save::Files;
 use super::text::{Across, Along, Label, line_height};
 use super::{FigureError, FigureOptions, TEXT_SIZES_A_WIDTH, text_size};
-use crate::study::{ErrorSize, Pace, Point, Study};
+use crate::study::{ErrorSize, Point, StepControl, Study};
 use std::path::{Path, PathBuf};
 
 /// The height of the plot to its width.
@@ -313,7 +313,7 @@ impl Axes {
 fn is_plain(study: &Study, point: &Point) -> bool {
     let first = study.points.first();
     point.run.is_none()
-        && matches!(point.pace, Pace::Tolerance(_))
+        && matches!(point.pace, StepControl::Tolerance(_))
         && first.is_some_and(|first| {
             (first.quadrature, first.iteration) == (point.quadrature, point.iteration)
         })

@@ -20,7 +20,7 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::linalg::{SupernodalThreshold, SymbolicSupernodalParams};
 use faer::{Par, Side};
 
-use super::lower::LowerTriangle;
+use super::lower_triangle::LowerTriangle;
 use super::supernodal::Supernodes;
 use super::{LinalgError, Pattern};
 

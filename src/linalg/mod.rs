@@ -3,13 +3,13 @@
 
 mod conjugate_gradients;
 mod cosine;
-pub(crate) mod count;
 mod error;
 mod factor;
 mod gmres;
-mod lower;
-mod order;
-mod shifted;
+mod lower_triangle;
+pub(crate) mod op_counts;
+mod ordering;
+mod shifted_cholesky;
 mod sparse;
 mod supernodal;
 pub mod vector;
@@ -19,8 +19,8 @@ pub use cosine::{CosineTransform, Multiplier};
 pub use error::LinalgError;
 pub use factor::Ldlt;
 pub use gmres::{Gmres, Outcome};
-pub use order::minimum_degree;
-pub use shifted::ShiftedFactors;
+pub use ordering::minimum_degree;
+pub use shifted_cholesky::ShiftedFactors;
 pub use sparse::{Pattern, SparseMatrix};
 
 /// A linear map between vectors of the same length: a matrix, a matrix-free product, or a

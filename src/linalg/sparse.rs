@@ -9,7 +9,7 @@
 
 use std::sync::Arc;
 
-use super::count;
+use super::op_counts;
 
 /// Rows of a block: one 512-bit register of f64.
 const LANES: usize = 8;
@@ -145,7 +145,7 @@ impl Pattern {
         vectors: [&[f64]; N],
         mut each: impl FnMut(usize, [[f64; LANES]; N]),
     ) {
-        count::products(N as u64);
+        op_counts::products(N as u64);
         let values = values.map(|values| values.as_chunks::<LANES>().0);
         let mut start = 0;
         for (block, &end) in self.block_start[1..].iter().enumerate() {

@@ -2,8 +2,8 @@
 //! (0, 1) the director prefers to lie along the membrane, with (1, −1) across it.
 
 use super::{
-    DirectorForm, DirectorReach, Effect, MembraneForce, MembraneLinearisation, Sample, Setting,
-    Terms,
+    DirectorCoupling, DirectorForm, Effect, EffectContext, LedgerTerms, MembraneForce,
+    MembraneJacobian, PatchFields,
 };
 use crate::fem::{Patch, Space, SymmetricTensor};
 use crate::scene::{self, AnchoringKind, Iteration};
@@ -12,10 +12,10 @@ use crate::scene::{self, AnchoringKind, Iteration};
 pub(super) const NAME: &str = "anchoring";
 
 /// The effect, where the scene has it; the kind "none" is no effect.
-pub(super) fn of_scene(setting: &Setting<'_>) -> Option<Box<dyn Effect>> {
-    let anchoring = setting.scene.anchoring.as_ref()?;
+pub(super) fn of_scene(context: &EffectContext<'_>) -> Option<Box<dyn Effect>> {
+    let anchoring = context.scene.anchoring.as_ref()?;
     let is_one = anchoring.kind != AnchoringKind::None;
-    is_one.then(|| Box::new(Anchoring::new(anchoring, setting.space)) as Box<dyn Effect>)
+    is_one.then(|| Box::new(Anchoring::new(anchoring, context.space)) as Box<dyn Effect>)
 }
 
 /// The anchoring energy.
@@ -83,7 +83,7 @@ impl Effect for Anchoring {
         NAME
     }
 
-    fn integral(&mut self, patch: &Patch<'_>, at: &Sample) -> f64 {
+    fn integral(&mut self, patch: &Patch<'_>, at: &PatchFields) -> f64 {
         match &at.director {
             Some(director) => self.energy_of(patch, &director.nodal, &at.phi_gradient),
             None => 0.0,
@@ -91,16 +91,21 @@ impl Effect for Anchoring {
     }
 
     /// λ_anch |∇φ|²: both kinds have the eigenvalues 0 and |∇φ|².
-    fn director_reach(&self) -> Option<DirectorReach> {
+    fn director_coupling(&self) -> Option<DirectorCoupling> {
         let at_membrane = self.weight;
-        Some(DirectorReach {
+        Some(DirectorCoupling {
             at_membrane,
-            ..DirectorReach::NOWHERE
+            ..DirectorCoupling::NONE
         })
     }
 
     /// λ_anch (δ1 |∇φⁿ|² d + δ2 (d·∇φⁿ) ∇φⁿ, e), linear in d.
-    fn add_director_force(&mut self, _patch: &Patch<'_>, old: &Sample, form: &mut DirectorForm) {
+    fn add_director_force(
+        &mut self,
+        _patch: &Patch<'_>,
+        old: &PatchFields,
+        form: &mut DirectorForm,
+    ) {
         let [isotropic, along] = self.preference.map(|delta| self.weight * delta);
         let [xx, xy, yy] = &mut form.tensor;
         let entries = xx.iter_mut().zip(xy).zip(yy).zip(&old.phi_gradient);
@@ -113,7 +118,7 @@ impl Effect for Anchoring {
         form.has_tensor = true;
     }
 
-    fn begin_membrane(&mut self, patch: &Patch<'_>, _old: &Sample, new: &Sample) {
+    fn begin_membrane(&mut self, patch: &Patch<'_>, _old: &PatchFields, new: &PatchFields) {
         if let Some(director) = &new.director {
             let mut tensors = std::mem::take(&mut self.tensors);
             self.fill(patch, &director.nodal, &mut tensors[patch.element_range()]);
@@ -126,8 +131,8 @@ impl Effect for Anchoring {
     fn add_membrane_force(
         &mut self,
         patch: &Patch<'_>,
-        _old: &Sample,
-        new: &Sample,
+        _old: &PatchFields,
+        new: &PatchFields,
         force: &mut MembraneForce,
     ) {
         let tensors = &self.tensors[patch.element_range()];
@@ -138,16 +143,16 @@ impl Effect for Anchoring {
         }
     }
 
-    fn add_membrane_linearisation(
+    fn add_membrane_jacobian(
         &mut self,
         patch: &Patch<'_>,
-        _old: &Sample,
-        _new: &Sample,
+        _old: &PatchFields,
+        _new: &PatchFields,
         _iteration: Iteration,
-        linearisation: &mut MembraneLinearisation,
+        jacobian: &mut MembraneJacobian,
     ) {
         let tensors = &self.tensors[patch.element_range()];
-        for (sum, tensor) in linearisation.tensor.iter_mut().zip(tensors) {
+        for (sum, tensor) in jacobian.tensor.iter_mut().zip(tensors) {
             for (sum, entry) in sum.iter_mut().zip(tensor) {
                 *sum += entry;
             }
@@ -159,9 +164,9 @@ impl Effect for Anchoring {
     fn add_dissipation(
         &mut self,
         patch: &Patch<'_>,
-        old: &Sample,
-        new: &Sample,
-        terms: &mut Terms,
+        old: &PatchFields,
+        new: &PatchFields,
+        terms: &mut LedgerTerms,
     ) {
         let (Some(old_director), Some(new_director)) = (&old.director, &new.director) else {
             return;

@@ -2,10 +2,10 @@
 //! B = ∫ (ε/2 |∇φ|² + F(φ)/ε).
 
 use super::potentials::{
-    double_well, double_well_secant, double_well_secant_slope, double_well_slope,
+    double_well, double_well_derivative, double_well_secant, double_well_secant_derivative,
 };
 use super::{
-    DirectorReach, Effect, MembraneForce, MembraneLinearisation, RankOne, Sample, Setting,
+    DirectorCoupling, Effect, EffectContext, MembraneForce, MembraneJacobian, PatchFields, RankOne,
 };
 use crate::fem::{Patch, Space};
 use crate::scene::{self, Iteration};
@@ -13,7 +13,7 @@ use crate::scene::{self, Iteration};
 /// B(φ) = ∫ (ε/2 |∇φ|² + F(φ)/ε), for nodal values of φ: 2√2/3 times the length of the membrane for
 /// a tanh profile.
 pub fn surface_area(space: &Space, phi: &[f64], width: f64) -> f64 {
-    let mut sample = Sample::new(false);
+    let mut sample = PatchFields::new(false);
     let share = |patch: Patch<'_>| {
         sample.set_phi(&patch, phi);
         area_integral(&patch, &sample, width)
@@ -22,7 +22,7 @@ pub fn surface_area(space: &Space, phi: &[f64], width: f64) -> f64 {
 }
 
 /// The patch's share of B(φ).
-pub fn area_integral(patch: &Patch<'_>, at: &Sample, width: f64) -> f64 {
+pub fn area_integral(patch: &Patch<'_>, at: &PatchFields, width: f64) -> f64 {
     let areas = &patch.space().mesh().areas()[patch.element_range()];
     let gradients = at.phi_gradient.iter().zip(areas);
     let squares: f64 = gradients.map(|([x, y], area)| area * (x * x + y * y)).sum();
@@ -30,8 +30,8 @@ pub fn area_integral(patch: &Patch<'_>, at: &Sample, width: f64) -> f64 {
 }
 
 /// The effect, where the scene has it.
-pub(super) fn of_scene(setting: &Setting<'_>) -> Option<Box<dyn Effect>> {
-    let Setting { scene, space, phi } = *setting;
+pub(super) fn of_scene(context: &EffectContext<'_>) -> Option<Box<dyn Effect>> {
+    let EffectContext { scene, space, phi } = *context;
     let area = scene.area.as_ref()?;
     let width = scene.membrane.interface_width;
     let initial_area = surface_area(space, phi, width);
@@ -85,7 +85,7 @@ impl Effect for Area {
     }
 
     /// B.
-    fn integral(&mut self, patch: &Patch<'_>, at: &Sample) -> f64 {
+    fn integral(&mut self, patch: &Patch<'_>, at: &PatchFields) -> f64 {
         area_integral(patch, at, self.interface_width)
     }
 
@@ -94,8 +94,8 @@ impl Effect for Area {
         excess * excess / (2.0 * self.penalty)
     }
 
-    fn director_reach(&self) -> Option<DirectorReach> {
-        Some(DirectorReach::NOWHERE)
+    fn director_coupling(&self) -> Option<DirectorCoupling> {
+        Some(DirectorCoupling::NONE)
     }
 
     fn needs_integrals(&self) -> bool {
@@ -106,12 +106,12 @@ impl Effect for Area {
         self.tension = (0.5 * (old + new) - self.target) / self.penalty;
     }
 
-    fn set_correction(&mut self, along: f64) {
+    fn newton_correction(&mut self, along: f64) {
         self.corrected = self.tension + self.rank_one.scale * along;
         self.followed.get_or_insert(self.tension);
     }
 
-    fn follow_correction(&mut self, part: f64) {
+    fn accept_correction(&mut self, part: f64) {
         self.followed = match self.followed {
             Some(followed) if part > 0.0 => Some(followed + part * (self.corrected - followed)),
             _ => None,
@@ -123,8 +123,8 @@ impl Effect for Area {
     fn add_membrane_force(
         &mut self,
         _patch: &Patch<'_>,
-        old: &Sample,
-        new: &Sample,
+        old: &PatchFields,
+        new: &PatchFields,
         force: &mut MembraneForce,
     ) {
         let tension = self.tension;
@@ -143,13 +143,13 @@ impl Effect for Area {
 
     /// The derivative of the bracket, and with Newton's method that of the tension:
     /// 1/(2η) · bracket ⊗ B'(φ).
-    fn add_membrane_linearisation(
+    fn add_membrane_jacobian(
         &mut self,
         patch: &Patch<'_>,
-        old: &Sample,
-        new: &Sample,
+        old: &PatchFields,
+        new: &PatchFields,
         iteration: Iteration,
-        linearisation: &mut MembraneLinearisation,
+        jacobian: &mut MembraneJacobian,
     ) {
         let width = self.interface_width;
         let tension = match iteration {
@@ -157,16 +157,16 @@ impl Effect for Area {
             Iteration::Lagged => self.tension,
         };
         let (along, across) = (0.5 * width * tension, tension / width);
-        for tensor in &mut linearisation.tensor {
+        for tensor in &mut jacobian.tensor {
             tensor[0] += along;
             tensor[2] += along;
         }
-        let terms = linearisation
+        let terms = jacobian
             .reaction
             .iter_mut()
             .zip(new.phi.iter().zip(&old.phi));
         terms.for_each(|(reaction, (new, old))| {
-            *reaction += across * double_well_secant_slope(*new, *old);
+            *reaction += across * double_well_secant_derivative(*new, *old);
         });
         self.has_rank_one = iteration == Iteration::Newton;
         if !self.has_rank_one {
@@ -189,7 +189,7 @@ impl Effect for Area {
             *flux = gradient.map(|entry| width * entry);
         }
         let terms = self.scratch.iter_mut().zip(&new.phi);
-        terms.for_each(|(load, phi)| *load = double_well_slope(*phi) / width);
+        terms.for_each(|(load, phi)| *load = double_well_derivative(*phi) / width);
         patch.add_load(&self.scratch, &self.flux, &mut self.rank_one.row);
     }
 

@@ -7,9 +7,11 @@
 //! at both times: with χ = ω,
 //!   E_ben(ω) − E_ben(ωⁿ) = ε(∇(φ − φⁿ), ∇ω) + (1/ε)(G_sec (φ − φⁿ), ω) − ε/2 ‖ω − ωⁿ‖².
 
-use super::potentials::{bending_secant, bending_secant_slope, bending_slope, bending_tangent};
-use super::sample::at_points;
-use super::{DirectorReach, Effect, MembraneForce, MembraneLinearisation, Sample, Terms};
+use super::patch_fields::at_points;
+use super::potentials::{
+    bending_derivative, bending_secant, bending_secant_derivative, bending_tangent,
+};
+use super::{DirectorCoupling, Effect, LedgerTerms, MembraneForce, MembraneJacobian, PatchFields};
 use crate::fem::{Patch, Space};
 use crate::scene::{Iteration, Membrane, ScalarField};
 
@@ -85,7 +87,7 @@ impl Bending {
     }
 
     /// load ← load + (∇φ, ∇χ) + (1/ε²)(G(φ), χ): what (ω, χ) must equal.
-    pub fn add_omega_load(&mut self, patch: &Patch<'_>, at: &Sample, load: &mut [f64]) {
+    pub fn add_omega_load(&mut self, patch: &Patch<'_>, at: &PatchFields, load: &mut [f64]) {
         let scale = (self.interface_width * self.interface_width).recip();
         self.scratch.resize(patch.points(), 0.0);
         let phi = &at.phi[..self.scratch.len()];
@@ -94,14 +96,20 @@ impl Bending {
             patch,
             &mut self.scratch,
             |point, curved, out| {
-                *out = scale * bending_slope(phi[point], curved);
+                *out = scale * bending_derivative(phi[point], curved);
             },
         );
         patch.add_load(&self.scratch, &at.phi_gradient, load);
     }
 
     /// (1/ε) G_sec at the points: how ω acts in the second equation.
-    pub fn secant(&self, patch: &Patch<'_>, old: &Sample, new: &Sample, out: &mut Vec<f64>) {
+    pub fn secant(
+        &self,
+        patch: &Patch<'_>,
+        old: &PatchFields,
+        new: &PatchFields,
+        out: &mut Vec<f64>,
+    ) {
         let scale = self.interface_width.recip();
         out.resize(patch.points(), 0.0);
         let (phi, phi_old) = (&new.phi[..out.len()], &old.phi[..out.len()]);
@@ -117,7 +125,7 @@ impl Bending {
     }
 
     /// (1/ε) G'(φ) at the points: how φ acts in the linearised third equation.
-    pub fn tangent(&self, patch: &Patch<'_>, new: &Sample, out: &mut Vec<f64>) {
+    pub fn tangent(&self, patch: &Patch<'_>, new: &PatchFields, out: &mut Vec<f64>) {
         let scale = self.interface_width.recip();
         out.resize(patch.points(), 0.0);
         let phi = &new.phi[..out.len()];
@@ -132,19 +140,19 @@ impl Effect for Bending {
         "bending"
     }
 
-    fn integral(&mut self, patch: &Patch<'_>, at: &Sample) -> f64 {
+    fn integral(&mut self, patch: &Patch<'_>, at: &PatchFields) -> f64 {
         0.5 * self.interface_width * patch.integrate_of(&at.omega, |omega| omega * omega)
     }
 
-    fn director_reach(&self) -> Option<DirectorReach> {
-        Some(DirectorReach::NOWHERE)
+    fn director_coupling(&self) -> Option<DirectorCoupling> {
+        Some(DirectorCoupling::NONE)
     }
 
     fn add_membrane_force(
         &mut self,
         patch: &Patch<'_>,
-        old: &Sample,
-        new: &Sample,
+        old: &PatchFields,
+        new: &PatchFields,
         force: &mut MembraneForce,
     ) {
         let mut scratch = std::mem::take(&mut self.scratch);
@@ -159,24 +167,24 @@ impl Effect for Bending {
     }
 
     /// (1/ε) ∂G_sec/∂φ ω, which (4.35) leaves out.
-    fn add_membrane_linearisation(
+    fn add_membrane_jacobian(
         &mut self,
         patch: &Patch<'_>,
-        old: &Sample,
-        new: &Sample,
+        old: &PatchFields,
+        new: &PatchFields,
         iteration: Iteration,
-        linearisation: &mut MembraneLinearisation,
+        jacobian: &mut MembraneJacobian,
     ) {
         if iteration == Iteration::Lagged {
             return;
         }
         let scale = self.interface_width.recip();
-        let reaction = &mut linearisation.reaction;
+        let reaction = &mut jacobian.reaction;
         let points = reaction.len();
         let (phi, phi_old) = (&new.phi[..points], &old.phi[..points]);
         let omega = &new.omega[..points];
         Self::at_points(&self.curved, patch, reaction, |point, curved, reaction| {
-            let slope = bending_secant_slope(phi[point], phi_old[point], curved);
+            let slope = bending_secant_derivative(phi[point], phi_old[point], curved);
             *reaction += scale * slope * omega[point];
         });
     }
@@ -185,9 +193,9 @@ impl Effect for Bending {
     fn add_dissipation(
         &mut self,
         patch: &Patch<'_>,
-        old: &Sample,
-        new: &Sample,
-        terms: &mut Terms,
+        old: &PatchFields,
+        new: &PatchFields,
+        terms: &mut LedgerTerms,
     ) {
         self.scratch.resize(patch.points(), 0.0);
         for ((density, old), new) in self.scratch.iter_mut().zip(&old.omega).zip(&new.omega) {

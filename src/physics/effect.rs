@@ -5,7 +5,7 @@
 //! - in substep 1 a *director force* f_d(φⁿ; dⁿ → d), affine in d: its value at dⁿ and its linear
 //!   part ([`DirectorForm`]);
 //! - in substep 2 a *membrane force* f_φ(φⁿ → φ; d) ([`MembraneForce`]) and its derivative with
-//!   respect to φ ([`MembraneLinearisation`], [`RankOne`]);
+//!   respect to φ ([`MembraneJacobian`], [`RankOne`]);
 //! - a *numerical dissipation* ND ≥ 0,
 //!
 //! such that, identically for any states,
@@ -18,7 +18,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Sample;
+use super::PatchFields;
 use crate::fem::{Patch, SymmetricTensor};
 use crate::scene::Iteration;
 
@@ -38,11 +38,11 @@ impl NamedValue {
     }
 }
 
-/// Terms by name, each the sum of what the patches have added.
+/// LedgerTerms by name, each the sum of what the patches have added.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Terms(Vec<NamedValue>);
+pub struct LedgerTerms(Vec<NamedValue>);
 
-impl Terms {
+impl LedgerTerms {
     /// Adds a patch's share of a term.
     pub fn add(&mut self, name: &'static str, value: f64) {
         match self.0.iter_mut().find(|term| term.name == name) {
@@ -73,9 +73,9 @@ pub struct Interval {
 
 /// How strongly an effect acts on the director, place by place. Where |d| ≤ D (D ≥ 1) and the
 /// discrete Laplacian of d is at most κ D, the director force per area is at most
-///   (I(φ) (κ stiffness + inside) + |∇φ|² at_membrane) D.
+///   (I(φ) (κ stiffness + phase_indicator) + |∇φ|² at_membrane) D.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DirectorReach {
+pub struct DirectorCoupling {
     /// Of ∇d, inside.
     pub stiffness: f64,
     /// Of d, inside.
@@ -84,9 +84,9 @@ pub struct DirectorReach {
     pub at_membrane: f64,
 }
 
-impl DirectorReach {
+impl DirectorCoupling {
     /// Of an effect that does not act on the director.
-    pub const NOWHERE: Self = Self {
+    pub const NONE: Self = Self {
         stiffness: 0.0,
         inside: 0.0,
         at_membrane: 0.0,
@@ -94,11 +94,11 @@ impl DirectorReach {
 
     /// Whether it is of an effect that does not act on the director.
     pub fn is_nowhere(&self) -> bool {
-        *self == Self::NOWHERE
+        *self == Self::NONE
     }
 }
 
-impl std::ops::Add for DirectorReach {
+impl std::ops::Add for DirectorCoupling {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
@@ -123,7 +123,7 @@ impl std::ops::Add for DirectorReach {
 /// | `add_director_force` | φ, d | |
 /// | `work` | φ, d | d |
 /// | `begin_membrane` | φ | d |
-/// | `add_membrane_force`, `add_membrane_linearisation` | φ | φ, ω |
+/// | `add_membrane_force`, `add_membrane_jacobian` | φ | φ, ω |
 /// | `add_dissipation` | φ, ω, d | φ, ω, d |
 pub trait Effect: Send + std::fmt::Debug {
     /// Its name: the column `E_<name>` of a history.
@@ -131,7 +131,7 @@ pub trait Effect: Send + std::fmt::Debug {
 
     /// The patch's share of the integral that the energy follows from; most energies *are* an
     /// integral, weighted as in E_tot.
-    fn integral(&mut self, patch: &Patch<'_>, at: &Sample) -> f64;
+    fn integral(&mut self, patch: &Patch<'_>, at: &PatchFields) -> f64;
 
     /// The energy, weighted as in E_tot, from the integral over the whole domain.
     fn energy(&self, integral: f64) -> f64 {
@@ -151,7 +151,7 @@ pub trait Effect: Send + std::fmt::Debug {
 
     /// Where it acts on the director; `None`: nobody knows, so everywhere. Substep 1 solves for the
     /// director only where the effects together say that it matters.
-    fn director_reach(&self) -> Option<DirectorReach> {
+    fn director_coupling(&self) -> Option<DirectorCoupling> {
         None
     }
 
@@ -166,35 +166,41 @@ pub trait Effect: Send + std::fmt::Debug {
     fn set_integrals(&mut self, _old: f64, _new: f64) {}
 
     /// Adds the director force at dⁿ and its linear part.
-    fn add_director_force(&mut self, _patch: &Patch<'_>, _old: &Sample, _form: &mut DirectorForm) {}
+    fn add_director_force(
+        &mut self,
+        _patch: &Patch<'_>,
+        _old: &PatchFields,
+        _form: &mut DirectorForm,
+    ) {
+    }
 
     /// Called once a step before substep 2, when the new director is known: the place to prepare
     /// what depends on φⁿ and d only.
-    fn begin_membrane(&mut self, _patch: &Patch<'_>, _old: &Sample, _new: &Sample) {}
+    fn begin_membrane(&mut self, _patch: &Patch<'_>, _old: &PatchFields, _new: &PatchFields) {}
 
     /// Adds the membrane force.
     fn add_membrane_force(
         &mut self,
         _patch: &Patch<'_>,
-        _old: &Sample,
-        _new: &Sample,
+        _old: &PatchFields,
+        _new: &PatchFields,
         _force: &mut MembraneForce,
     ) {
     }
 
     /// Adds the derivative of the membrane force with respect to φ, for the given iteration.
-    fn add_membrane_linearisation(
+    fn add_membrane_jacobian(
         &mut self,
         _patch: &Patch<'_>,
-        _old: &Sample,
-        _new: &Sample,
+        _old: &PatchFields,
+        _new: &PatchFields,
         _iteration: Iteration,
-        _linearisation: &mut MembraneLinearisation,
+        _jacobian: &mut MembraneJacobian,
     ) {
     }
 
     /// The part of the derivative that is a product of two vectors, as of the last calls of
-    /// [`add_membrane_linearisation`](Self::add_membrane_linearisation) for all patches.
+    /// [`add_membrane_jacobian`](Self::add_membrane_jacobian) for all patches.
     fn rank_one(&self) -> Option<&RankOne> {
         None
     }
@@ -206,10 +212,10 @@ pub trait Effect: Send + std::fmt::Debug {
     /// mixed form of a penalty method does: the residual stays what it is, but the derivative of the rest
     /// of the force is taken with the p that the correction leads to, not with p(φ), which is off by
     /// δφ²/η after it.
-    fn set_correction(&mut self, _along: f64) {}
+    fn newton_correction(&mut self, _along: f64) {}
 
     /// Told that an iterate lies by this part of the correction further; 0: an iteration begins.
-    fn follow_correction(&mut self, _part: f64) {}
+    fn accept_correction(&mut self, _part: f64) {}
 
     /// Whether it does work from outside, beyond its energy.
     fn does_work(&self) -> bool {
@@ -218,7 +224,7 @@ pub trait Effect: Send + std::fmt::Debug {
 
     /// The patch's share of the work that it has done from outside on the director in substep 1, if it
     /// [`does_work`](Self::does_work).
-    fn work(&mut self, _patch: &Patch<'_>, _old: &Sample, _new: &Sample) -> f64 {
+    fn work(&mut self, _patch: &Patch<'_>, _old: &PatchFields, _new: &PatchFields) -> f64 {
         0.0
     }
 
@@ -227,9 +233,9 @@ pub trait Effect: Send + std::fmt::Debug {
     fn add_dissipation(
         &mut self,
         _patch: &Patch<'_>,
-        _old: &Sample,
-        _new: &Sample,
-        _terms: &mut Terms,
+        _old: &PatchFields,
+        _new: &PatchFields,
+        _terms: &mut LedgerTerms,
     ) {
     }
 }
@@ -294,14 +300,14 @@ impl MembraneForce {
 
 /// The derivative of the membrane force at fixed ω: ∫ (T ∇δ)·∇ψ + ∫ reaction δ ψ.
 #[derive(Debug, Default)]
-pub struct MembraneLinearisation {
+pub struct MembraneJacobian {
     /// T, on the triangles.
     pub tensor: Vec<SymmetricTensor>,
     /// At the points.
     pub reaction: Vec<f64>,
 }
 
-impl MembraneLinearisation {
+impl MembraneJacobian {
     /// Makes it zero, for a patch.
     pub fn clear(&mut self, patch: &Patch<'_>) {
         zero(&mut self.tensor, patch.elements());

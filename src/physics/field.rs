@@ -18,7 +18,7 @@
 //! any Δt.
 //!
 //! *Substep 2*, d fixed, Q = ⟨q(d)⟩ ≥ 0. The force is (−χ Q i*, ψ) with
-//! i* = i(φⁿ) − sign(χ) c (φ − φⁿ), where c = 5√3/12 is half the maximum of |I''| ([`INSIDE_CONVEXITY`]):
+//! i* = i(φⁿ) − sign(χ) c (φ − φⁿ), where c = 5√3/12 is half the maximum of |I''| ([`INDICATOR_CONVEXITY`]):
 //! for χ < 0 the i_Δt of the nematic energy, for χ > 0 its mirror image. By Taylor's formula
 //! |I(φ) − I(φⁿ) − i(φⁿ)(φ − φⁿ)| ≤ c (φ − φⁿ)², so at every point
 //!   −χ [i* (φ − φⁿ) − (I(φ) − I(φⁿ))] = |χ| [c (φ − φⁿ)² ± (I(φ) − I(φⁿ) − i(φⁿ)(φ − φⁿ))] ≥ 0:
@@ -30,18 +30,18 @@
 //! is that of one energy. A step has the field if it is on in the middle of the step: `from` and
 //! `until` are so rounded to the nearest end of a step.
 
-use super::potentials::{INSIDE_CONVEXITY, inside, inside_slope};
+use super::potentials::{INDICATOR_CONVEXITY, phase_indicator, phase_indicator_derivative};
 use super::{
-    DirectorForm, DirectorReach, Effect, Interval, MembraneForce, MembraneLinearisation, Sample,
-    Setting, Terms,
+    DirectorCoupling, DirectorForm, Effect, EffectContext, Interval, LedgerTerms, MembraneForce,
+    MembraneJacobian, PatchFields,
 };
 use crate::fem::{Patch, Space};
 use crate::scene::{self, Iteration};
 
 /// The effect, where the scene has it.
-pub(super) fn of_scene(setting: &Setting<'_>) -> Option<Box<dyn Effect>> {
-    let field = setting.scene.field.as_ref()?;
-    Some(Box::new(Field::new(field, setting.space)))
+pub(super) fn of_scene(context: &EffectContext<'_>) -> Option<Box<dyn Effect>> {
+    let field = context.scene.field.as_ref()?;
+    Some(Box::new(Field::new(field, context.space)))
 }
 
 /// An external field on the director.
@@ -91,16 +91,17 @@ impl Field {
     }
 
     /// weights ← ⟨I(φ)⟩.
-    fn fill_inside(&mut self, patch: &Patch<'_>, phi: &[f64]) {
+    fn fill_indicator(&mut self, patch: &Patch<'_>, phi: &[f64]) {
         self.points.clear();
-        self.points.extend(phi.iter().map(|phi| inside(*phi)));
+        self.points
+            .extend(phi.iter().map(|phi| phase_indicator(*phi)));
         self.weights.resize(patch.elements(), 0.0);
         patch.element_means(&self.points, &mut self.weights);
     }
 
     /// i* = i(φⁿ) − sign(χ) c (φ − φⁿ).
-    fn inside_tangent(&self, phi: f64, old: f64) -> f64 {
-        inside_slope(old) - self.weight.signum() * INSIDE_CONVEXITY * (phi - old)
+    fn indicator_tangent(&self, phi: f64, old: f64) -> f64 {
+        phase_indicator_derivative(old) - self.weight.signum() * INDICATOR_CONVEXITY * (phi - old)
     }
 }
 
@@ -120,11 +121,11 @@ impl Effect for Field {
         std::mem::replace(&mut self.on, on) != on
     }
 
-    fn integral(&mut self, patch: &Patch<'_>, at: &Sample) -> f64 {
+    fn integral(&mut self, patch: &Patch<'_>, at: &PatchFields) -> f64 {
         let Some(director) = at.director.as_ref().filter(|_| self.on) else {
             return 0.0;
         };
-        self.fill_inside(patch, &at.phi);
+        self.fill_indicator(patch, &at.phi);
         self.fill_squares(patch, pairs(&director.values));
         for (square, weight) in self.elements.iter_mut().zip(&self.weights) {
             *square *= weight;
@@ -133,24 +134,29 @@ impl Effect for Field {
     }
 
     /// |χ| H² I(φ): the field turns the director only inside.
-    fn director_reach(&self) -> Option<DirectorReach> {
+    fn director_coupling(&self) -> Option<DirectorCoupling> {
         let [x, y] = self.vector;
         let inside = if self.on {
             self.weight.abs() * (x * x + y * y)
         } else {
             0.0
         };
-        Some(DirectorReach {
+        Some(DirectorCoupling {
             inside,
-            ..DirectorReach::NOWHERE
+            ..DirectorCoupling::NONE
         })
     }
 
-    fn add_director_force(&mut self, patch: &Patch<'_>, old: &Sample, form: &mut DirectorForm) {
+    fn add_director_force(
+        &mut self,
+        patch: &Patch<'_>,
+        old: &PatchFields,
+        form: &mut DirectorForm,
+    ) {
         let Some(director) = old.director.as_ref().filter(|_| self.on) else {
             return;
         };
-        self.fill_inside(patch, &old.phi);
+        self.fill_indicator(patch, &old.phi);
         let [along, across] = self.vector;
         if self.weight < 0.0 {
             let [xx, xy, yy] = &mut form.tensor;
@@ -174,7 +180,7 @@ impl Effect for Field {
         }
     }
 
-    fn begin_membrane(&mut self, patch: &Patch<'_>, _old: &Sample, new: &Sample) {
+    fn begin_membrane(&mut self, patch: &Patch<'_>, _old: &PatchFields, new: &PatchFields) {
         if let Some(director) = new.director.as_ref().filter(|_| self.on) {
             self.fill_squares(patch, pairs(&director.values));
             patch.from_elements(&self.elements, &mut self.squares[patch.point_range()]);
@@ -184,8 +190,8 @@ impl Effect for Field {
     fn add_membrane_force(
         &mut self,
         patch: &Patch<'_>,
-        old: &Sample,
-        new: &Sample,
+        old: &PatchFields,
+        new: &PatchFields,
         force: &mut MembraneForce,
     ) {
         if !self.on {
@@ -194,24 +200,24 @@ impl Effect for Field {
         let squares = &self.squares[patch.point_range()];
         let values = squares.iter().zip(new.phi.iter().zip(&old.phi));
         for (load, (square, (new, old))) in force.load.iter_mut().zip(values) {
-            *load -= self.weight * square * self.inside_tangent(*new, *old);
+            *load -= self.weight * square * self.indicator_tangent(*new, *old);
         }
     }
 
-    fn add_membrane_linearisation(
+    fn add_membrane_jacobian(
         &mut self,
         patch: &Patch<'_>,
-        _old: &Sample,
-        _new: &Sample,
+        _old: &PatchFields,
+        _new: &PatchFields,
         _iteration: Iteration,
-        linearisation: &mut MembraneLinearisation,
+        jacobian: &mut MembraneJacobian,
     ) {
         if !self.on {
             return;
         }
         let squares = &self.squares[patch.point_range()];
-        let scale = self.weight.abs() * INSIDE_CONVEXITY;
-        for (reaction, square) in linearisation.reaction.iter_mut().zip(squares) {
+        let scale = self.weight.abs() * INDICATOR_CONVEXITY;
+        for (reaction, square) in jacobian.reaction.iter_mut().zip(squares) {
             *reaction += scale * square;
         }
     }
@@ -220,16 +226,16 @@ impl Effect for Field {
     fn add_dissipation(
         &mut self,
         patch: &Patch<'_>,
-        old: &Sample,
-        new: &Sample,
-        terms: &mut Terms,
+        old: &PatchFields,
+        new: &PatchFields,
+        terms: &mut LedgerTerms,
     ) {
         let (Some(old_director), Some(new_director), true) =
             (&old.director, &new.director, self.on)
         else {
             return;
         };
-        self.fill_inside(patch, &old.phi);
+        self.fill_indicator(patch, &old.phi);
         let steps = pairs(&new_director.values).zip(pairs(&old_director.values));
         self.fill_squares(
             patch,
@@ -246,8 +252,8 @@ impl Effect for Field {
         let values = squares.iter().zip(new.phi.iter().zip(&old.phi));
         points.clear();
         points.extend(values.map(|(square, (new, old))| {
-            let change = inside(*new) - inside(*old);
-            -self.weight * square * (self.inside_tangent(*new, *old) * (new - old) - change)
+            let change = phase_indicator(*new) - phase_indicator(*old);
+            -self.weight * square * (self.indicator_tangent(*new, *old) * (new - old) - change)
         }));
         terms.add("ND_field_membrane", patch.integrate(&points));
         self.points = points;

@@ -2,8 +2,8 @@
 
 mod bending;
 mod effect;
+mod patch_fields;
 pub mod potentials;
-mod sample;
 #[cfg(test)]
 mod tests;
 
@@ -13,7 +13,7 @@ macro_rules! effects {
         $(mod $name;)*
 
         /// Each gives its effect, if the scene names it.
-        const MAKERS: &[fn(&Setting<'_>) -> Option<Box<dyn Effect>>] = &[$($name::of_scene),*];
+        const MAKERS: &[fn(&EffectContext<'_>) -> Option<Box<dyn Effect>>] = &[$($name::of_scene),*];
     };
 }
 
@@ -38,18 +38,18 @@ pub use anchoring::Anchoring;
 pub use area::{Area, area_integral, surface_area};
 pub use bending::{Bending, bending_energy_density};
 pub use effect::{
-    DirectorForm, DirectorReach, Effect, Interval, MembraneForce, MembraneLinearisation,
-    NamedValue, RankOne, Terms,
+    DirectorCoupling, DirectorForm, Effect, Interval, LedgerTerms, MembraneForce, MembraneJacobian,
+    NamedValue, RankOne,
 };
 pub use field::Field;
 pub use nematic::Nematic;
 pub use noise::Noise;
+pub use patch_fields::{DirectorFields, PatchFields};
 pub use pull::Pull;
-pub use sample::{DirectorSample, Sample};
 
 /// What effects are made from.
 #[derive(Debug, Clone, Copy)]
-pub struct Setting<'a> {
+pub struct EffectContext<'a> {
     /// The scene.
     pub scene: &'a Scene,
     /// Where its fields live.
@@ -78,8 +78,8 @@ impl Effects {
 
     /// Where a scene becomes effects. φ⁰ is given at the nodes.
     pub fn from_scene(scene: &Scene, space: &Space, phi: &[f64]) -> Self {
-        let setting = Setting { scene, space, phi };
-        let others = MAKERS.iter().filter_map(|make| make(&setting));
+        let context = EffectContext { scene, space, phi };
+        let others = MAKERS.iter().filter_map(|make| make(&context));
         Self {
             bending: Bending::new(&scene.membrane, space),
             others: others.collect(),
@@ -124,14 +124,14 @@ impl Effects {
     }
 
     /// How strongly all effects together act on the director; `None`: nobody knows.
-    pub fn director_reach(&self) -> Option<DirectorReach> {
-        self.iter().try_fold(DirectorReach::NOWHERE, |sum, effect| {
-            effect.director_reach().map(|reach| sum + reach)
+    pub fn director_coupling(&self) -> Option<DirectorCoupling> {
+        self.iter().try_fold(DirectorCoupling::NONE, |sum, effect| {
+            effect.director_coupling().map(|reach| sum + reach)
         })
     }
 
     /// sums ← sums + the patch's shares of the integrals that forces need, effect by effect.
-    pub fn add_integrals(&mut self, patch: &Patch<'_>, at: &Sample, sums: &mut Vec<f64>) {
+    pub fn add_integrals(&mut self, patch: &Patch<'_>, at: &PatchFields, sums: &mut Vec<f64>) {
         sums.resize(1 + self.others.len(), 0.0);
         for (effect, sum) in self.iter_mut().zip(sums) {
             if effect.needs_integrals() {

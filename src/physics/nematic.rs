@@ -2,19 +2,20 @@
 //! that keeps |d| near 1.
 
 use super::potentials::{
-    INSIDE_CONVEXITY, inside, inside_majorant, unit_length_penalty, unit_length_penalty_slope,
+    INDICATOR_CONVEXITY, indicator_secant_bound, phase_indicator, unit_length_penalty,
+    unit_length_penalty_derivative,
 };
 use super::{
-    DirectorForm, DirectorReach, DirectorSample, Effect, MembraneForce, MembraneLinearisation,
-    Sample, Setting, Terms,
+    DirectorCoupling, DirectorFields, DirectorForm, Effect, EffectContext, LedgerTerms,
+    MembraneForce, MembraneJacobian, PatchFields,
 };
 use crate::fem::{Patch, Space};
 use crate::scene::{self, Iteration};
 
 /// The effect, where the scene has it.
-pub(super) fn of_scene(setting: &Setting<'_>) -> Option<Box<dyn Effect>> {
-    let nematic = setting.scene.nematic.as_ref()?;
-    Some(Box::new(Nematic::new(nematic, setting.space)))
+pub(super) fn of_scene(context: &EffectContext<'_>) -> Option<Box<dyn Effect>> {
+    let nematic = context.scene.nematic.as_ref()?;
+    Some(Box::new(Nematic::new(nematic, context.space)))
 }
 
 /// The nematic energy.
@@ -43,7 +44,7 @@ impl Nematic {
     }
 
     /// out ← λ_nem (½|∇d|² + P(d)) at the points.
-    fn density_of(&mut self, patch: &Patch<'_>, director: &DirectorSample, out: &mut [f64]) {
+    fn density_of(&mut self, patch: &Patch<'_>, director: &DirectorFields, out: &mut [f64]) {
         self.elements.resize(patch.elements(), 0.0);
         let [along_x, along_y] = &director.gradients;
         for (square, (x, y)) in self.elements.iter_mut().zip(along_x.iter().zip(along_y)) {
@@ -57,10 +58,10 @@ impl Nematic {
     }
 
     /// points ← λ_nem I(φ).
-    fn fill_inside(&mut self, phi: &[f64]) {
+    fn fill_indicator(&mut self, phi: &[f64]) {
         self.points.resize(phi.len(), 0.0);
         let terms = self.points.iter_mut().zip(phi);
-        terms.for_each(|(weight, phi)| *weight = self.weight * inside(*phi));
+        terms.for_each(|(weight, phi)| *weight = self.weight * phase_indicator(*phi));
     }
 }
 
@@ -69,7 +70,7 @@ impl Effect for Nematic {
         "nematic"
     }
 
-    fn integral(&mut self, patch: &Patch<'_>, at: &Sample) -> f64 {
+    fn integral(&mut self, patch: &Patch<'_>, at: &PatchFields) -> f64 {
         let Some(director) = &at.director else {
             return 0.0;
         };
@@ -77,15 +78,15 @@ impl Effect for Nematic {
         density.resize(patch.points(), 0.0);
         self.density_of(patch, director, &mut density);
         let terms = density.iter_mut().zip(&at.phi);
-        terms.for_each(|(density, phi)| *density *= inside(*phi));
+        terms.for_each(|(density, phi)| *density *= phase_indicator(*phi));
         let energy = patch.integrate(&density);
         self.points = density;
         energy
     }
 
     /// λ_nem I(φ) with ∇d, and since |p̃(d)| ≤ 2 max(1, |d|)/η_d², 2 λ_nem I(φ)/η_d² with d.
-    fn director_reach(&self) -> Option<DirectorReach> {
-        Some(DirectorReach {
+    fn director_coupling(&self) -> Option<DirectorCoupling> {
+        Some(DirectorCoupling {
             stiffness: self.weight,
             inside: 2.0 * self.weight * self.stiffness,
             at_membrane: 0.0,
@@ -93,11 +94,16 @@ impl Effect for Nematic {
     }
 
     /// λ_nem [(I(φⁿ) ∇d, ∇e) + (I(φⁿ) p_Δt, e)] with p_Δt = p̃(dⁿ) + (1/η_d²)(d − dⁿ) (3.33).
-    fn add_director_force(&mut self, patch: &Patch<'_>, old: &Sample, form: &mut DirectorForm) {
+    fn add_director_force(
+        &mut self,
+        patch: &Patch<'_>,
+        old: &PatchFields,
+        form: &mut DirectorForm,
+    ) {
         let Some(director) = &old.director else {
             return;
         };
-        self.fill_inside(&old.phi);
+        self.fill_indicator(&old.phi);
         self.elements.resize(patch.elements(), 0.0);
         patch.element_means(&self.points, &mut self.elements);
         for axis in 0..2 {
@@ -115,14 +121,14 @@ impl Effect for Nematic {
         let terms = loads.zip(x.iter().zip(y)).zip(&self.points);
         terms.for_each(|((((load_x, load_y), reaction), (x, y)), weight)| {
             let scale = weight * self.stiffness;
-            let slope = unit_length_penalty_slope([*x, *y]);
+            let slope = unit_length_penalty_derivative([*x, *y]);
             *load_x += scale * slope[0];
             *load_y += scale * slope[1];
             *reaction += scale;
         });
     }
 
-    fn begin_membrane(&mut self, patch: &Patch<'_>, _old: &Sample, new: &Sample) {
+    fn begin_membrane(&mut self, patch: &Patch<'_>, _old: &PatchFields, new: &PatchFields) {
         if let Some(director) = &new.director {
             let mut density = std::mem::take(&mut self.density);
             self.density_of(patch, director, &mut density[patch.point_range()]);
@@ -134,29 +140,29 @@ impl Effect for Nematic {
     fn add_membrane_force(
         &mut self,
         patch: &Patch<'_>,
-        old: &Sample,
-        new: &Sample,
+        old: &PatchFields,
+        new: &PatchFields,
         force: &mut MembraneForce,
     ) {
         let density = &self.density[patch.point_range()];
         let values = density.iter().zip(new.phi.iter().zip(&old.phi));
         let terms = force.load.iter_mut().zip(values);
         terms.for_each(|(load, (density, (new, old)))| {
-            *load += density * inside_majorant(*new, *old);
+            *load += density * indicator_secant_bound(*new, *old);
         });
     }
 
-    fn add_membrane_linearisation(
+    fn add_membrane_jacobian(
         &mut self,
         patch: &Patch<'_>,
-        _old: &Sample,
-        _new: &Sample,
+        _old: &PatchFields,
+        _new: &PatchFields,
         _iteration: Iteration,
-        linearisation: &mut MembraneLinearisation,
+        jacobian: &mut MembraneJacobian,
     ) {
         let density = &self.density[patch.point_range()];
-        for (reaction, density) in linearisation.reaction.iter_mut().zip(density) {
-            *reaction += INSIDE_CONVEXITY * density;
+        for (reaction, density) in jacobian.reaction.iter_mut().zip(density) {
+            *reaction += INDICATOR_CONVEXITY * density;
         }
     }
 
@@ -165,14 +171,14 @@ impl Effect for Nematic {
     fn add_dissipation(
         &mut self,
         patch: &Patch<'_>,
-        old: &Sample,
-        new: &Sample,
-        terms: &mut Terms,
+        old: &PatchFields,
+        new: &PatchFields,
+        terms: &mut LedgerTerms,
     ) {
         let (Some(old_director), Some(new_director)) = (&old.director, &new.director) else {
             return;
         };
-        self.fill_inside(&old.phi);
+        self.fill_indicator(&old.phi);
         self.elements.resize(patch.elements(), 0.0);
         patch.element_means(&self.points, &mut self.elements);
         for (triangle, weight) in self.elements.iter_mut().enumerate() {
@@ -193,7 +199,7 @@ impl Effect for Nematic {
         weights.for_each(|(weight, ((x, y), (new_x, new_y)))| {
             let (before, after) = ([*x, *y], [*new_x, *new_y]);
             let step = [after[0] - before[0], after[1] - before[1]];
-            let slope = unit_length_penalty_slope(before);
+            let slope = unit_length_penalty_derivative(before);
             let work = (slope[0] + step[0]) * step[0] + (slope[1] + step[1]) * step[1];
             let change = unit_length_penalty(after) - unit_length_penalty(before);
             *weight *= self.stiffness * (work - change);
@@ -204,8 +210,8 @@ impl Effect for Nematic {
         let values = density.iter().zip(new.phi.iter().zip(&old.phi));
         let points = self.points.iter_mut().zip(values);
         points.for_each(|(term, (density, (new, old)))| {
-            let change = inside(*new) - inside(*old);
-            *term = density * (inside_majorant(*new, *old) * (new - old) - change);
+            let change = phase_indicator(*new) - phase_indicator(*old);
+            *term = density * (indicator_secant_bound(*new, *old) * (new - old) - change);
         });
         terms.add("ND_interp", patch.integrate(&self.points));
     }

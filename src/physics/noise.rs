@@ -9,7 +9,7 @@
 //! **What the energy law means then.** Noise has no energy; it does work. The ledger gets the term
 //! `noise_work` = −∫ ξ·(d − dⁿ), minus the work done on the director, and with it closes to rounding as
 //! before: the sum is zero, every ND is ≥ 0, but E may rise, by no more than that work. Without the noise
-//! the law is (3.26). The work of a step is about 2T for every value of d inside, however short the step,
+//! the law is (3.26). The work of a step is about 2T for every value of d phase_indicator, however short the step,
 //! and may be far larger than the energy: it is part of the scale S of the law.
 //!
 //! **Reproducible.** A random number is a function of the seed, the time at which the step begins, the
@@ -17,15 +17,17 @@
 //! each time, also after it was taken up from a checkpoint, and a step that is refused and divided
 //! starts from the numbers of its own time.
 
-use super::potentials::inside;
-use super::{DirectorForm, DirectorReach, Effect, Interval, Sample, Setting, Terms};
+use super::potentials::phase_indicator;
+use super::{
+    DirectorCoupling, DirectorForm, Effect, EffectContext, Interval, LedgerTerms, PatchFields,
+};
 use crate::fem::Patch;
 use crate::scene;
 
 /// The effect, where the scene has it.
-pub(super) fn of_scene(setting: &Setting<'_>) -> Option<Box<dyn Effect>> {
-    let noise = setting.scene.noise.as_ref()?;
-    let nematic = setting.scene.nematic.as_ref()?;
+pub(super) fn of_scene(context: &EffectContext<'_>) -> Option<Box<dyn Effect>> {
+    let noise = context.scene.noise.as_ref()?;
+    let nematic = context.scene.nematic.as_ref()?;
     Some(Box::new(Noise::new(noise, nematic.mobility)))
 }
 
@@ -65,7 +67,7 @@ impl Noise {
         let variance = 2.0 * self.temperature / (self.mobility * self.interval.length);
         let points = self.numbers.iter().zip(patch.weights()).zip(phi);
         for (point, ((number, weight), phi)) in points.enumerate() {
-            let inside = inside(*phi);
+            let inside = phase_indicator(*phi);
             if inside > 0.0 && *weight > 0.0 {
                 let size = (variance * inside / weight).sqrt();
                 f(point, normal_pair(key, *number).map(|eta| size * eta));
@@ -108,7 +110,7 @@ impl Effect for Noise {
         false
     }
 
-    fn integral(&mut self, _patch: &Patch<'_>, _at: &Sample) -> f64 {
+    fn integral(&mut self, _patch: &Patch<'_>, _at: &PatchFields) -> f64 {
         0.0
     }
 
@@ -118,12 +120,17 @@ impl Effect for Noise {
     }
 
     /// None of its own: where nothing else acts on the director, noise is left out too.
-    fn director_reach(&self) -> Option<DirectorReach> {
-        Some(DirectorReach::NOWHERE)
+    fn director_coupling(&self) -> Option<DirectorCoupling> {
+        Some(DirectorCoupling::NONE)
     }
 
     /// −(ξ, e).
-    fn add_director_force(&mut self, patch: &Patch<'_>, old: &Sample, form: &mut DirectorForm) {
+    fn add_director_force(
+        &mut self,
+        patch: &Patch<'_>,
+        old: &PatchFields,
+        form: &mut DirectorForm,
+    ) {
         let [load_x, load_y] = &mut form.load;
         self.at_points(patch, &old.phi, |point, [x, y]| {
             load_x[point] -= x;
@@ -136,7 +143,7 @@ impl Effect for Noise {
     }
 
     /// ∫ ξ·(d − dⁿ).
-    fn work(&mut self, patch: &Patch<'_>, old: &Sample, new: &Sample) -> f64 {
+    fn work(&mut self, patch: &Patch<'_>, old: &PatchFields, new: &PatchFields) -> f64 {
         let (Some(old_director), Some(new_director)) = (&old.director, &new.director) else {
             return 0.0;
         };
@@ -156,9 +163,9 @@ impl Effect for Noise {
     fn add_dissipation(
         &mut self,
         patch: &Patch<'_>,
-        old: &Sample,
-        new: &Sample,
-        terms: &mut Terms,
+        old: &PatchFields,
+        new: &PatchFields,
+        terms: &mut LedgerTerms,
     ) {
         terms.add("noise_work", -self.work(patch, old, new));
     }
@@ -167,7 +174,7 @@ impl Effect for Noise {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fem::{Mesh, Rule, Space};
+    use crate::fem::{Mesh, QuadratureRule, Space};
     use std::sync::Arc;
 
     #[test]
@@ -190,7 +197,7 @@ mod tests {
     /// The load of a P1 test function has the variance 2T/(γΔt) ∫ I e², for both rules.
     #[test]
     fn the_force_has_the_variance_of_the_theorem() {
-        for rule in [Rule::Consistent, Rule::Lumped] {
+        for rule in [QuadratureRule::Consistent, QuadratureRule::Lumped] {
             let mesh = Arc::new(Mesh::structured(8, 0.2, 4).expect("a fair mesh"));
             let space = Space::new(mesh, rule);
             let settings = scene::Noise {
@@ -206,7 +213,7 @@ mod tests {
                 .collect();
             let e: Vec<f64> = space.mesh().nodes().iter().map(|n| 1.0 + n[1]).collect();
             let patch = space.whole();
-            let mut old = Sample::new(true);
+            let mut old = PatchFields::new(true);
             old.set_phi(&patch, &phi);
             old.set_director(&patch, &[e.clone(), e.clone()]);
             let mut at_points = vec![0.0; space.points()];
@@ -214,7 +221,7 @@ mod tests {
             let squares: Vec<f64> = at_points
                 .iter()
                 .zip(&old.phi)
-                .map(|(e, phi)| inside(*phi) * e * e)
+                .map(|(e, phi)| phase_indicator(*phi) * e * e)
                 .collect();
             let length = 1e-3;
             let expected = 2.0 * 0.3 / (0.5 * length) * patch.integrate(&squares);

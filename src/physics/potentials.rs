@@ -16,20 +16,20 @@ pub fn double_well_secant(phi: f64, old: f64) -> f64 {
 
 /// ∂F_sec/∂φ.
 #[inline(always)]
-pub fn double_well_secant_slope(phi: f64, old: f64) -> f64 {
+pub fn double_well_secant_derivative(phi: f64, old: f64) -> f64 {
     0.25 * (3.0 * phi * phi + 2.0 * phi * old + old * old - 2.0)
 }
 
 /// F'(φ) = φ³ − φ.
 #[inline(always)]
-pub fn double_well_slope(phi: f64) -> f64 {
+pub fn double_well_derivative(phi: f64) -> f64 {
     phi * phi * phi - phi
 }
 
 /// G(φ) = F'(φ) − ε k H'(φ) = φ³ − φ − ε k (φ² − 1), (2.2); `curved` is ε k.
 #[inline(always)]
-pub fn bending_slope(phi: f64, curved: f64) -> f64 {
-    double_well_slope(phi) - curved * (phi * phi - 1.0)
+pub fn bending_derivative(phi: f64, curved: f64) -> f64 {
+    double_well_derivative(phi) - curved * (phi * phi - 1.0)
 }
 
 /// G'(φ) = 3 φ² − 1 − 2 ε k φ.
@@ -48,13 +48,13 @@ pub fn bending_secant(phi: f64, old: f64, curved: f64) -> f64 {
 
 /// ∂G_sec/∂φ = 2 (φ − φⁿ) + 3 φⁿ − ε k.
 #[inline(always)]
-pub fn bending_secant_slope(phi: f64, old: f64, curved: f64) -> f64 {
+pub fn bending_secant_derivative(phi: f64, old: f64, curved: f64) -> f64 {
     2.0 * phi + old - curved
 }
 
 /// I(φ) = (φ + 1)³ (3 φ² − 9 φ + 8)/16 on (−1, 1), 0 below, 1 above: 1 inside the vesicle.
 #[inline(always)]
-pub fn inside(phi: f64) -> f64 {
+pub fn phase_indicator(phi: f64) -> f64 {
     let phi = phi.clamp(-1.0, 1.0);
     let up = phi + 1.0;
     up * up * up * (3.0 * phi * phi - 9.0 * phi + 8.0) / 16.0
@@ -62,18 +62,18 @@ pub fn inside(phi: f64) -> f64 {
 
 /// i(φ) = I'(φ) = 15/16 (φ² − 1)² on (−1, 1), else 0.
 #[inline(always)]
-pub fn inside_slope(phi: f64) -> f64 {
+pub fn phase_indicator_derivative(phi: f64) -> f64 {
     let square = (phi * phi - 1.0).min(0.0);
     15.0 / 16.0 * square * square
 }
 
 /// Half the maximum of |I''|, at φ = ±1/√3: the constant of i_Δt.
-pub const INSIDE_CONVEXITY: f64 = 5.0 * 1.732_050_807_568_877_2 / 12.0;
+pub const INDICATOR_CONVEXITY: f64 = 5.0 * 1.732_050_807_568_877_2 / 12.0;
 
 /// i_Δt = i(φⁿ) + (5√3/12)(φ − φⁿ): at least the secant of I, times the sign of φ − φⁿ.
 #[inline(always)]
-pub fn inside_majorant(phi: f64, old: f64) -> f64 {
-    inside_slope(old) + INSIDE_CONVEXITY * (phi - old)
+pub fn indicator_secant_bound(phi: f64, old: f64) -> f64 {
+    phase_indicator_derivative(old) + INDICATOR_CONVEXITY * (phi - old)
 }
 
 /// η_d² P(d) with the truncated potential P(d) = (|d|² − 1)²/(4 η_d²) for |d| ≤ 1 and
@@ -92,7 +92,7 @@ pub fn unit_length_penalty([x, y]: [f64; 2]) -> f64 {
 
 /// η_d² p̃(d) = η_d² ∇P(d): (|d|² − 1) d for |d| ≤ 1, 2 (1 − 1/|d|) d for |d| ≥ 1, (3.34).
 #[inline(always)]
-pub fn unit_length_penalty_slope([x, y]: [f64; 2]) -> [f64; 2] {
+pub fn unit_length_penalty_derivative([x, y]: [f64; 2]) -> [f64; 2] {
     let square = x * x + y * y;
     let factor = if square <= 1.0 {
         square - 1.0
@@ -122,55 +122,67 @@ mod tests {
             let change = double_well(phi) - double_well(old);
             assert!((double_well_secant(phi, old) * step - change).abs() < 1e-15);
             for curved in [0.0, 0.3] {
-                let change = bending_slope(phi, curved) - bending_slope(old, curved);
+                let change = bending_derivative(phi, curved) - bending_derivative(old, curved);
                 assert!((bending_secant(phi, old, curved) * step - change).abs() < 1e-14);
             }
             // At equal arguments a secant is the derivative.
-            assert!((double_well_secant(phi, phi) - double_well_slope(phi)).abs() < 1e-15);
+            assert!((double_well_secant(phi, phi) - double_well_derivative(phi)).abs() < 1e-15);
             assert!((bending_secant(phi, phi, 0.3) - bending_tangent(phi, 0.3)).abs() < 1e-15);
         }
         // The printed bracket is no secant.
         let printed = |phi: f64, old: f64| (phi - old).powi(2) + 3.0 * (phi * old - 1.0);
         assert!(
-            (printed(0.5, 0.2) * 0.3 - (bending_slope(0.5, 0.0) - bending_slope(0.2, 0.0))).abs()
+            (printed(0.5, 0.2) * 0.3
+                - (bending_derivative(0.5, 0.0) - bending_derivative(0.2, 0.0)))
+            .abs()
                 > 0.1
         );
     }
 
     #[test]
-    fn slopes_are_slopes() {
+    fn derivatives_are_derivatives() {
         let h = 1e-5;
         for (phi, old) in pairs() {
             let central = |f: &dyn Fn(f64) -> f64| (f(phi + h) - f(phi - h)) / (2.0 * h);
             let close = |a: f64, b: f64| (a - b).abs() < 1e-8;
-            assert!(close(central(&double_well), double_well_slope(phi)));
+            assert!(close(central(&double_well), double_well_derivative(phi)));
             assert!(close(
-                central(&|phi| bending_slope(phi, 0.3)),
+                central(&|phi| bending_derivative(phi, 0.3)),
                 bending_tangent(phi, 0.3)
             ));
-            assert!(close(central(&inside), inside_slope(phi)));
+            assert!(close(
+                central(&phase_indicator),
+                phase_indicator_derivative(phi)
+            ));
             assert!(close(
                 central(&|phi| double_well_secant(phi, old)),
-                double_well_secant_slope(phi, old)
+                double_well_secant_derivative(phi, old)
             ));
             assert!(close(
                 central(&|phi| bending_secant(phi, old, 0.3)),
-                bending_secant_slope(phi, old, 0.3)
+                bending_secant_derivative(phi, old, 0.3)
             ));
-            let slope = unit_length_penalty_slope([phi, old]);
+            let slope = unit_length_penalty_derivative([phi, old]);
             assert!(close(central(&|x| unit_length_penalty([x, old])), slope[0]));
         }
     }
 
     #[test]
     fn the_indicator_goes_from_nought_to_one_with_its_steepest_bend_as_stated() {
-        assert_eq!((inside(-1.0), inside(0.0), inside(1.0)), (0.0, 0.5, 1.0));
-        assert_eq!((inside(-1.7), inside(1.7)), (0.0, 1.0));
+        assert_eq!(
+            (
+                phase_indicator(-1.0),
+                phase_indicator(0.0),
+                phase_indicator(1.0)
+            ),
+            (0.0, 0.5, 1.0)
+        );
+        assert_eq!((phase_indicator(-1.7), phase_indicator(1.7)), (0.0, 1.0));
         let bend = |phi: f64| (15.0 / 4.0 * phi * (phi * phi - 1.0)).abs();
         let largest = (0..=100_000)
             .map(|i| bend(f64::from(i) * 1e-5))
             .fold(0.0, f64::max);
-        assert!((0.5 * largest - INSIDE_CONVEXITY).abs() < 1e-9);
+        assert!((0.5 * largest - INDICATOR_CONVEXITY).abs() < 1e-9);
     }
 
     /// ND_interp ≥ 0 and ND_penal ≥ 0 at a point, and the constants are sharp: with the smaller ones
@@ -178,16 +190,16 @@ mod tests {
     #[test]
     fn the_majorants_dissipate_and_smaller_ones_do_not() {
         let interpolation = |constant: f64, phi: f64, old: f64| {
-            let majorant = inside_slope(old) + constant * (phi - old);
-            majorant * (phi - old) - (inside(phi) - inside(old))
+            let majorant = phase_indicator_derivative(old) + constant * (phi - old);
+            majorant * (phi - old) - (phase_indicator(phi) - phase_indicator(old))
         };
         let least = |constant: f64| {
             pairs()
                 .map(|(phi, old)| interpolation(constant, phi, old))
                 .fold(f64::INFINITY, f64::min)
         };
-        assert!(least(INSIDE_CONVEXITY) >= -1e-16);
-        assert!(least(0.9 * INSIDE_CONVEXITY) < -1e-5);
+        assert!(least(INDICATOR_CONVEXITY) >= -1e-16);
+        assert!(least(0.9 * INDICATOR_CONVEXITY) < -1e-5);
 
         type Potential = fn([f64; 2]) -> f64;
         type Slope = fn([f64; 2]) -> [f64; 2];
@@ -204,8 +216,8 @@ mod tests {
             }
             least
         };
-        assert!(least(1.0, unit_length_penalty, unit_length_penalty_slope) >= -1e-14);
-        assert!(least(0.9, unit_length_penalty, unit_length_penalty_slope) < -1e-3);
+        assert!(least(1.0, unit_length_penalty, unit_length_penalty_derivative) >= -1e-14);
+        assert!(least(0.9, unit_length_penalty, unit_length_penalty_derivative) < -1e-3);
         let untruncated: Potential = |[x, y]| 0.25 * (x * x + y * y - 1.0).powi(2);
         let slope: Slope = |[x, y]| [x, y].map(|entry| entry * (x * x + y * y - 1.0));
         assert!(least(1.0, untruncated, slope) < -1.0);

@@ -4,15 +4,15 @@
 //! The energy is linear in φ: its force −U does not depend on the state, and nothing is dissipated
 //! numerically. Since ∫φ is conserved, a constant added to U changes the energy by a constant.
 
-use super::sample::at_points;
-use super::{DirectorReach, Effect, MembraneForce, Sample, Setting};
+use super::patch_fields::at_points;
+use super::{DirectorCoupling, Effect, EffectContext, MembraneForce, PatchFields};
 use crate::fem::{Patch, Space};
 use crate::scene;
 
 /// The effect, where the scene has it.
-pub(super) fn of_scene(setting: &Setting<'_>) -> Option<Box<dyn Effect>> {
-    let pull = setting.scene.pull.as_ref()?;
-    Some(Box::new(Pull::new(pull, setting.space)))
+pub(super) fn of_scene(context: &EffectContext<'_>) -> Option<Box<dyn Effect>> {
+    let pull = context.scene.pull.as_ref()?;
+    Some(Box::new(Pull::new(pull, context.space)))
 }
 
 /// A pull on the membrane.
@@ -38,7 +38,7 @@ impl Effect for Pull {
         "pull"
     }
 
-    fn integral(&mut self, patch: &Patch<'_>, at: &Sample) -> f64 {
+    fn integral(&mut self, patch: &Patch<'_>, at: &PatchFields) -> f64 {
         let potential = &self.potential[patch.point_range()];
         self.density.clear();
         self.density
@@ -46,16 +46,16 @@ impl Effect for Pull {
         patch.integrate(&self.density)
     }
 
-    fn director_reach(&self) -> Option<DirectorReach> {
-        Some(DirectorReach::NOWHERE)
+    fn director_coupling(&self) -> Option<DirectorCoupling> {
+        Some(DirectorCoupling::NONE)
     }
 
     /// (−U, ψ).
     fn add_membrane_force(
         &mut self,
         patch: &Patch<'_>,
-        _old: &Sample,
-        _new: &Sample,
+        _old: &PatchFields,
+        _new: &PatchFields,
         force: &mut MembraneForce,
     ) {
         let potential = &self.potential[patch.point_range()];

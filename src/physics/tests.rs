@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use super::*;
-use crate::fem::{MassInverse, Mesh, Rule};
+use crate::fem::{MassInverse, Mesh, QuadratureRule};
 use crate::scene::{self, Iteration, ScalarField};
 
 /// Smooth, unrelated nodal fields with values on both sides of the wells.
@@ -23,10 +23,10 @@ struct Pair {
     space: Space,
     phi: [Vec<f64>; 2],
     director: [[Vec<f64>; 2]; 2],
-    samples: [Sample; 2],
+    samples: [PatchFields; 2],
 }
 
-fn pair(rule: Rule, step: f64, director_size: f64) -> Pair {
+fn pair(rule: QuadratureRule, step: f64, director_size: f64) -> Pair {
     let mesh = Arc::new(Mesh::structured(6, 0.2, 4).expect("a fair mesh"));
     let space = Space::new(mesh, rule);
     let phi = wave(&space, 0.4, 0.9);
@@ -47,7 +47,7 @@ fn pair(rule: Rule, step: f64, director_size: f64) -> Pair {
             .map(|(d, change)| d + change)
             .collect()
     });
-    let mut samples = [Sample::new(true), Sample::new(true)];
+    let mut samples = [PatchFields::new(true), PatchFields::new(true)];
     let omega = [wave(&space, 0.9, 30.0), wave(&space, 0.8, 31.0)];
     let (phi, director) = ([phi, moved], [director, turned]);
     let patch = space.whole();
@@ -65,26 +65,26 @@ fn pair(rule: Rule, step: f64, director_size: f64) -> Pair {
 }
 
 /// A state of which an effect may see these fields only.
-fn only(sample: &Sample, omega: bool, director: bool) -> Sample {
+fn only(sample: &PatchFields, omega: bool, director: bool) -> PatchFields {
     let mut seen = sample.clone();
     if !omega {
         seen.omega.clear();
         seen.omega_gradient.clear();
     }
     if !director {
-        seen.director = Some(DirectorSample::default());
+        seen.director = Some(DirectorFields::default());
     }
     seen
 }
 
 /// The energy of a state.
-fn energy(effect: &mut dyn Effect, space: &Space, at: &Sample) -> f64 {
+fn energy(effect: &mut dyn Effect, space: &Space, at: &PatchFields) -> f64 {
     let integral = effect.integral(&space.whole(), at);
     effect.energy(integral)
 }
 
 /// Tells an effect the integrals that its force needs.
-fn set_integrals(effect: &mut dyn Effect, space: &Space, [old, new]: [&Sample; 2]) {
+fn set_integrals(effect: &mut dyn Effect, space: &Space, [old, new]: [&PatchFields; 2]) {
     if effect.needs_integrals() {
         let [old, new] = [old, new].map(|at| {
             let at = only(at, false, false);
@@ -94,10 +94,10 @@ fn set_integrals(effect: &mut dyn Effect, space: &Space, [old, new]: [&Sample; 2
     }
 }
 
-fn begin_membrane(effect: &mut dyn Effect, space: &Space, old: &Sample, new: &Sample) {
-    let director_alone = Sample {
+fn begin_membrane(effect: &mut dyn Effect, space: &Space, old: &PatchFields, new: &PatchFields) {
+    let director_alone = PatchFields {
         director: new.director.clone(),
-        ..Sample::default()
+        ..PatchFields::default()
     };
     effect.begin_membrane(&space.whole(), &only(old, false, false), &director_alone);
 }
@@ -144,7 +144,12 @@ fn effects(pair: &Pair) -> Vec<Box<dyn Effect>> {
     effects
 }
 
-fn membrane_load(effect: &mut dyn Effect, space: &Space, old: &Sample, new: &Sample) -> Vec<f64> {
+fn membrane_load(
+    effect: &mut dyn Effect,
+    space: &Space,
+    old: &PatchFields,
+    new: &PatchFields,
+) -> Vec<f64> {
     let patch = space.whole();
     let mut force = MembraneForce::default();
     force.clear(&patch);
@@ -173,7 +178,7 @@ fn director_load(
 }
 
 /// The director force of an effect at a state.
-fn director_form(effect: &mut dyn Effect, space: &Space, at: &Sample) -> DirectorForm {
+fn director_form(effect: &mut dyn Effect, space: &Space, at: &PatchFields) -> DirectorForm {
     let patch = space.whole();
     let mut form = DirectorForm::default();
     form.clear(&patch);
@@ -213,7 +218,7 @@ fn work(load: &[f64], pair: &Pair) -> f64 {
 
 #[test]
 fn every_effect_closes_its_share_of_the_energy_law() {
-    for rule in [Rule::Consistent, Rule::Lumped] {
+    for rule in [QuadratureRule::Consistent, QuadratureRule::Lumped] {
         for (step, director_size) in [(1e-3, 0.8), (0.7, 0.8), (0.7, 3.0)] {
             let pair = pair(rule, step, director_size);
             let [old, new] = &pair.samples;
@@ -222,7 +227,7 @@ fn every_effect_closes_its_share_of_the_energy_law() {
                 let form = director_form(effect, &pair.space, old);
                 begin_membrane(effect, &pair.space, old, new);
                 let load = membrane_load(effect, &pair.space, old, new);
-                let mut terms = Terms::default();
+                let mut terms = LedgerTerms::default();
                 effect.add_dissipation(&pair.space.whole(), old, new, &mut terms);
                 let [before, after] = [old, new].map(|at| energy(effect, &pair.space, at));
                 let scale = before.abs() + after.abs();
@@ -249,7 +254,7 @@ fn every_effect_closes_its_share_of_the_energy_law() {
 
 #[test]
 fn a_force_is_the_gradient_of_the_energy() {
-    for rule in [Rule::Consistent, Rule::Lumped] {
+    for rule in [QuadratureRule::Consistent, QuadratureRule::Lumped] {
         let pair = pair(rule, 0.0, 1.3);
         let space = &pair.space;
         let at = &pair.samples[0];
@@ -303,17 +308,13 @@ fn linearised(
     let space = &pair.space;
     let [old, new] = &pair.samples;
     let patch = space.whole();
-    let mut linearisation = MembraneLinearisation::default();
-    linearisation.clear(&patch);
+    let mut jacobian = MembraneJacobian::default();
+    jacobian.clear(&patch);
     set_integrals(effect, space, [old, new]);
     let seen = [only(old, false, false), only(new, true, false)];
-    effect.add_membrane_linearisation(&patch, &seen[0], &seen[1], iteration, &mut linearisation);
+    effect.add_membrane_jacobian(&patch, &seen[0], &seen[1], iteration, &mut jacobian);
     let mut matrix = crate::linalg::SparseMatrix::zeros(space.assembly().pattern.clone());
-    patch.add_mass_and_stiffness(
-        &linearisation.reaction,
-        &linearisation.tensor,
-        &mut matrix.values,
-    );
+    patch.add_mass_and_stiffness(&jacobian.reaction, &jacobian.tensor, &mut matrix.values);
     let mut product = vec![0.0; space.nodes()];
     matrix.multiply(direction, &mut product);
     if let Some(rank_one) = effect.rank_one() {
@@ -324,8 +325,8 @@ fn linearised(
 }
 
 #[test]
-fn a_linearisation_is_the_derivative_of_the_force() {
-    for rule in [Rule::Consistent, Rule::Lumped] {
+fn a_jacobian_is_the_derivative_of_the_force() {
+    for rule in [QuadratureRule::Consistent, QuadratureRule::Lumped] {
         let pair = pair(rule, 0.3, 1.3);
         let space = &pair.space;
         let [old, new] = &pair.samples;
@@ -368,7 +369,7 @@ fn a_linearisation_is_the_derivative_of_the_force() {
 /// with the printed (3.24) it does not.
 #[test]
 fn bending_closes_its_share_and_the_misprint_does_not() {
-    for rule in [Rule::Consistent, Rule::Lumped] {
+    for rule in [QuadratureRule::Consistent, QuadratureRule::Lumped] {
         for curvature in [0.0, 1.5] {
             let mut pair = pair(rule, 0.3, 1.0);
             let membrane = scene::Membrane {
@@ -387,7 +388,7 @@ fn bending_closes_its_share_and_the_misprint_does_not() {
             let [old, new] = &pair.samples;
             let defect = |bending: &mut Bending| {
                 let load = membrane_load(bending, &pair.space, old, new);
-                let mut terms = Terms::default();
+                let mut terms = LedgerTerms::default();
                 bending.add_dissipation(&pair.space.whole(), old, new, &mut terms);
                 let [before, after] = [old, new].map(|at| energy(bending, &pair.space, at));
                 let dissipated = terms.values()[0].value;

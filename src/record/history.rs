@@ -60,7 +60,7 @@ struct StepTerms {
 
 /// How far the tables have come, and what the next row is made from.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub(super) struct TablesMemory {
+pub(super) struct TablesCheckpoint {
     history: Extent,
     shape: Extent,
     ledger: Option<Extent>,
@@ -160,14 +160,14 @@ impl FoundTables {
     ///
     /// # Errors
     /// [`RecordError`] where a file cannot be read or written.
-    pub fn take_up(self) -> Result<Tables, RecordError> {
+    pub fn reopen(self) -> Result<Tables, RecordError> {
         if self.ledger.is_none() {
             remove(&self.ledger_path)?;
         }
         Ok(Tables {
-            history: self.history.take_up()?,
-            shape: self.shape.take_up()?,
-            ledger: self.ledger.map(Found::take_up).transpose()?,
+            history: self.history.reopen()?,
+            shape: self.shape.reopen()?,
+            ledger: self.ledger.map(Found::reopen).transpose()?,
             ledger_path: self.ledger_path,
             last_row: self.last_row,
             law_residual: self.law_residual,
@@ -178,8 +178,8 @@ impl FoundTables {
 
 impl Tables {
     /// How far they have come. What was appended is to be flushed before.
-    pub fn remember(&self) -> TablesMemory {
-        TablesMemory {
+    pub fn save(&self) -> TablesCheckpoint {
+        TablesCheckpoint {
             history: self.history.extent(),
             shape: self.shape.extent(),
             ledger: self.ledger.as_ref().map(Table::extent),
@@ -190,7 +190,7 @@ impl Tables {
     }
 
     /// Looks whether the tables in `folder` go as far as they did; changes nothing.
-    pub fn find(folder: &Path, memory: &TablesMemory) -> FoundTables {
+    pub fn find(folder: &Path, memory: &TablesCheckpoint) -> FoundTables {
         let ledger_path = folder.join(LEDGER);
         let ledger = memory.ledger.as_ref();
         FoundTables {
@@ -362,12 +362,12 @@ impl Tables {
 
 /// The cells of a row of the ledger, but for step and time. `is_known`: whether it has a column.
 pub(super) fn ledger_cells(report: &Report, is_known: impl Fn(&str) -> bool) -> Vec<NamedValue> {
-    let ladder = report.ladder.columns();
+    let effort = report.effort.columns();
     // The ledger of a run that never had to climb has the terms of the law and nothing else.
-    let is_told = report.ladder.is_climbed() || is_known(ladder[0].0);
-    let ladder = ladder.map(|(name, value)| NamedValue { name, value });
-    let ladder = ladder.into_iter().filter(|_| is_told);
-    report.ledger.iter().copied().chain(ladder).collect()
+    let is_told = report.effort.needed_more() || is_known(effort[0].0);
+    let effort = effort.map(|(name, value)| NamedValue { name, value });
+    let effort = effort.into_iter().filter(|_| is_told);
+    report.ledger.iter().copied().chain(effort).collect()
 }
 
 fn owned(columns: &[&str]) -> Vec<String> {
@@ -511,20 +511,20 @@ mod tests {
     fn the_ladder_is_told_from_the_first_step_that_climbs_it() {
         let folder = tempfile::tempdir().unwrap();
         let mut tables = Tables::create(folder.path(), &report(0)).unwrap();
-        let climbed = crate::simulation::Ladder {
+        let climbed = crate::simulation::StepEffort {
             damping: 0.5,
             parts: 2,
             refused: 3,
             ..Default::default()
         };
-        for (step, ladder) in [
+        for (step, effort) in [
             (1, Default::default()),
             (2, climbed),
             (3, Default::default()),
         ] {
             let mut report = report(step);
             report.ledger = vec![named("rate", 0.5)];
-            report.ladder = ladder;
+            report.effort = effort;
             tables.append(&report, 0.0);
         }
         tables.finish().unwrap();

@@ -24,48 +24,48 @@
 //! [`read_run`] reads a folder back, of a run that goes on too; [`Columns`] are the scalars of a run
 //! in memory, read back or collected while it goes.
 
+mod app_checkpoint;
 mod atomic;
+mod bounded_read;
 mod checkpoint;
-mod columns;
 mod error;
 mod folder;
 mod history;
-mod kept;
 mod lenient;
+mod load_scene;
 mod number;
 mod read;
 mod recorder;
 mod resume;
+mod scalar_columns;
 mod scene_file;
 mod shortened;
-mod source;
-mod states;
+mod snapshots;
 mod summary;
 mod table;
 mod table_checks;
 mod table_repair;
 mod vtu;
-mod whole;
 
+pub use app_checkpoint::{KeptAt, KeptNote, KeptRows, KeptRun, KeptRuns, RunKeeper, Search};
 pub use atomic::Leftover;
 pub(crate) use atomic::{clean, write_new, write_whole};
 pub use checkpoint::{CheckpointError, Problem};
-pub use columns::Columns;
 pub use error::RecordError;
 pub(crate) use folder::make as make_folder;
 pub use folder::{IfOccupied, RunFolder, Whereabouts};
 pub use history::HISTORY_COLUMNS;
-pub use kept::{KeptAt, KeptNote, KeptRows, KeptRun, KeptRuns, RunKeeper, Search};
-pub use number::{Brief, Number};
+pub use number::{Number, ShortNumber};
 pub use read::{
     ReadError, RecordedFields, RecordedRun, StoredFields, WrongArray, read_fields, read_run,
 };
-pub use recorder::{Preparation, Recorder, Settings};
+pub use recorder::{Recorder, RecorderBuilder, Settings};
 pub use resume::{Found, Resumption};
+pub use scalar_columns::Columns;
 
 pub use crate::simulation::{Schedule, step_count};
+pub use load_scene::{LoadError, LoadedScene, load_run_scene, load_scene};
 pub use scene_file::same_run;
-pub use source::{LoadError, LoadedScene, load_run_scene, load_scene};
-pub use states::{write_state, write_states};
+pub use snapshots::{write_state, write_states};
 pub use summary::{Ending, EventRecord, OutlineChange, OutlineRecord, RunSummary, Status};
 pub use vtu::{write_fields, write_series};

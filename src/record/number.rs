@@ -31,13 +31,13 @@ impl fmt::Display for Number {
 /// A number for people: six digits.
 ///
 /// ```
-/// use vesica::record::Brief;
-/// assert_eq!(Brief(1.0 / 3.0).to_string(), "0.333333");
+/// use vesica::record::ShortNumber;
+/// assert_eq!(ShortNumber(1.0 / 3.0).to_string(), "0.333333");
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Brief(pub f64);
+pub struct ShortNumber(pub f64);
 
-impl fmt::Display for Brief {
+impl fmt::Display for ShortNumber {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let rounded = format!("{:.5e}", self.0).parse().unwrap_or(self.0);
         Number(rounded).fmt(f)
@@ -46,7 +46,7 @@ impl fmt::Display for Brief {
 
 #[cfg(test)]
 mod tests {
-    use super::{Brief, Number};
+    use super::{Number, ShortNumber};
     use proptest::prelude::*;
 
     #[test]
@@ -74,11 +74,11 @@ mod tests {
 
     #[test]
     fn numbers_for_people_are_brief() {
-        assert_eq!(Brief(9.999999999999999e-5).to_string(), "0.0001");
-        assert_eq!(Brief(1.0 / 3.0).to_string(), "0.333333");
-        assert_eq!(Brief(2.5e-7 - 1e-22).to_string(), "2.5e-7");
-        assert_eq!(Brief(0.0).to_string(), "0");
-        assert_eq!(Brief(f64::NAN).to_string(), "NaN");
+        assert_eq!(ShortNumber(9.999999999999999e-5).to_string(), "0.0001");
+        assert_eq!(ShortNumber(1.0 / 3.0).to_string(), "0.333333");
+        assert_eq!(ShortNumber(2.5e-7 - 1e-22).to_string(), "2.5e-7");
+        assert_eq!(ShortNumber(0.0).to_string(), "0");
+        assert_eq!(ShortNumber(f64::NAN).to_string(), "NaN");
     }
 
     proptest! {

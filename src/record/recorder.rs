@@ -53,7 +53,7 @@ impl Default for Settings {
 
 /// The record of a run that is being set up: `scene.toml` and `run.json` are there.
 #[derive(Debug)]
-pub struct Preparation {
+pub struct RecorderBuilder {
     folder: RunFolder,
     settings: Settings,
     schedule: Schedule,
@@ -61,7 +61,7 @@ pub struct Preparation {
     scene: String,
 }
 
-impl Preparation {
+impl RecorderBuilder {
     /// Begins the record of a run of `scene` in `folder`.
     ///
     /// # Errors
@@ -70,9 +70,9 @@ impl Preparation {
         folder: RunFolder,
         scene: &Scene,
         settings: Settings,
-    ) -> Result<Preparation, RecordError> {
+    ) -> Result<RecorderBuilder, RecordError> {
         let schedule = settings.schedule(scene);
-        let preparation = Preparation {
+        let preparation = RecorderBuilder {
             summary: RunSummary::new(scene, schedule.steps),
             folder,
             settings,
@@ -367,8 +367,8 @@ impl Recorder {
         self.saved = Instant::now();
         // What it says of the files must be there.
         self.flush()?;
-        simulation.remember(&mut self.content.simulation);
-        self.content.tables = self.tables.remember();
+        simulation.save(&mut self.content.simulation);
+        self.content.tables = self.tables.save();
         self.content.totals = self.summary.totals(simulation.events());
         self.content.written.clone_from(&self.snapshots);
         self.keeper.write(&self.content)
@@ -444,7 +444,7 @@ mod tests {
     fn record(folder: &Path, settings: Settings, steps: u64, ending: Ending) -> serde_json::Value {
         let scene = scene("");
         let folder = RunFolder::at(folder, IfOccupied::Refuse).unwrap();
-        let preparation = Preparation::begin(folder.clone(), &scene, settings).unwrap();
+        let preparation = RecorderBuilder::begin(folder.clone(), &scene, settings).unwrap();
         let mut simulation = Simulation::new(&scene).unwrap();
         let mut recorder = preparation.start(&simulation, Duration::ZERO).unwrap();
         for _ in 0..steps {
@@ -464,7 +464,7 @@ mod tests {
         let mut scene = scene("[area]\npenalty = 1e-8");
         (scene.time.step, scene.time.end) = (1e-2, 1.0);
         let claimed = RunFolder::at(&path, IfOccupied::Refuse).unwrap();
-        let preparation = Preparation::begin(claimed, &scene, Settings::default()).unwrap();
+        let preparation = RecorderBuilder::begin(claimed, &scene, Settings::default()).unwrap();
         let mut simulation = Simulation::new(&scene).unwrap();
         let mut recorder = preparation.start(&simulation, Duration::ZERO).unwrap();
         assert!(!simulation.advance_unless(&mut |_| false).unwrap());
@@ -564,7 +564,7 @@ mod tests {
     fn a_failed_set_up_is_told_in_the_folder() {
         let folder = tempfile::tempdir().unwrap();
         let claimed = RunFolder::at(folder.path(), IfOccupied::Refuse).unwrap();
-        let preparation = Preparation::begin(claimed, &scene(""), Settings::default()).unwrap();
+        let preparation = RecorderBuilder::begin(claimed, &scene(""), Settings::default()).unwrap();
         let failed = Ending::Failed("no memory".into());
         preparation.end(failed).unwrap();
         assert_eq!(names(folder.path()), ["run.json", "scene.toml"]);
@@ -583,7 +583,7 @@ mod tests {
             checkpoint: Duration::ZERO,
             ..Settings::default()
         };
-        let preparation = Preparation::begin(claimed, &scene, settings).unwrap();
+        let preparation = RecorderBuilder::begin(claimed, &scene, settings).unwrap();
         let mut simulation = Simulation::new(&scene).unwrap();
         let mut recorder = preparation.start(&simulation, Duration::ZERO).unwrap();
         drop(folder);

@@ -1,6 +1,7 @@
 //! Taking a run up again from its checkpoint.
 
 use super::atomic::{clean, write_whole};
+use super::bounded_read::read_file_text;
 use super::checkpoint::{CheckpointError, Content, Keeper, Problem, RUN};
 use super::folder::{
     FIELDS, FINAL, SERIES, SUMMARY, a_file_of, all_numbered, check_writable, remove,
@@ -11,10 +12,9 @@ use super::read::LARGEST;
 use super::scene_file::{identity, write_scene};
 use super::shortened::shortened;
 use super::summary::{EventRecord, Status};
-use super::whole::read_file_text;
 use super::{RecordError, Recorder, RunFolder, RunSummary, Settings, vtu};
 use crate::scene::Scene;
-use crate::simulation::{Memory, Simulation};
+use crate::simulation::{Simulation, SimulationCheckpoint};
 use std::ffi::OsStr;
 use std::path::Path;
 
@@ -175,18 +175,18 @@ impl Resumption {
         &self.problems
     }
 
-    fn memory(&self) -> Option<&Memory> {
+    fn memory(&self) -> Option<&SimulationCheckpoint> {
         self.content().map(|content| &content.simulation)
     }
 
     /// The step that the run has come to.
     pub fn step(&self) -> u64 {
-        self.memory().map_or(0, Memory::step)
+        self.memory().map_or(0, SimulationCheckpoint::step)
     }
 
     /// The time that it has come to.
     pub fn t(&self) -> f64 {
-        self.memory().map_or(0.0, Memory::t)
+        self.memory().map_or(0.0, SimulationCheckpoint::t)
     }
 
     /// What the run had recorded, but for how often it is saved.
@@ -292,7 +292,7 @@ impl Resumption {
         simulation: &mut Simulation,
     ) -> Option<(&'static str, Content, FoundTables)> {
         for (name, content) in std::mem::take(&mut self.candidates) {
-            match simulation.recall(&content.simulation) {
+            match simulation.restore(&content.simulation) {
                 Ok(()) => {
                     let tables = Tables::find(self.folder(), &content.tables);
                     return Some((name, content, tables));
@@ -317,7 +317,7 @@ impl Resumption {
         let fields = folder.join(FIELDS);
         let step = content.simulation.step();
         write_scene(folder, scene)?;
-        let tables = tables.take_up()?;
+        let tables = tables.reopen()?;
         remove(&folder.join(FINAL))?;
         remove_snapshots(folder, |snapshot| snapshot > step)?;
         match &content.written[..] {
@@ -398,7 +398,7 @@ fn difference(there: &str, wanted: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::super::read::read_fields;
-    use super::super::{Columns, Ending, IfOccupied, Preparation};
+    use super::super::{Columns, Ending, IfOccupied, RecorderBuilder};
     use super::*;
     use std::fs;
     use std::time::Duration;
@@ -427,7 +427,7 @@ mod tests {
         let parent = tempfile::tempdir().unwrap();
         let folder = RunFolder::at(parent.path(), IfOccupied::Refuse).unwrap();
         let settings = Settings::default();
-        let preparation = Preparation::begin(folder, &scene, settings).unwrap();
+        let preparation = RecorderBuilder::begin(folder, &scene, settings).unwrap();
         let simulation = Simulation::new(&scene).unwrap();
         drop(preparation.start(&simulation, Duration::ZERO).unwrap());
         let mut simulation = Simulation::new(&scene).unwrap();
@@ -451,7 +451,7 @@ mod tests {
         for (path, attempts) in [(&whole, u32::MAX), (&parted, 30)] {
             let folder = RunFolder::at(path, IfOccupied::Refuse).unwrap();
             let settings = Settings::default();
-            let preparation = Preparation::begin(folder, &scene, settings).unwrap();
+            let preparation = RecorderBuilder::begin(folder, &scene, settings).unwrap();
             let mut simulation = Simulation::new(&scene).unwrap();
             let mut recorder = preparation.start(&simulation, Duration::ZERO).unwrap();
             let mut ended = 0;

@@ -4,7 +4,8 @@ use super::RecordError;
 use super::atomic::write_whole;
 use crate::scene::Scene;
 use crate::simulation::{
-    Costs, ErrorBudget, ErrorPart, Event, OutlineMeasure, Phase, Report, Simulation, Underway,
+    Costs, ErrorEstimates, ErrorPart, Event, OutlineMeasure, Phase, Report, Simulation,
+    StepProgress,
 };
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -66,7 +67,7 @@ pub struct RunSummary {
     /// Attempts at a step that were refused, where Δt is chosen.
     pub refused: u64,
     /// The estimated errors of φ at the time reached, in L2, by where they come from.
-    pub errors: ErrorBudget,
+    pub errors: ErrorEstimates,
     /// The largest of them.
     pub largest_error: Option<ErrorPart>,
     /// Milliseconds of an accepted step, on the mean, by phase: what the errors are paid with.
@@ -74,7 +75,7 @@ pub struct RunSummary {
     /// The time reached: that of the last whole step.
     pub t: f64,
     /// How far the next step is, where it takes long, or the run was ended within it.
-    pub underway: Option<Underway>,
+    pub underway: Option<StepProgress>,
     /// E_total there.
     pub total_energy: Option<f64>,
     /// Of the mesh.
@@ -276,7 +277,7 @@ impl RunSummary {
             steps: 0,
             planned_steps,
             refused: 0,
-            errors: ErrorBudget::default(),
+            errors: ErrorEstimates::default(),
             largest_error: None,
             milliseconds: PhaseCosts::default(),
             costs: Costs::default(),

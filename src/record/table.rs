@@ -1,11 +1,11 @@
 //! A CSV file that grows during a run and yet always consists of whole lines.
 
 use super::atomic::{write_keeping, write_whole};
+use super::bounded_read::{open_file, read_file_lossy, read_file_text};
 use super::folder::free_numbered;
 use super::read::{LARGEST, parse_table};
 use super::table_checks::Checks;
 use super::table_repair::{Repaired, repair};
-use super::whole::{open_file, read_file_lossy, read_file_text};
 use super::{Columns, Number, ReadError, RecordError};
 use crc32fast::Hasher;
 use serde::{Deserialize, Serialize};
@@ -387,7 +387,7 @@ impl Found {
     ///
     /// # Errors
     /// [`RecordError`] where the file cannot be read or written.
-    pub fn take_up(self) -> Result<Table, RecordError> {
+    pub fn reopen(self) -> Result<Table, RecordError> {
         let kept = self.kept_as();
         let Extent {
             columns,

@@ -20,7 +20,7 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use super::error::Quoted;
-use super::near::nearest;
+use super::suggest::nearest;
 
 /// Signs, powers and parentheses inside each other; each level is a recursion of the parser.
 const DEEPEST_NESTING: usize = 64;

@@ -13,15 +13,15 @@
 
 mod angle;
 mod defaults;
-mod director_field;
 mod document;
 mod error;
 mod expression;
+mod initial_director;
 mod keys;
+mod keywords;
 mod mesh_file;
+mod mesh_size;
 mod model;
-mod names;
-mod near;
 mod nodal_file;
 mod nodal_files;
 mod outline;
@@ -31,19 +31,20 @@ mod presets;
 mod reader;
 mod schema;
 mod significant;
-mod sizing;
+mod suggest;
 #[cfg(test)]
 mod tests;
 mod vesicle;
 mod warning;
 mod write;
 
-pub use director_field::{initial_director, random_phase};
 pub use error::{Origin, Place, Problem, SceneError};
 pub use expression::{Expression, ExpressionError, ExpressionProblem};
+pub use initial_director::{initial_director, random_phase};
 pub use mesh_file::{
     MeshFile, MeshFileError, MeshFileProblem, MeshPlace, Triangulation, write_mesh,
 };
+pub use mesh_size::MeshSize;
 pub use model::*;
 pub use nodal_files::NodalKey;
 pub use outline::{
@@ -51,5 +52,4 @@ pub use outline::{
 };
 pub use presets::{UnknownPreset, find_preset, preset, preset_description, preset_names};
 pub use significant::significant;
-pub use sizing::MeshSize;
 pub use warning::{Warning, warnings};

@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use super::error::{DidYouMean, Quoted};
-use super::near::nearest;
+use super::suggest::nearest;
 
 const PRESETS: [(&str, &str); 18] = [
     ("case1", include_str!("../../presets/case1.toml")),

@@ -6,8 +6,8 @@ use std::ops::RangeInclusive;
 use super::document::{Entry, Location, Node, Sources, Value};
 use super::error::{Problem, SceneError};
 use super::keys::{self, Keys};
-use super::names::Names;
-use super::near::nearest;
+use super::keywords::Names;
+use super::suggest::nearest;
 
 /// What a number must be; it must be finite in any case.
 pub(super) struct Bound {

@@ -6,15 +6,15 @@ use super::document;
 use super::error::{Problem, SceneError};
 use super::expression::Expression;
 use super::keys;
+use super::keywords::{
+    ANCHORINGS, BOUNDARIES, ITERATIONS, LINEAR_METHODS, Names, QUADRATURES, name_of,
+};
 use super::mesh_file::{MeshFile, Triangulation};
 use super::model as scene;
 use super::model::{
     Anchoring, AnchoringKind, Area, Boundary, Defect, InitialDirector, LinearMethod, Membrane,
     Mesh, Nematic, NodalValues, Noise, Order, Pull, Refinement, ScalarField, Scene, Shape, Solver,
     Time,
-};
-use super::names::{
-    ANCHORINGS, BOUNDARIES, ITERATIONS, LINEAR_METHODS, Names, QUADRATURES, name_of,
 };
 use super::nodal_file;
 use super::nodal_files::NodalKey;

@@ -3,8 +3,8 @@
 use super::defaults;
 use super::error::{Problem, SceneError};
 use super::keys::{self, Keys};
+use super::keywords::{Names, PROJECTIONS, name_of};
 use super::model::{Curve, Outline, Shape, Vesicle};
-use super::names::{Names, PROJECTIONS, name_of};
 use super::nodal_files::NodalKey;
 use super::reader::{FINITE, Field, POSITIVE, RATIO, Reader};
 use super::schema::{Context, read_nodal_values};

@@ -2,12 +2,12 @@
 
 use std::fmt::Display;
 
+use super::keywords::{
+    ANCHORINGS, BOUNDARIES, ITERATIONS, LINEAR_METHODS, PROJECTIONS, QUADRATURES, name_of,
+};
 use super::model::{
     Curve, InitialDirector, Mesh, NodalValues, Outline, Refinement, ScalarField, Scene, Shape,
     Vesicle,
-};
-use super::names::{
-    ANCHORINGS, BOUNDARIES, ITERATIONS, LINEAR_METHODS, PROJECTIONS, QUADRATURES, name_of,
 };
 
 impl Scene {

@@ -1,17 +1,17 @@
 //! Substep 1: the linear, symmetric positive definite system for dⁿ⁺¹,
 //!   (δ, e)/(γ_nem Δt) + Σ_effects ⟨f_d(dⁿ + δ), e⟩ = 0,   δ = dⁿ⁺¹ − dⁿ
 //! (z = −δ_t d/γ_nem eliminated), by conjugate gradients: at the paper's Δt it is nearly a mass matrix.
-//! It is solved where anything acts on the director ([`Region`]); elsewhere δ = 0.
+//! It is solved where anything acts on the director ([`ActiveRegion`]); elsewhere δ = 0.
 
 use serde::{Deserialize, Serialize};
 
 use super::StepError;
-use super::faults::{self, Place};
-use super::region::{Criterion, Region};
+use super::active_region::{ActiveRegion, Criterion};
+use super::fault_injection::{self, Place};
 use super::rounding;
 use crate::fem::{MassForm, Space};
 use crate::linalg::{ConjugateGradients, LinalgError, LinearOperator, SparseMatrix, vector};
-use crate::physics::{DirectorForm, Effects, Sample};
+use crate::physics::{DirectorForm, Effects, PatchFields};
 
 /// Limit of the conjugate gradients' iterations.
 const LIMIT: usize = 2000;
@@ -33,9 +33,9 @@ pub(super) struct DirectorStep {
     form: DirectorForm,
     /// A bound of the eigenvalues of M_L⁻¹ K.
     largest_eigenvalue: f64,
-    region: Region,
+    region: ActiveRegion,
     /// On the region; made when it is.
-    work: Option<Work>,
+    work: Option<Workspace>,
     /// δ of this step, on the whole mesh.
     increment: Vec<f64>,
     past: Increments,
@@ -81,8 +81,8 @@ impl Increments {
 
 /// The matrix and the vectors of substep 1 on its region.
 #[derive(Debug)]
-struct Work {
-    system: System,
+struct Workspace {
+    system: DirectorMatrix,
     load: Vec<f64>,
     inverse_diagonal: Vec<f64>,
     solution: Vec<f64>,
@@ -92,13 +92,13 @@ struct Work {
     method: ConjugateGradients,
 }
 
-impl Work {
+impl Workspace {
     fn new(space: &Space, kept: &[u32]) -> Self {
         let matrix = || SparseMatrix::zeros(space.assembly().pattern.clone());
         let vector = || vec![0.0; space.nodes()];
         let both = || vec![0.0; 2 * space.nodes()];
         Self {
-            system: System {
+            system: DirectorMatrix {
                 blocks: [matrix(), matrix()],
                 coupling: space.new_form(),
                 coupled: false,
@@ -116,7 +116,7 @@ impl Work {
 
 /// The matrix: two diagonal blocks and what couples the components.
 #[derive(Debug)]
-struct System {
+struct DirectorMatrix {
     blocks: [SparseMatrix; 2],
     coupling: MassForm,
     coupled: bool,
@@ -124,7 +124,7 @@ struct System {
     kept: Vec<u32>,
 }
 
-impl System {
+impl DirectorMatrix {
     /// Makes a vector zero where δ is.
     fn keep(&self, vector: &mut [f64]) {
         let (x, y) = vector.split_at_mut(vector.len() / 2);
@@ -135,7 +135,7 @@ impl System {
     }
 }
 
-impl LinearOperator for System {
+impl LinearOperator for DirectorMatrix {
     fn apply(&mut self, x: &[f64], y: &mut [f64]) {
         let (x0, x1) = x.split_at(x.len() / 2);
         let (y0, y1) = y.split_at_mut(x0.len());
@@ -146,7 +146,7 @@ impl LinearOperator for System {
             self.coupling.multiply_add(1.0, x0, y1);
         }
         self.keep(y);
-        faults::tap(Place::DirectorProduct, y);
+        fault_injection::tap(Place::DirectorProduct, y);
     }
 }
 
@@ -157,7 +157,7 @@ impl DirectorStep {
             mobility,
             form: DirectorForm::default(),
             largest_eigenvalue: space.stiffness().eigenvalue_bound(space.nodal_weights()),
-            region: Region::default(),
+            region: ActiveRegion::default(),
             work: None,
             increment: vec![0.0; size],
             past: Increments::new(size),
@@ -180,7 +180,7 @@ impl DirectorStep {
 
     /// Where the last step was solved.
     #[cfg(test)]
-    pub(super) fn region(&self) -> &Region {
+    pub(super) fn region(&self) -> &ActiveRegion {
         &self.region
     }
 
@@ -199,12 +199,12 @@ impl DirectorStep {
     }
 
     /// What the guess for the next step is made from.
-    pub(super) fn remember(&self, past: &mut Increments) {
+    pub(super) fn save(&self, past: &mut Increments) {
         past.copy(&self.past);
     }
 
     /// Puts that back.
-    pub(super) fn recall(&mut self, past: &Increments) {
+    pub(super) fn restore(&mut self, past: &Increments) {
         self.past.copy(past);
     }
 
@@ -228,8 +228,8 @@ impl DirectorStep {
         &mut self,
         space: &Space,
         effects: &mut Effects,
-        old: &mut Sample,
-        demand: Demand,
+        old: &mut PatchFields,
+        options: SolveOptions,
         (phi, from): (&[f64], &[Vec<f64>; 2]),
         to: &mut [Vec<f64>; 2],
     ) -> Result<u32, StepError> {
@@ -243,11 +243,11 @@ impl DirectorStep {
         } else {
             self.guess();
         }
-        let criterion = self.criterion(space, effects, demand, from);
+        let criterion = self.criterion(space, effects, options, from);
         let moved = self
             .region
             .follow(space, phi, &criterion)
-            .map_err(StepError::Region)?;
+            .map_err(StepError::ActiveRegion)?;
         let region = &self.region;
         for (to, from) in to.iter_mut().zip(from) {
             to.copy_from_slice(from);
@@ -260,15 +260,15 @@ impl DirectorStep {
         let part = region.space(space);
         let work = match &mut self.work {
             Some(work) if !moved => work,
-            work => work.insert(Work::new(part, &region.kept)),
+            work => work.insert(Workspace::new(part, &region.kept)),
         };
         gather(&region.nodes, phi, &mut work.phi);
         for (part, whole) in work.director.iter_mut().zip(from) {
             gather(&region.nodes, whole, part);
         }
-        let inertia = (self.mobility * demand.dt).recip();
+        let inertia = (self.mobility * options.dt).recip();
         work.assemble(part, effects, old, inertia, &mut self.form);
-        faults::tap(Place::DirectorLoad, &mut work.load);
+        fault_injection::tap(Place::DirectorLoad, &mut work.load);
 
         let nodes = region.nodes.len();
         for axis in 0..2 {
@@ -280,9 +280,9 @@ impl DirectorStep {
             );
         }
         work.system.keep(&mut work.solution);
-        let iterations = work.solve(demand).map_err(StepError::Director)?;
+        let iterations = work.solve(options).map_err(StepError::Director)?;
         self.increment.fill(0.0);
-        if demand.is_faint && work.is_at_rest() {
+        if options.is_faint && work.is_at_rest() {
             return Ok(iterations);
         }
         for axis in 0..2 {
@@ -292,7 +292,7 @@ impl DirectorStep {
                 increment[node as usize] = *step;
                 to[axis][node as usize] = from[axis][node as usize] + step;
             }
-            faults::tap(Place::Director(axis), &mut to[axis]);
+            fault_injection::tap(Place::Director(axis), &mut to[axis]);
         }
         Ok(iterations)
     }
@@ -302,20 +302,20 @@ impl DirectorStep {
         &self,
         space: &Space,
         effects: &Effects,
-        demand: Demand,
+        options: SolveOptions,
         from: &[Vec<f64>; 2],
     ) -> Criterion {
         let [x, y] = from;
         let squares = x.iter().zip(y).map(|(x, y)| x * x + y * y);
-        let reach = effects.director_reach();
+        let reach = effects.director_coupling();
         #[cfg(test)]
         let reach = reach.filter(|_| !self.everywhere);
         Criterion {
             reach,
             largest_eigenvalue: self.largest_eigenvalue,
             length: squares.fold(0.0, f64::max).sqrt(),
-            energy_scale: demand.energy_scale,
-            inertia: self.mobility * demand.length,
+            energy_scale: options.energy_scale,
+            inertia: self.mobility * options.length,
             coupled: matches!(space.mass(), MassForm::Sparse(_)),
         }
     }
@@ -330,7 +330,7 @@ impl DirectorStep {
 
 /// What a step asks of substep 1.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Demand {
+pub(super) struct SolveOptions {
     /// Δt.
     pub(super) dt: f64,
     /// The Δt of the whole step where this is a part of it: the region is that of the whole step, or it
@@ -353,14 +353,14 @@ fn gather(nodes: &[u32], whole: &[f64], part: &mut [f64]) {
     }
 }
 
-impl Work {
+impl Workspace {
     /// Solves for δ to the tolerance, and as much further as the energy law asks for; returns the
     /// iterations.
     ///
     /// With the residual r the law misses by rᵀδ. The scale of the law is at least half of the energies and bᵀδ, the
     /// work of all forces b at dⁿ: what part of it does not come from outside is a change of the energies.
-    fn solve(&mut self, demand: Demand) -> Result<u32, LinalgError> {
-        let mut tolerance = demand.tolerance;
+    fn solve(&mut self, options: SolveOptions) -> Result<u32, LinalgError> {
+        let mut tolerance = options.tolerance;
         let mut iterations = 0;
         loop {
             let solved = self.method.solve(
@@ -373,8 +373,8 @@ impl Work {
             )?;
             iterations += solved.iterations as u32;
             let misses = vector::dot(self.method.residual(), &self.solution).abs();
-            let scale = demand.energy_scale + vector::dot(&self.load, &self.solution).abs();
-            let is_closed = misses <= SHARE_OF_LAW * demand.law_tolerance * scale;
+            let scale = options.energy_scale + vector::dot(&self.load, &self.solution).abs();
+            let is_closed = misses <= SHARE_OF_LAW * options.law_tolerance * scale;
             if is_closed || tolerance <= TIGHTEST {
                 return Ok(iterations);
             }
@@ -394,7 +394,7 @@ impl Work {
         &mut self,
         space: &Space,
         effects: &mut Effects,
-        old: &mut Sample,
+        old: &mut PatchFields,
         inertia: f64,
         form: &mut DirectorForm,
     ) {

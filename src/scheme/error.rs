@@ -13,7 +13,7 @@ pub enum StepError {
     Director(LinalgError),
     /// The part of the mesh on which substep 1 is solved cannot be made.
     #[error("the part of the mesh for the director (substep 1) cannot be made: {0}")]
-    Region(FemError),
+    ActiveRegion(FemError),
     /// Substep 2 did not converge.
     #[error(
         "the iteration of the membrane (substep 2) did not converge: after {iterations} iterations the relative changes of phi, omega, mu are {:.1e}, {:.1e}, {:.1e} (tolerance {tolerance:.1e}), the energy law misses by {law:.1e} (tolerance {law_tolerance:.1e}), and the residual is {residual:.3e}; a smaller time.step helps",

@@ -12,19 +12,19 @@ mod linear;
 
 use crate::fem::{MassInverse, Space};
 use crate::linalg::{LinalgError, LinearOperator, vector};
-use crate::physics::{Effects, MembraneForce, Sample};
+use crate::physics::{Effects, MembraneForce, PatchFields};
 use crate::scene::{Iteration, LinearMethod, Membrane};
 
-use super::faults;
-use super::linearised::Linearised;
+use super::fault_injection;
+use super::jacobian::Jacobian;
 use super::rounding::{self, Least};
-use super::transform::ReducedOperator;
+use super::solvers::cosine::ReducedOperator;
 use super::{Phase, State, StepError};
 
 use linear::{LinearSolver, Path};
 
-pub(super) use iteration::{Limits, Stopping, Work};
-pub(super) use linear::LinearMemory;
+pub(super) use iteration::{NewtonOptions, StoppingCriterion, Work};
+pub(super) use linear::LinearCheckpoint;
 
 /// Accuracy of the solves with the mass matrix, over the tolerance of the energy law: so far below it
 /// that the second and the third equation of (3.21) may be taken as exact.
@@ -44,9 +44,9 @@ pub(super) struct MembraneStep {
     clamped: bool,
     linear: LinearSolver,
     /// The other one, while both are in use in turn.
-    spare: Option<LinearSolver>,
+    standby: Option<LinearSolver>,
     mass_inverse: MassInverse,
-    linearised: Linearised,
+    jacobian: Jacobian,
     force: MembraneForce,
     /// The integrals that forces need, at φⁿ and at the iterate.
     integrals: [Vec<f64>; 2],
@@ -65,25 +65,25 @@ pub(super) struct MembraneStep {
 
 /// Room for the old and the new state on a patch.
 #[derive(Debug)]
-pub(super) struct Samples {
-    pub(super) old: Sample,
-    pub(super) new: Sample,
+pub(super) struct Scratch {
+    pub(super) old: PatchFields,
+    pub(super) new: PatchFields,
 }
 
-impl Samples {
+impl Scratch {
     pub(super) fn new(with_director: bool) -> Self {
         Self {
-            old: Sample::new(with_director),
-            new: Sample::new(with_director),
+            old: PatchFields::new(with_director),
+            new: PatchFields::new(with_director),
         }
     }
 }
 
 /// The places of a step: what it starts from, where it goes.
-pub(super) struct Places<'a> {
+pub(super) struct StepContext<'a> {
     pub(super) space: &'a Space,
     pub(super) effects: &'a mut Effects,
-    pub(super) samples: &'a mut Samples,
+    pub(super) scratch: &'a mut Scratch,
     pub(super) from: &'a State,
     pub(super) to: &'a mut State,
     pub(super) dt: f64,
@@ -97,7 +97,7 @@ pub(super) struct Places<'a> {
     pub(super) watch: &'a mut dyn FnMut(Phase),
 }
 
-impl Places<'_> {
+impl StepContext<'_> {
     /// Takes the last state as the guess, in place of an iterate that went astray.
     pub(super) fn restart(&mut self) {
         self.to.phi.copy_from_slice(&self.from.phi);
@@ -130,9 +130,9 @@ impl MembraneStep {
             mass_tolerance: (MASS_ACCURACY * law_tolerance).clamp(1e-15, 1e-10),
             clamped,
             linear,
-            spare: None,
+            standby: None,
             mass_inverse: MassInverse::new(space),
-            linearised: Linearised::new(space),
+            jacobian: Jacobian::new(space),
             force: MembraneForce::default(),
             integrals: [Vec::new(), Vec::new()],
             residual: [vector(), vector()],
@@ -165,11 +165,11 @@ impl MembraneStep {
         &mut self,
         space: &Space,
         effects: &mut Effects,
-        samples: &mut Samples,
+        scratch: &mut Scratch,
         phi: &[f64],
         director: Option<&[Vec<f64>; 2]>,
     ) {
-        let Samples { old, new } = samples;
+        let Scratch { old, new } = scratch;
         let [integrals, _] = &mut self.integrals;
         integrals.clear();
         for patch in space.patches() {
@@ -191,7 +191,7 @@ impl MembraneStep {
         &mut self,
         space: &Space,
         effects: &mut Effects,
-        sample: &mut Sample,
+        sample: &mut PatchFields,
         phi: &[f64],
         omega: &mut [f64],
     ) {
@@ -216,10 +216,10 @@ impl MembraneStep {
         &mut self,
         space: &Space,
         effects: &mut Effects,
-        samples: &mut Samples,
+        scratch: &mut Scratch,
         [phi_old, phi, omega]: [&[f64]; 3],
     ) {
-        let Samples { old, new } = samples;
+        let Scratch { old, new } = scratch;
         self.load.fill(0.0);
         for patch in space.patches() {
             old.begin();
@@ -240,7 +240,7 @@ impl MembraneStep {
         &mut self,
         space: &Space,
         effects: &mut Effects,
-        samples: &mut Samples,
+        scratch: &mut Scratch,
         state: &mut State,
     ) {
         let State {
@@ -249,27 +249,31 @@ impl MembraneStep {
             mu,
             director,
         } = state;
-        self.begin(space, effects, samples, phi, director.as_ref());
-        self.solve_omega(space, effects, &mut samples.new, phi, omega);
-        self.assemble_force(space, effects, samples, [phi, phi, omega]);
+        self.begin(space, effects, scratch, phi, director.as_ref());
+        self.solve_omega(space, effects, &mut scratch.new, phi, omega);
+        self.assemble_force(space, effects, scratch, [phi, phi, omega]);
         self.mass_inverse
             .solve(space, &self.load, mu, self.mass_tolerance);
     }
 
     /// Assembles the linearised equations at the iterate in `to`.
-    pub(super) fn linearise(&mut self, places: &mut Places<'_>, iteration: Iteration) {
-        let Places {
+    pub(super) fn assemble_jacobian(
+        &mut self,
+        context: &mut StepContext<'_>,
+        iteration: Iteration,
+    ) {
+        let StepContext {
             space,
             effects,
-            samples,
+            scratch,
             from,
             to,
             ..
-        } = places;
-        self.linearised.assemble(
+        } = context;
+        self.jacobian.assemble(
             space,
             effects,
-            [&mut samples.old, &mut samples.new],
+            [&mut scratch.old, &mut scratch.new],
             [&from.phi, &to.phi, &to.omega],
             iteration,
         );
@@ -298,7 +302,7 @@ impl MembraneStep {
         if let Path::Factor { preconditioner } = &mut self.linear.path {
             preconditioner.expire();
             let mobilities = [dt * self.mobility; 2];
-            preconditioner.prepare(space, &self.linearised, mobilities, width, [1.0; 3])?;
+            preconditioner.prepare(space, &self.jacobian, mobilities, width, [1.0; 3])?;
         }
         Ok(())
     }
@@ -308,7 +312,7 @@ impl MembraneStep {
         if let Path::Reduced { scratch, .. } = &mut self.linear.path {
             let mut operator = ReducedOperator {
                 space,
-                linearised: &self.linearised,
+                jacobian: &self.jacobian,
                 mass_inverse: &mut self.mass_inverse,
                 mobility: dt * self.mobility,
                 root_weights: &self.root_weights,
@@ -322,29 +326,29 @@ impl MembraneStep {
     /// r₁ + Δtγ K M_L⁻¹ r₂ in the norm of M_L⁻¹.
     pub(super) fn evaluate(
         &mut self,
-        places: &mut Places<'_>,
+        context: &mut StepContext<'_>,
         iteration: u32,
     ) -> Result<f64, StepError> {
-        let space = places.space;
-        let State { phi, omega, mu, .. } = &mut *places.to;
-        let (effects, samples) = (&mut *places.effects, &mut *places.samples);
-        faults::tap(faults::Place::Phi, phi);
-        self.solve_omega(space, effects, &mut samples.new, phi, omega);
-        faults::tap(faults::Place::Omega, omega);
-        self.assemble_force(space, effects, samples, [&places.from.phi, phi, omega]);
+        let space = context.space;
+        let State { phi, omega, mu, .. } = &mut *context.to;
+        let (effects, scratch) = (&mut *context.effects, &mut *context.scratch);
+        fault_injection::tap(fault_injection::Place::Phi, phi);
+        self.solve_omega(space, effects, &mut scratch.new, phi, omega);
+        fault_injection::tap(fault_injection::Place::Omega, omega);
+        self.assemble_force(space, effects, scratch, [&context.from.phi, phi, omega]);
         if !self.clamped {
             self.mass_inverse
                 .solve(space, &self.load, mu, self.mass_tolerance);
         }
-        faults::tap(faults::Place::Mu, mu);
-        let mobility = places.dt * self.mobility;
-        for ((step, phi), old) in self.scratch.iter_mut().zip(&*phi).zip(&places.from.phi) {
+        fault_injection::tap(fault_injection::Place::Mu, mu);
+        let mobility = context.dt * self.mobility;
+        for ((step, phi), old) in self.scratch.iter_mut().zip(&*phi).zip(&context.from.phi) {
             *step = phi - old;
         }
         let [first, second] = &mut self.residual;
         space.mass().multiply(&self.scratch, first);
         space.stiffness().multiply_add(mobility, mu, first);
-        faults::tap(faults::Place::Residual, first);
+        fault_injection::tap(fault_injection::Place::Residual, first);
         self.scratch.copy_from_slice(first);
         if self.clamped {
             second.copy_from_slice(&self.load);

@@ -1,45 +1,42 @@
 //! One time step of the scheme (3.20)–(3.21): substep 1 (director), substep 2 (membrane), and the
 //! ledger of the energy law (3.26).
 
-mod detour;
+mod active_region;
+#[doc(hidden)]
+pub mod bench_support;
+mod checkpoint;
 mod director;
 mod error;
-mod extrapolated;
-mod factored;
-mod faults;
-mod history;
+mod extrapolation;
+mod fault_injection;
 mod initial;
-mod linearised;
+mod jacobian;
 mod membrane;
-mod memory;
-#[doc(hidden)]
-pub mod phases;
-mod region;
+mod predictor;
 mod rounding;
-mod shifted;
+mod solvers;
 mod state;
 #[cfg(test)]
 mod tests;
-mod transform;
 
 use std::sync::Arc;
 
-use crate::fem::{Mesh, Patch, Rule, Space};
+use crate::fem::{Mesh, Patch, QuadratureRule, Space};
 use crate::linalg::LinalgError;
-use crate::physics::{Effects, Interval, NamedValue, Sample, Terms, area_integral};
+use crate::physics::{Effects, Interval, LedgerTerms, NamedValue, PatchFields, area_integral};
 use crate::scene::{self, Boundary, Iteration, LinearMethod, Quadrature, Scene, Solver};
 
-use detour::{Detour, Slowness};
-use director::{Demand, DirectorStep};
-use extrapolated::Trial;
-use faults::Place;
-use history::History;
-use membrane::{Limits, MembraneStep, Places, Samples, Stopping, Work};
+use director::{DirectorStep, SolveOptions};
+use extrapolation::ExtrapolatedStep;
+use fault_injection::Place;
+use membrane::{MembraneStep, NewtonOptions, Scratch, StepContext, StoppingCriterion, Work};
+use predictor::Predictor;
+use solvers::selection::{FallbackPeriod, SlowSolveDetector};
 
+pub use checkpoint::{RestoreError, SchemeCheckpoint};
 pub use error::StepError;
-pub use extrapolated::Difference;
+pub use extrapolation::ErrorEstimate;
 pub use initial::{InitialError, initial_fields};
-pub use memory::{Memory, RecallError};
 pub use state::{Phase, State, StepReport};
 
 /// Degree of the polynomials by which the guess of a step is extrapolated. At Table 1 with lumped
@@ -61,21 +58,21 @@ pub struct Scheme {
     solver: Solver,
     state: State,
     next: State,
-    samples: Samples,
-    terms: Terms,
+    scratch: Scratch,
+    terms: LedgerTerms,
     director: Option<DirectorStep>,
     membrane: MembraneStep,
-    history: History,
+    history: Predictor,
     /// The detour that the linear solver is on or was on last.
-    detour: Option<Detour>,
+    fallback: Option<FallbackPeriod>,
     /// The detour over Newton's method that the lagged iteration is on.
-    newton_detour: Option<Detour>,
-    slowness: Slowness,
+    newton_fallback: Option<FallbackPeriod>,
+    slow_solves: SlowSolveDetector,
     /// The Δt by which the way to solve is chosen: that of the whole step, where parts of it are taken too.
     length: f64,
     /// In how many parts it is taken at most.
     parts: usize,
-    stopping: Stopping,
+    stopping: StoppingCriterion,
     /// The clock of the history: only differences matter.
     t: f64,
     report: StepReport,
@@ -85,7 +82,7 @@ pub struct Scheme {
     /// The time of the last step, as the effects were told it.
     interval: Option<Interval>,
     /// Made with the first step that is taken in several ways.
-    trial: Option<Box<Trial>>,
+    extrapolated: Option<Box<ExtrapolatedStep>>,
 }
 
 impl Scheme {
@@ -100,8 +97,8 @@ impl Scheme {
         director: Option<[Vec<f64>; 2]>,
     ) -> Result<Self, LinalgError> {
         let rule = match scene.solver.quadrature {
-            Quadrature::Consistent => Rule::Consistent,
-            Quadrature::Lumped => Rule::Lumped,
+            Quadrature::Consistent => QuadratureRule::Consistent,
+            Quadrature::Lumped => QuadratureRule::Lumped,
         };
         let space = Space::new(mesh, rule);
         let effects = Effects::from_scene(scene, &space, &phi);
@@ -117,7 +114,7 @@ impl Scheme {
             .nematic
             .as_ref()
             .map(|nematic| DirectorStep::new(&space, nematic.mobility));
-        let slowness = Slowness::new(membrane.linear_method());
+        let slow_solves = SlowSolveDetector::new(membrane.linear_method());
         let zeros = vec![0.0; space.nodes()];
         let state = State {
             phi,
@@ -127,8 +124,8 @@ impl Scheme {
         };
         let mut scheme = Self {
             next: state.clone(),
-            samples: Samples::new(state.director.is_some()),
-            terms: Terms::default(),
+            scratch: Scratch::new(state.director.is_some()),
+            terms: LedgerTerms::default(),
             space,
             effects,
             anchoring: scene.anchoring,
@@ -136,19 +133,19 @@ impl Scheme {
             state,
             director: director_step,
             membrane,
-            history: History::new(EXTRAPOLATION),
-            detour: None,
-            newton_detour: None,
-            slowness,
+            history: Predictor::new(EXTRAPOLATION),
+            fallback: None,
+            newton_fallback: None,
+            slow_solves,
             length: 0.0,
             parts: 1,
-            stopping: Stopping::LastChange,
+            stopping: StoppingCriterion::LastChange,
             t: 0.0,
             report: StepReport::default(),
             next_report: StepReport::default(),
             switched: None,
             interval: None,
-            trial: None,
+            extrapolated: None,
         };
         if scene.time.tolerance.is_some() && scene.solver.linear == LinearMethod::Automatic {
             scheme.begin_with_factor()?;
@@ -162,8 +159,8 @@ impl Scheme {
     fn begin_with_factor(&mut self) -> Result<(), LinalgError> {
         if self.membrane.is_fast() {
             self.membrane.fall_back(&self.space)?;
-            self.detour = Some(Detour::from_the_start());
-            self.slowness = self.slowness.suspected();
+            self.fallback = Some(FallbackPeriod::from_the_start());
+            self.slow_solves = self.slow_solves.suspected();
         }
         Ok(())
     }
@@ -173,10 +170,10 @@ impl Scheme {
         self.membrane.solve_at_rest(
             &self.space,
             &mut self.effects,
-            &mut self.samples,
+            &mut self.scratch,
             &mut self.state,
         );
-        self.measure_anew();
+        self.evaluate_present_energies();
         self.report.phase_integral = self.space.integrate_nodal(&self.state.phi);
         self.history.push(self.t, &self.state);
     }
@@ -223,7 +220,7 @@ impl Scheme {
     pub fn set_anchoring(&mut self, anchoring: Option<&scene::Anchoring>) {
         self.effects.set_anchoring(anchoring, &self.space);
         self.anchoring = anchoring.copied();
-        self.measure_anew();
+        self.evaluate_present_energies();
         self.report.ledger.clear();
         self.report.law_residual = 0.0;
         self.forget();
@@ -265,7 +262,7 @@ impl Scheme {
         self.set_interval(dt);
         let energy_scale = self.energy_scale(&self.report.energies);
         (self.length, self.parts) = (dt, 1);
-        self.stopping = Stopping::LastChange;
+        self.stopping = StoppingCriterion::LastChange;
         self.history.extrapolate(self.t + dt, &mut self.next);
         let mut report = std::mem::take(&mut self.next_report);
         let outcome = self.try_step(dt, energy_scale, &mut report, watch);
@@ -306,8 +303,8 @@ impl Scheme {
         if let Some(director) = &mut self.director {
             director.forget();
         }
-        if let Some(trial) = &mut self.trial {
-            trial.forget();
+        if let Some(extrapolated) = &mut self.extrapolated {
+            extrapolated.forget();
         }
     }
 
@@ -323,7 +320,7 @@ impl Scheme {
             return;
         }
         let before = self.report.total_energy;
-        self.measure_anew();
+        self.evaluate_present_energies();
         self.forget();
         *self.switched.get_or_insert(0.0) += self.report.total_energy - before;
     }
@@ -343,7 +340,7 @@ impl Scheme {
             &self.state.director,
             &mut self.next.director,
         ) {
-            let demand = Demand {
+            let options = SolveOptions {
                 dt,
                 length: self.length,
                 tolerance: director_tolerance(&self.solver),
@@ -354,8 +351,8 @@ impl Scheme {
             report.director_iterations = step.solve(
                 space,
                 &mut self.effects,
-                &mut self.samples.old,
-                demand,
+                &mut self.scratch.old,
+                options,
                 (&self.state.phi, from),
                 to,
             )?;
@@ -366,21 +363,21 @@ impl Scheme {
         self.membrane.begin(
             &self.space,
             &mut self.effects,
-            &mut self.samples,
+            &mut self.scratch,
             &self.state.phi,
             self.next.director.as_ref(),
         );
-        let mut effort = self.climb(dt, scale, report, watch)?;
-        let mut closed = self.close_books(dt, work, report);
+        let mut effort = self.solve_with_fallbacks(dt, scale, report, watch)?;
+        let mut closed = self.check_energy_law(dt, work, report);
         let rise = report.total_energy - self.report.total_energy - work;
         if closed.is_ok() && rise > RISE * scale {
             // Near a state of rest even a residual within the tolerance is more than what dissipates.
-            let limits = self.limits(Iteration::Newton);
+            let options = self.options(Iteration::Newton);
             let factor_dt = self.factor_dt();
-            let mut places = Places {
+            let mut context = StepContext {
                 space: &self.space,
                 effects: &mut self.effects,
-                samples: &mut self.samples,
+                scratch: &mut self.scratch,
                 from: &self.state,
                 to: &mut self.next,
                 dt,
@@ -389,10 +386,10 @@ impl Scheme {
                 is_faint: false,
                 watch,
             };
-            self.membrane.refine(&mut places, limits, &mut effort)?;
-            closed = self.close_books(dt, work, report);
+            self.membrane.refine(&mut context, options, &mut effort)?;
+            closed = self.check_energy_law(dt, work, report);
         }
-        if let Stopping::ChangesToCome(known) = &mut self.stopping {
+        if let StoppingCriterion::ChangesToCome(known) = &mut self.stopping {
             *known = effort.contraction;
         }
         report.newton = effort.newton;
@@ -416,8 +413,8 @@ impl Scheme {
         self.length / (self.parts as f64).sqrt()
     }
 
-    fn limits(&self, iteration: Iteration) -> Limits {
-        Limits {
+    fn options(&self, iteration: Iteration) -> NewtonOptions {
+        NewtonOptions {
             iteration,
             stopping: self.stopping,
             tolerance: self.solver.tolerance,
@@ -428,7 +425,7 @@ impl Scheme {
     /// Substep 2, by the first way that succeeds: the scene's iteration; Newton's method in place of the
     /// lagged one; the factor in place of the cosine transform. A way that failed is left alone for a
     /// while.
-    fn climb(
+    fn solve_with_fallbacks(
         &mut self,
         dt: f64,
         energy_scale: f64,
@@ -436,21 +433,23 @@ impl Scheme {
         watch: &mut dyn FnMut(Phase),
     ) -> Result<Work, StepError> {
         let length = self.length;
-        let is_over = |detour: Option<Detour>| detour.is_none_or(|detour| detour.is_over(length));
-        if self.detour.is_some() && is_over(self.detour) {
+        let is_over = |fallback: Option<FallbackPeriod>| {
+            fallback.is_none_or(|fallback| fallback.is_over(length))
+        };
+        if self.fallback.is_some() && is_over(self.fallback) {
             self.membrane.return_to_fast();
         }
         let iteration = match self.solver.iteration {
-            Iteration::Lagged if is_over(self.newton_detour) => Iteration::Lagged,
+            Iteration::Lagged if is_over(self.newton_fallback) => Iteration::Lagged,
             _ => Iteration::Newton,
         };
-        let (limits, newton) = (self.limits(iteration), self.limits(Iteration::Newton));
+        let (options, newton) = (self.options(iteration), self.options(Iteration::Newton));
         let factor_dt = self.factor_dt();
         let is_faint = self.bends_faintly();
-        let mut places = Places {
+        let mut context = StepContext {
             space: &self.space,
             effects: &mut self.effects,
-            samples: &mut self.samples,
+            scratch: &mut self.scratch,
             from: &self.state,
             to: &mut self.next,
             dt,
@@ -462,15 +461,15 @@ impl Scheme {
         report.fallback = None;
         report.newton_took_over = None;
         report.refused_ways = 0;
-        let mut outcome = self.membrane.solve(&mut places, limits);
+        let mut outcome = self.membrane.solve(&mut context, options);
         if iteration == Iteration::Lagged
             && let Err(reason) = outcome
         {
             report.refused_ways += 1;
             report.newton_took_over = Some(reason);
-            self.newton_detour = Some(Detour::new(length, self.newton_detour));
-            places.restart();
-            outcome = self.membrane.solve(&mut places, newton);
+            self.newton_fallback = Some(FallbackPeriod::new(length, self.newton_fallback));
+            context.restart();
+            outcome = self.membrane.solve(&mut context, newton);
         }
         if self.membrane.is_fast()
             && self.solver.linear == LinearMethod::Automatic
@@ -478,47 +477,50 @@ impl Scheme {
         {
             report.refused_ways += 1;
             report.fallback = Some(reason);
-            self.detour = Some(Detour::new(length, self.detour));
+            self.fallback = Some(FallbackPeriod::new(length, self.fallback));
             self.membrane
-                .fall_back(places.space)
+                .fall_back(context.space)
                 .map_err(|source| StepError::Membrane {
                     iteration: 0,
                     source,
                 })?;
-            places.restart();
-            outcome = self.membrane.solve(&mut places, newton);
+            context.restart();
+            outcome = self.membrane.solve(&mut context, newton);
         }
         if outcome.is_ok() {
             let on_factor = !self.membrane.is_fast();
             let detours = [
-                self.detour.as_mut().filter(|_| on_factor),
-                self.newton_detour.as_mut(),
+                self.fallback.as_mut().filter(|_| on_factor),
+                self.newton_fallback.as_mut(),
             ];
-            detours.into_iter().flatten().for_each(Detour::advance);
+            detours
+                .into_iter()
+                .flatten()
+                .for_each(FallbackPeriod::advance);
         }
         if let Ok(work) = &outcome
             && self.solver.linear == LinearMethod::Automatic
             && self.membrane.is_fast()
         {
-            if self.slowness.is_proved_by(work.newton, work.krylov) {
+            if self.slow_solves.is_proved_by(work.newton, work.krylov) {
                 // The step is solved; where there is no memory for the factor, it goes on as it did.
                 if self.membrane.fall_back(&self.space).is_ok() {
-                    self.detour = Some(Detour::from_slowness(length, self.detour));
+                    self.fallback = Some(FallbackPeriod::from_slowness(length, self.fallback));
                 }
-            } else if self.slowness.is_refuted() {
+            } else if self.slow_solves.is_refuted() {
                 // It takes more memory than all the rest.
-                self.membrane.let_factor_go();
+                self.membrane.drop_factor();
             }
         }
         outcome
     }
 
     /// The energies of the state as it is.
-    fn measure_anew(&mut self) {
-        sweep(
+    fn evaluate_present_energies(&mut self) {
+        evaluate_energies(
             &self.space,
             &mut self.effects,
-            &mut self.samples,
+            &mut self.scratch,
             [&self.state, &self.state],
             &mut self.report,
             None,
@@ -530,7 +532,7 @@ impl Scheme {
         if !self.effects.iter().any(|effect| effect.does_work()) {
             return 0.0;
         }
-        let Samples { old, new } = &mut self.samples;
+        let Scratch { old, new } = &mut self.scratch;
         let mut sum = 0.0;
         for patch in self.space.patches() {
             fill(old, &patch, &self.state);
@@ -544,7 +546,7 @@ impl Scheme {
 
     /// The energies of the new state and every term of (3.26), given the work from outside; refuses a step whose
     /// law is broken.
-    fn close_books(
+    fn check_energy_law(
         &mut self,
         dt: f64,
         work: f64,
@@ -558,14 +560,14 @@ impl Scheme {
         } = &mut self.next;
         let director = director.iter_mut().flatten();
         for (number, field) in [phi, omega, mu].into_iter().chain(director).enumerate() {
-            faults::tap(Place::Solved(number), field);
+            fault_injection::tap(Place::Solved(number), field);
         }
         let space = &self.space;
         self.terms.clear();
-        sweep(
+        evaluate_energies(
             space,
             &mut self.effects,
-            &mut self.samples,
+            &mut self.scratch,
             [&self.state, &self.next],
             report,
             Some(&mut self.terms),
@@ -624,13 +626,13 @@ fn director_tolerance(solver: &Solver) -> f64 {
 }
 
 /// The energies and B of the new state, and the numerical dissipation from the old one to it.
-fn sweep(
+fn evaluate_energies(
     space: &Space,
     effects: &mut Effects,
-    samples: &mut Samples,
+    scratch: &mut Scratch,
     [old_state, new_state]: [&State; 2],
     report: &mut StepReport,
-    mut terms: Option<&mut Terms>,
+    mut terms: Option<&mut LedgerTerms>,
 ) {
     let width = effects.bending.interface_width();
     report.energies.clear();
@@ -645,33 +647,33 @@ fn sweep(
     );
     report.surface_area = 0.0;
     for patch in space.patches() {
-        fill(&mut samples.new, &patch, new_state);
-        report.surface_area += area_integral(&patch, &samples.new, width);
+        fill(&mut scratch.new, &patch, new_state);
+        report.surface_area += area_integral(&patch, &scratch.new, width);
         if terms.is_some() {
-            fill(&mut samples.old, &patch, old_state);
+            fill(&mut scratch.old, &patch, old_state);
         }
         let mut energies = report.energies.iter_mut();
         for effect in effects.iter_mut() {
             if effect.has_energy()
                 && let Some(energy) = energies.next()
             {
-                energy.value += effect.integral(&patch, &samples.new);
+                energy.value += effect.integral(&patch, &scratch.new);
             }
             if let Some(terms) = &mut terms {
-                effect.add_dissipation(&patch, &samples.old, &samples.new, terms);
+                effect.add_dissipation(&patch, &scratch.old, &scratch.new, terms);
             }
         }
     }
     let effects = effects.iter().filter(|effect| effect.has_energy());
     for (effect, energy) in effects.zip(&mut report.energies) {
         energy.value = effect.energy(energy.value);
-        faults::tap(Place::Energy, std::slice::from_mut(&mut energy.value));
+        fault_injection::tap(Place::Energy, std::slice::from_mut(&mut energy.value));
     }
     report.total_energy = report.energies.iter().map(|energy| energy.value).sum();
 }
 
 /// All fields of a state on a patch.
-fn fill(sample: &mut Sample, patch: &Patch<'_>, state: &State) {
+fn fill(sample: &mut PatchFields, patch: &Patch<'_>, state: &State) {
     sample.begin();
     sample.set_phi(patch, &state.phi);
     sample.set_omega(patch, &state.omega);

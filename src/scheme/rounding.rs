@@ -58,14 +58,14 @@ fn least(value: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fem::{Mesh, Rule};
+    use crate::fem::{Mesh, QuadratureRule};
     use std::sync::Arc;
 
     /// Far below the energies of vesicles, which are of the order of 10, and far above those of rounding.
     #[test]
     fn the_least_energy_is_small() {
         let mesh = Arc::new(Mesh::structured(120, 0.0, 0).expect("a mesh"));
-        let space = Space::new(mesh, Rule::Lumped);
+        let space = Space::new(mesh, QuadratureRule::Lumped);
         let energy = Least::new(&space, 0.01, 1e-8).energy;
         assert!(energy > 1e-14 && energy < 1e-10, "{energy:e}");
         assert!(Least::new(&space, 0.01, 1e-300).energy < 1e-2);

@@ -4,8 +4,8 @@
 
 mod effects;
 
-use super::faults::Place;
-use super::faults::armed::{Fault, Spoiling, with_fault};
+use super::fault_injection::Place;
+use super::fault_injection::armed::{Fault, Spoiling, with_fault};
 use super::{Scheme, State, StepError, initial_fields};
 use crate::fem::Mesh;
 use crate::scene::Scene;

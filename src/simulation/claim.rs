@@ -1,4 +1,4 @@
-//! Memory that is set aside before it is taken. An allocation that fails ends the program, and whatever it
+//! SimulationCheckpoint that is set aside before it is taken. An allocation that fails ends the program, and whatever it
 //! was about to keep is lost; so work that takes much asks beforehand.
 
 use std::fmt;
@@ -52,7 +52,7 @@ pub fn kept_free() -> u64 {
     KEPT_FREE.load(Ordering::Relaxed)
 }
 
-/// Memory that all claims leave alone until this is dropped, for what is taken now and then without asking.
+/// SimulationCheckpoint that all claims leave alone until this is dropped, for what is taken now and then without asking.
 #[derive(Debug)]
 pub(super) struct KeptFree {
     bytes: u64,
@@ -77,7 +77,7 @@ static RELEASED: Condvar = Condvar::new();
 /// Whoever waits for another's claim asks so often whether to go on.
 const PAUSE: Duration = Duration::from_millis(50);
 
-/// Memory that is set aside until this is dropped: by then it is taken, and counts as that, or it is not
+/// SimulationCheckpoint that is set aside until this is dropped: by then it is taken, and counts as that, or it is not
 /// needed any more.
 #[derive(Debug)]
 pub struct Claim {

@@ -3,18 +3,18 @@
 use thiserror::Error;
 
 use super::claim::Shortage;
-use super::ladder::Tried;
 use super::presence::NoVesicle;
+use super::step_effort::Tried;
 use crate::fem::FemError;
 use crate::linalg::LinalgError;
-use crate::scheme::{InitialError, RecallError, StepError};
+use crate::scheme::{InitialError, RestoreError, StepError};
 
 /// Why a run cannot start or go on.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SimulationError {
     /// The run would need more memory than there is.
     #[error("a mesh {mesh} would need {shortage}: {remedy}")]
-    Memory {
+    SimulationCheckpoint {
         /// How large the mesh is, in words.
         mesh: String,
         /// What it needs, and what there is.
@@ -48,7 +48,7 @@ pub enum SimulationError {
     Factor(LinalgError),
     /// The state to go on from is of another scene.
     #[error("the state to go on from cannot be used: {0}")]
-    Recall(#[from] RecallError),
+    Recall(#[from] RestoreError),
     /// Anchoring without anything to anchor.
     #[error("the scene has no director to anchor: give it a table [nematic]")]
     NoDirector,
@@ -71,7 +71,7 @@ impl SimulationError {
     pub fn is_of_scene(&self) -> bool {
         matches!(
             self,
-            Self::Mesh(_) | Self::NoVesicle(_) | Self::Memory { .. }
+            Self::Mesh(_) | Self::NoVesicle(_) | Self::SimulationCheckpoint { .. }
         )
     }
 }

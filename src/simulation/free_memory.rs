@@ -43,7 +43,7 @@ impl fmt::Display for MemoryBound {
     }
 }
 
-/// Memory that is to be had.
+/// SimulationCheckpoint that is to be had.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FreeMemory {
     /// How much.

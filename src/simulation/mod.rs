@@ -1,23 +1,23 @@
 //! A run in time: the fixed grid t_n = n Δt or steps that are chosen, what is reported of each step,
 //! and what happens on the way.
 
-mod budget;
+mod checkpoint;
 mod claim;
 mod controller;
-mod division;
 mod error;
+mod error_estimates;
 mod event;
 mod free_memory;
-mod ladder;
-mod last_whole;
-mod memory;
-mod needs;
+mod last_whole_step;
+mod memory_estimate;
+mod partial_step;
 mod presence;
 mod report;
 mod schedule;
+mod step_effort;
+mod step_subdivision;
 #[cfg(test)]
 mod tests;
-mod underway;
 mod warnings;
 mod worker;
 
@@ -26,36 +26,37 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use crate::fem::{Contour, Mesh, Pieces, Quality, Recovery, long_axis};
+use crate::fem::{Contour, GradientRecovery, Mesh, MeshQuality, Pieces, long_axis};
 use crate::scene::{AnchoringKind, Iteration, Order, Scene, Shape, Time, Warning};
 use crate::scheme::{Scheme, StepError, StepReport, initial_fields};
 
 pub use crate::fem::OutlineMeasure;
 pub use crate::physics::NamedValue;
-pub use crate::scheme::{Phase, RecallError, State};
-pub use budget::{ErrorBudget, ErrorPart};
+pub use crate::scheme::{Phase, RestoreError, State};
+pub use checkpoint::SimulationCheckpoint;
 pub use claim::{Claim, Shortage, kept_free};
 pub use error::SimulationError;
+pub use error_estimates::{ErrorEstimates, ErrorPart};
 pub use event::{Event, EventKind};
 pub use free_memory::{FreeMemory, MemoryBound, free_memory};
-pub use ladder::{Ladder, Tried};
-pub use memory::Memory;
-pub use needs::{check_memory, memory_held, memory_needed, node_count};
+pub use memory_estimate::{check_memory, memory_held, memory_needed, node_count};
+pub use partial_step::StepProgress;
 pub use presence::{NoVesicle, Part, check_outlines};
 pub use report::{Costs, Report};
 pub use schedule::{Schedule, step_count};
-pub use underway::Underway;
+pub use step_effort::{StepEffort, Tried};
 pub use warnings::warnings;
 pub use worker::{
-    Command, Continuity, Failure, Mailbox, Message, News, Orders, Picture, RunId, Setting, Worker,
+    Command, Continuity, Failure, Mailbox, Message, RunId, RunSnapshot, Setting, Worker,
+    WorkerConfig, WorkerEvent,
 };
 
 use controller::Controller;
-use division::Division;
-use last_whole::LastWhole;
-use needs::claim_memory;
+use last_whole_step::LastWholeStep;
+use memory_estimate::claim_memory;
+use partial_step::PartialStep;
 use presence::check_vesicle;
-use underway::Left;
+use step_subdivision::StepSubdivision;
 use warnings::NearWall;
 
 /// The error of the mesh is estimated at every so many steps: it changes slowly.
@@ -91,7 +92,7 @@ pub struct Examination {
     /// Nodes of the mesh.
     pub nodes: usize,
     /// Angles and sizes of its triangles.
-    pub quality: Quality,
+    pub quality: MeshQuality,
 }
 
 /// Makes a scene's mesh and initial state, and tells what they are like.
@@ -105,7 +106,7 @@ pub fn examine(scene: &Scene) -> Result<Examination, SimulationError> {
     Ok(Examination {
         warnings: warnings(scene, &mesh, &initial.phi),
         nodes: mesh.nodes().len(),
-        quality: Quality::of(&mesh),
+        quality: MeshQuality::of(&mesh),
     })
 }
 
@@ -120,15 +121,15 @@ pub struct Simulation {
     events: Vec<Event>,
     contour: Contour,
     pieces: Pieces,
-    recovery: Recovery,
+    recovery: GradientRecovery,
     /// The long axis of the vesicle at the start, a unit vector.
     axis: [f64; 2],
     near_wall: NearWall,
     pacing: Pacing,
     /// What was done of a step that was left before its end.
-    left: Option<Left>,
+    left: Option<PartialStep>,
     /// The last whole step, while the state is within the next one.
-    last_whole: Option<Box<LastWhole>>,
+    last_whole: Option<Box<LastWholeStep>>,
     /// When snapshots are due: chosen steps end there.
     schedule: Schedule,
 }
@@ -137,7 +138,7 @@ pub struct Simulation {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 enum Pacing {
     /// Those of the fixed grid, divided where they cannot be solved whole.
-    Fixed(Division),
+    Fixed(StepSubdivision),
     /// Chosen by their estimated error.
     Chosen(Controller),
 }
@@ -156,7 +157,7 @@ impl Pacing {
 
 impl Default for Pacing {
     fn default() -> Self {
-        Self::Fixed(Division::default())
+        Self::Fixed(StepSubdivision::default())
     }
 }
 
@@ -219,7 +220,7 @@ impl Simulation {
             near_wall: NearWall::new(&mesh, scene.membrane.interface_width),
             contour: Contour::default(),
             pieces: Pieces::default(),
-            recovery: Recovery::default(),
+            recovery: GradientRecovery::default(),
             report: Report {
                 dt: scene.time.step,
                 ..Report::default()
@@ -278,15 +279,15 @@ impl Simulation {
 
     /// [`advance`](Self::advance), which asks `leave` before each further attempt at a step that takes
     /// more than one; whether the step was taken. It is also left where an event is to be told at once. One that
-    /// was left goes on with the next call where it was, also after [`remember`](Self::remember) and
-    /// [`recall`](Self::recall), and becomes bit for bit what it had become otherwise. Until then the report's t
+    /// was left goes on with the next call where it was, also after [`remember`](Self::save) and
+    /// [`recall`](Self::restore), and becomes bit for bit what it had become otherwise. Until then the report's t
     /// says how far the state is, its step is the last whole one.
     ///
     /// # Errors
     /// Those of [`advance`](Self::advance).
     pub fn advance_unless(
         &mut self,
-        leave: &mut dyn FnMut(&Underway) -> bool,
+        leave: &mut dyn FnMut(&StepProgress) -> bool,
     ) -> Result<bool, SimulationError> {
         let left = self.left.take();
         let mut costs = left.as_ref().map_or(Costs::default(), |left| left.costs);
@@ -298,14 +299,14 @@ impl Simulation {
         };
         let before = self.last_whole().0;
         let before = (before.step, before.t);
-        let was_damped = self.report.ladder.damping < 1.0;
+        let was_damped = self.report.effort.damping < 1.0;
         let taken = match self.pacing {
             Pacing::Fixed(_) => self.grid_step(left, &mut watch, leave)?,
             Pacing::Chosen(controller) => self.chosen_step(controller, left, &mut watch, leave)?,
         };
         if let Some(left) = taken.left {
             watch(Phase::Ledger);
-            self.left = Some(Left { costs, ..left });
+            self.left = Some(PartialStep { costs, ..left });
             self.measure();
             return Ok(false);
         }
@@ -321,7 +322,7 @@ impl Simulation {
             let smallest = self.report.dt;
             tell(EventKind::StepDivided { smallest, reason });
         }
-        let factor = taken.ladder.damping;
+        let factor = taken.effort.damping;
         if factor < 1.0 && !was_damped {
             tell(EventKind::Damped { factor });
         }
@@ -334,7 +335,7 @@ impl Simulation {
             (false, true, _) => tell(EventKind::ReturnedToTransform),
             _ => {}
         }
-        self.report.ladder = taken.ladder;
+        self.report.effort = taken.effort;
         let (time, algebra) = (self.report.time_error, self.scheme.report().algebraic_error);
         self.report.budget.add_step(time, algebra);
         self.look();
@@ -346,45 +347,45 @@ impl Simulation {
     /// The next step of the fixed grid, or what is left of it.
     fn grid_step(
         &mut self,
-        left: Option<Left>,
+        left: Option<PartialStep>,
         watch: &mut dyn FnMut(Phase),
-        leave: &mut dyn FnMut(&Underway) -> bool,
+        leave: &mut dyn FnMut(&StepProgress) -> bool,
     ) -> Result<Taken, SimulationError> {
         let step = self.report.step + 1;
         let dt = self.scene.time.step;
         let (begin, end) = (grid_time(step - 1, dt), grid_time(step, dt));
         let mut taken = Taken::begin(left.as_ref(), !self.scheme.uses_factor());
-        let Pacing::Fixed(division) = &mut self.pacing else {
+        let Pacing::Fixed(subdivision) = &mut self.pacing else {
             return Ok(taken);
         };
         if left.is_none() {
-            division.begin();
+            subdivision.begin();
         }
         // Of the parts that were solved before the step was left.
-        let mut earlier = left.filter(|left| left.ladder.parts > 0);
+        let mut earlier = left.filter(|left| left.effort.parts > 0);
         let mut is_begun = false;
         let mut has_news = false;
         loop {
-            let piece = dt * division.piece();
-            let underway = Underway {
+            let piece = dt * subdivision.piece();
+            let underway = StepProgress {
                 step,
                 t: self.report.t,
                 end,
                 dt: piece,
-                parts: taken.ladder.parts,
-                refused: taken.ladder.refused,
+                parts: taken.effort.parts,
+                refused: taken.effort.refused,
             };
             if has_news || is_begun && leave(&underway) {
                 taken.left = Some(match earlier {
                     Some(earlier) => taken.leave(underway, earlier),
-                    None => taken.leave(underway, Left::of(&self.report)),
+                    None => taken.leave(underway, PartialStep::of(&self.report)),
                 });
                 return Ok(taken);
             }
             is_begun = true;
             // What is solved next is a part of the step.
             if piece < dt && self.last_whole.is_none() {
-                self.last_whole = Some(Box::new(LastWhole {
+                self.last_whole = Some(Box::new(LastWholeStep {
                     report: self.report.clone(),
                     state: self.scheme.state().clone(),
                 }));
@@ -411,10 +412,10 @@ impl Simulation {
             match outcome {
                 Ok(solved) => {
                     taken.note(solved);
-                    let first = taken.ladder.parts == 0 || earlier.is_some();
+                    let first = taken.effort.parts == 0 || earlier.is_some();
                     let with_factor = self.scheme.uses_factor();
                     let solved = self.scheme.report();
-                    taken.ladder.accept(solved, with_factor);
+                    taken.effort.accept(solved, with_factor);
                     if first {
                         self.report.take(solved);
                         self.report.time_error = error;
@@ -426,17 +427,17 @@ impl Simulation {
                         let sum = self.report.time_error.zip(error);
                         self.report.time_error = sum.map(|(sum, error)| sum + error);
                     }
-                    self.report.dt = dt * division.smallest();
-                    if division.accept() {
+                    self.report.dt = dt * subdivision.smallest();
+                    if subdivision.accept() {
                         break;
                     }
-                    self.report.t = begin + dt * division.done();
+                    self.report.t = begin + dt * subdivision.done();
                 }
                 Err(reason) => {
-                    taken.ladder.refuse();
-                    let shortest = dt * division.smallest();
-                    if !division.refuse() {
-                        let steps = [dt, dt * division.smallest()];
+                    taken.effort.refuse();
+                    let shortest = dt * subdivision.smallest();
+                    if !subdivision.refuse() {
+                        let steps = [dt, dt * subdivision.smallest()];
                         return Err(SimulationError::Step {
                             step,
                             t: end,
@@ -444,7 +445,7 @@ impl Simulation {
                             source: reason,
                         });
                     }
-                    let lengths = [shortest, dt * division.smallest()];
+                    let lengths = [shortest, dt * subdivision.smallest()];
                     if let Some(kind) = EventKind::of_short_steps(lengths, dt, &reason) {
                         let t = self.report.t;
                         self.events.push(Event { step, t, kind });
@@ -463,9 +464,9 @@ impl Simulation {
     fn chosen_step(
         &mut self,
         mut controller: Controller,
-        left: Option<Left>,
+        left: Option<PartialStep>,
         watch: &mut dyn FnMut(Phase),
-        leave: &mut dyn FnMut(&Underway) -> bool,
+        leave: &mut dyn FnMut(&StepProgress) -> bool,
     ) -> Result<Taken, SimulationError> {
         let (step, t) = (self.report.step + 1, self.report.t);
         let landing = self.landing_after(t);
@@ -477,19 +478,19 @@ impl Simulation {
         let longest = controller.attempt(t, landing).dt;
         loop {
             let attempt = controller.attempt(t, landing);
-            let underway = Underway {
+            let underway = StepProgress {
                 step,
                 t,
                 end: attempt.end,
                 dt: attempt.dt,
                 parts: 0,
-                refused: taken.ladder.refused,
+                refused: taken.effort.refused,
             };
             if has_news || is_begun && leave(&underway) {
                 self.pacing = Pacing::Chosen(controller);
-                let sums = Left {
+                let sums = PartialStep {
                     work,
-                    ..Left::default()
+                    ..PartialStep::default()
                 };
                 taken.left = Some(taken.leave(underway, sums));
                 return Ok(taken);
@@ -502,10 +503,10 @@ impl Simulation {
                 Ok(difference) if controller.judge(attempt.dt, difference.phase) => {
                     let solved = self.scheme.accept_extrapolated();
                     taken.note(solved);
-                    self.report.refused = taken.ladder.refused.try_into().unwrap_or(u32::MAX);
+                    self.report.refused = taken.effort.refused.try_into().unwrap_or(u32::MAX);
                     let with_factor = self.scheme.uses_factor();
                     let solved = self.scheme.report();
-                    taken.ladder.accept(solved, with_factor);
+                    taken.effort.accept(solved, with_factor);
                     self.report.take(solved);
                     self.report.add_work(work);
                     self.report.time_error = Some(difference.phase);
@@ -527,7 +528,7 @@ impl Simulation {
                 }
                 Err(reason) => (controller.fail(attempt.dt), reason),
             };
-            taken.ladder.refuse();
+            taken.effort.refuse();
             let lengths = [attempt.dt, controller.attempt(t, landing).dt];
             let first = self.scene.time.step;
             if let Some(kind) = EventKind::of_short_steps(lengths, first, &reason) {
@@ -564,7 +565,7 @@ impl Simulation {
     /// What was tried in a step that was not solved.
     fn tried(&self, taken: &Taken, steps: [f64; 2]) -> Tried {
         Tried {
-            refused: taken.ladder.refused,
+            refused: taken.effort.refused,
             fast: (taken.was_fast || !self.scheme.uses_factor())
                 .then(|| self.scheme.fast_method())
                 .flatten(),
@@ -653,7 +654,7 @@ impl Simulation {
     }
 
     /// How far the step is that was left before its end.
-    pub fn underway(&self) -> Option<Underway> {
+    pub fn underway(&self) -> Option<StepProgress> {
         self.left.as_ref()?.underway
     }
 
@@ -691,14 +692,14 @@ struct Taken {
     divided: Option<String>,
     /// By how much the energy jumped before the step.
     switched: Option<f64>,
-    ladder: Ladder,
+    effort: StepEffort,
     /// What was done of it, where it was left before its end.
-    left: Option<Left>,
+    left: Option<PartialStep>,
 }
 
 impl Taken {
     /// Begins a step, or goes on with one that was left. `is_fast`: without the sparse factor.
-    fn begin(left: Option<&Left>, is_fast: bool) -> Self {
+    fn begin(left: Option<&PartialStep>, is_fast: bool) -> Self {
         let Some(left) = left else {
             return Self {
                 was_fast: is_fast,
@@ -711,21 +712,21 @@ impl Taken {
             newton_took_over: left.newton_took_over.clone(),
             divided: left.divided.clone(),
             switched: left.switched,
-            ladder: left.ladder,
+            effort: left.effort,
             left: None,
         }
     }
 
     /// What is left of the step, given the sums of its report.
-    fn leave(&self, underway: Underway, sums: Left) -> Left {
-        Left {
+    fn leave(&self, underway: StepProgress, sums: PartialStep) -> PartialStep {
+        PartialStep {
             underway: Some(underway),
             was_fast: self.was_fast,
             fallback: self.fallback.clone(),
             newton_took_over: self.newton_took_over.clone(),
             divided: self.divided.clone(),
             switched: self.switched,
-            ladder: self.ladder,
+            effort: self.effort,
             ..sums
         }
     }

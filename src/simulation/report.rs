@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use super::{ErrorBudget, Ladder, OutlineMeasure};
+use super::{ErrorEstimates, OutlineMeasure, StepEffort};
 use crate::physics::NamedValue;
 use crate::scheme::{Phase, StepReport};
 
@@ -40,13 +40,13 @@ pub struct Report {
     /// Iterations of substep 1.
     pub director_iterations: u32,
     /// The estimated errors up to here, by where they come from.
-    pub budget: ErrorBudget,
+    pub budget: ErrorEstimates,
     /// What the parts of the step took.
     pub costs: Costs,
     /// Every term of (3.26), times Δt.
     pub ledger: Vec<NamedValue>,
     /// What it took to solve the step.
-    pub ladder: Ladder,
+    pub effort: StepEffort,
     /// How many vesicles there are: pieces of the region φ > 0. `None`: not counted.
     pub vesicles: Option<usize>,
     /// The size of the vesicle; `None` where there is not exactly one.

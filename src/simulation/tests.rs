@@ -2,7 +2,7 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use super::*;
-use crate::fem::{Rule, Space};
+use crate::fem::{QuadratureRule, Space};
 use crate::physics::NamedValue;
 use crate::scene::{self, Anchoring, InitialDirector, NodalValues, Projection};
 use crate::scheme::StepError;
@@ -175,7 +175,7 @@ fn an_error_names_the_solvers_that_the_mesh_has() {
 
 /// The error of a step that cannot be made: its law begins with other energies.
 fn with_broken_law(mut simulation: Simulation) -> SimulationError {
-    let space = Space::new(simulation.mesh.clone(), Rule::Consistent);
+    let space = Space::new(simulation.mesh.clone(), QuadratureRule::Consistent);
     let anchoring = Anchoring {
         kind: AnchoringKind::Homeotropic,
         ..Anchoring::default()
@@ -477,16 +477,16 @@ fn a_step_that_is_left_goes_on_as_if_nothing_had_happened() {
                 let t = parted.report().t;
                 assert!(last <= t && t < expected.t, "{settings:?}");
                 last = t;
-                let mut memory = Memory::default();
-                parted.remember(&mut memory);
+                let mut checkpoint = SimulationCheckpoint::default();
+                parted.save(&mut checkpoint);
                 parted = Simulation::new(&scene).unwrap();
-                parted.recall(&memory).unwrap();
+                parted.restore(&checkpoint).unwrap();
                 let (report, state) = parted.last_whole();
                 assert_eq!(*report, before, "{settings:?}");
                 assert_eq!(*state, state_before, "{settings:?}");
                 let underway = parted.underway().unwrap();
                 assert_eq!((underway.step, underway.t), (before.step + 1, t));
-                assert!(memory.is_begun());
+                assert!(checkpoint.is_begun());
             }
             let report = Report {
                 costs: Costs::default(),
@@ -538,7 +538,7 @@ fn steps_that_become_short_are_told_within_the_step() {
         assert!(first == asked && share < 1e-6 && share > 1e-8, "{kind:?}");
         assert_eq!(simulation.report().step, 0);
         let mut attempts = 0;
-        let mut leave = |_: &Underway| {
+        let mut leave = |_: &StepProgress| {
             attempts += 1;
             attempts > 3
         };
@@ -562,7 +562,7 @@ fn a_damped_step_is_an_event() {
     let mut was_damped = false;
     let mut seen = 0;
     for _ in 0..6 {
-        let damping = simulation.advance().unwrap().ladder.damping;
+        let damping = simulation.advance().unwrap().effort.damping;
         let events = simulation.drain_events().into_iter();
         let factors: Vec<f64> = events
             .filter_map(|event| match event.kind {

@@ -1,7 +1,7 @@
 //! What a scene's numbers alone do not tell: the vesicle's place, and whether β can be reached.
 
 use super::presence::sign;
-use crate::fem::{Contour, Mesh, Quality, SLIVER, Wall};
+use crate::fem::{Contour, Mesh, MeshQuality, SLIVER, Wall};
 use crate::scene::{self, OutlineDistance, Scene, Shape, Warning, union_distance, wall_distance};
 
 /// The interface of a vesicle reaches this many ε beyond φ = 0: tanh(2√2) = 0.993.
@@ -11,7 +11,7 @@ const INTERFACE_REACH: f64 = 4.0;
 pub fn warnings(scene: &Scene, mesh: &Mesh, phi: &[f64]) -> Vec<Warning> {
     let contour = Contour::new(mesh, phi);
     let mut warnings = scene::warnings(scene, edge_at_membrane(mesh, phi, &contour));
-    warnings.extend(slivers(scene, &Quality::of(mesh)));
+    warnings.extend(slivers(scene, &MeshQuality::of(mesh)));
     let interface_width = scene.membrane.interface_width;
     warnings.extend(sign(phi).map(|inside| Warning::NoMembrane { inside }));
     let distance = match &scene.vesicle.shape {
@@ -55,7 +55,7 @@ pub fn warnings(scene: &Scene, mesh: &Mesh, phi: &[f64]) -> Vec<Warning> {
 }
 
 /// The warning of triangles that are nearly flat.
-fn slivers(scene: &Scene, quality: &Quality) -> Option<Warning> {
+fn slivers(scene: &Scene, quality: &MeshQuality) -> Option<Warning> {
     (quality.slivers > 0).then_some(Warning::Slivers {
         count: quality.slivers,
         below: SLIVER,

@@ -1,6 +1,6 @@
 //! Which knob is the one to turn, from what was measured.
 
-use super::choice::Pace;
+use super::discretisation::StepControl;
 use super::error_size::ErrorSize;
 use super::report::{Point, Study};
 use serde::Serialize;
@@ -32,7 +32,7 @@ pub struct Advice {
     /// 1/h of the point that is judged: the scene's own, or one on its mesh, or on the finest that was run.
     pub cells: usize,
     /// How long its steps are.
-    pub pace: Pace,
+    pub pace: StepControl,
 }
 
 impl Knob {
@@ -215,18 +215,18 @@ fn cheaper(study: &Study, judged: &Point) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::choice::Choice;
-    use super::super::distance::Errors;
+    use super::super::discretisation::Discretisation;
+    use super::super::errors::Errors;
     use super::super::report::Reference;
     use super::*;
     use crate::study::tests::{CALM, scene};
 
     /// Points of 60 and 120 cells with an error of second order, measured against a reference.
     fn study(reference: usize, own_cells: usize) -> Study {
-        let own = Choice {
+        let own = Discretisation {
             cells: own_cells,
-            pace: Pace::Step(1e-7),
-            ..Choice::of(&scene(CALM))
+            pace: StepControl::Step(1e-7),
+            ..Discretisation::of(&scene(CALM))
         };
         let error = |cells: usize| {
             let square = |cells: usize| (cells as f64).powi(-2);
@@ -236,7 +236,7 @@ mod tests {
             cells,
             mesh: format!("{cells} cells"),
             nodes: (cells + 1) * (cells + 1),
-            pace: Pace::Tolerance(tolerance),
+            pace: StepControl::Tolerance(tolerance),
             quadrature: "consistent",
             iteration: "newton",
             run: None,
@@ -267,7 +267,7 @@ mod tests {
             cells: reference,
             mesh: format!("{reference} cells"),
             nodes: (reference + 1) * (reference + 1),
-            pace: Pace::Tolerance(1e-4),
+            pace: StepControl::Tolerance(1e-4),
             seconds: 100.0,
             time_error: None,
             space_error: None,

@@ -1,20 +1,20 @@
 //! What follows from the runs of a study: the errors of each.
 
-use super::choice::{Choice, Pace};
-use super::distance::Solution;
+use super::discretisation::{Discretisation, StepControl};
 use super::error_size::ErrorSize;
-use super::finished::FinishedRun;
+use super::errors::Solution;
 use super::measure::Measurement;
+use super::recorded_runs::ComparedRun;
 use super::report::{Point, Reference, Study};
 use crate::scene::Scene;
 
 /// Puts everything together; `remarks` are sentences for the end.
 pub(super) fn evaluate(
     scene: &Scene,
-    own: &Choice,
-    mut done: Vec<(Choice, Measurement)>,
-    beside: Vec<FinishedRun>,
-    reference: Option<(Option<String>, Choice, Measurement)>,
+    own: &Discretisation,
+    mut done: Vec<(Discretisation, Measurement)>,
+    beside: Vec<ComparedRun>,
+    reference: Option<(Option<String>, Discretisation, Measurement)>,
     mut remarks: Vec<String>,
 ) -> Study {
     // Without a run of its own the best of the others is the reference, and no point itself.
@@ -70,14 +70,16 @@ pub(super) fn evaluate(
 
 /// The one that serves best as a reference among several, by the scene's own rule: on the finest mesh the
 /// one with the smallest tolerance.
-fn most_accurate(done: &[(Choice, Measurement)], own: &Choice) -> Option<usize> {
+fn most_accurate(done: &[(Discretisation, Measurement)], own: &Discretisation) -> Option<usize> {
     let usable = done
         .iter()
         .enumerate()
         .filter_map(|(index, (choice, measured))| {
             let is_like = choice.quadrature == own.quadrature && measured.outcome.is_ok();
             match choice.pace {
-                Pace::Tolerance(tolerance) if is_like => Some((index, choice.cells, tolerance)),
+                StepControl::Tolerance(tolerance) if is_like => {
+                    Some((index, choice.cells, tolerance))
+                }
                 _ => None,
             }
         });
@@ -93,16 +95,16 @@ fn most_accurate(done: &[(Choice, Measurement)], own: &Choice) -> Option<usize> 
 /// tolerance on the same mesh, by the same rule. That one itself is about as far from the truth as
 /// the next one is from it, times what proportion to the tolerance leaves of that.
 fn time_error(
-    done: &[(Choice, Measurement)],
-    choice: &Choice,
+    done: &[(Discretisation, Measurement)],
+    choice: &Discretisation,
     solution: &Solution,
 ) -> Option<ErrorSize> {
     let mut rungs: Vec<(f64, &Solution)> = done
         .iter()
         .filter(|(other, _)| other.cells == choice.cells && other.quadrature == choice.quadrature)
         .filter_map(|(other, measured)| match other.pace {
-            Pace::Tolerance(tolerance) => Some((tolerance, measured.outcome.as_ref().ok()?)),
-            Pace::Step(_) => None,
+            StepControl::Tolerance(tolerance) => Some((tolerance, measured.outcome.as_ref().ok()?)),
+            StepControl::Step(_) => None,
         })
         .collect();
     rungs.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -1,11 +1,11 @@
 //! A scene computed one way, with what it took.
 
-use super::choice::Choice;
 use super::clock::Stopwatch;
-use super::distance::Solution;
+use super::discretisation::Discretisation;
+use super::errors::Solution;
 use super::memory;
 use crate::scene::Scene;
-use crate::simulation::{ErrorBudget, Schedule, Simulation, SimulationError, Underway};
+use crate::simulation::{ErrorEstimates, Schedule, Simulation, SimulationError, StepProgress};
 use std::time::Duration;
 
 /// What a run took, and what came out.
@@ -25,9 +25,9 @@ pub(super) struct Measurement {
     pub(super) newton: u64,
     pub(super) krylov: u64,
     /// Where the step stood that was left before its end.
-    pub(super) underway: Option<Underway>,
+    pub(super) underway: Option<StepProgress>,
     /// The errors that the run itself estimated.
-    pub(super) estimates: ErrorBudget,
+    pub(super) estimates: ErrorEstimates,
     /// The state at T, or why there is none.
     pub(super) outcome: Result<Solution, Failure>,
 }
@@ -47,12 +47,12 @@ pub(super) enum Failure {
 const HOPELESS: u64 = 20;
 
 /// Whether nothing of a run was solved, though it was tried.
-pub(super) fn is_stuck(underway: &Underway) -> bool {
+pub(super) fn is_stuck(underway: &StepProgress) -> bool {
     underway.step <= 1 && underway.parts == 0 && underway.refused > 0
 }
 
 /// Whether nothing of a run will be solved.
-pub(super) fn is_hopeless(underway: &Underway) -> bool {
+pub(super) fn is_hopeless(underway: &StepProgress) -> bool {
     is_stuck(underway) && underway.refused >= HOPELESS
 }
 
@@ -60,7 +60,7 @@ pub(super) fn is_hopeless(underway: &Underway) -> bool {
 /// long.
 pub(super) fn measure(
     scene: &Scene,
-    choice: &Choice,
+    choice: &Discretisation,
     limit: Duration,
     go_on: &mut dyn FnMut(f64) -> bool,
 ) -> Measurement {
@@ -77,7 +77,7 @@ pub(super) fn measure(
         newton: 0,
         krylov: 0,
         underway: None,
-        estimates: ErrorBudget::default(),
+        estimates: ErrorEstimates::default(),
         outcome: Err(Failure::Ended),
     };
     measurement.outcome = advance(&scene, &watch, limit, go_on, &mut measurement);
@@ -110,7 +110,7 @@ fn advance(
             return Ok(Solution::of(&simulation));
         }
         let mut failure = None;
-        let mut leave = |underway: Option<&Underway>| {
+        let mut leave = |underway: Option<&StepProgress>| {
             let is_hopeless = underway.is_some_and(is_hopeless);
             failure = match go_on(share) {
                 false => Some(Failure::Ended),

@@ -3,34 +3,34 @@
 
 mod advice;
 mod chart;
-mod choice;
 mod clock;
-mod distance;
+mod discretisation;
 mod effects;
 mod error_size;
+mod errors;
 mod evaluation;
-mod finished;
-mod ladder;
 mod measure;
 pub(crate) mod memory;
 mod plan;
-mod price;
+mod recommendation;
+mod recorded_runs;
 mod report;
-mod suggestion;
+mod run_estimate;
+mod runner;
 mod table;
 #[cfg(test)]
 mod tests;
 
 pub use advice::{Advice, Knob};
 pub use chart::chart;
-pub use choice::{Choice, MeshKind, Pace};
-pub use distance::Errors;
+pub use discretisation::{Discretisation, MeshKind, StepControl};
 pub use effects::{Cost, Plan, Price, Prices, Progress, prices};
 pub use error_size::ErrorSize;
-pub use finished::{FinishedRun, FinishedRunError, FinishedRuns};
-pub use ladder::{Budget, StudyError, StudyNews, study};
+pub use errors::Errors;
 pub use memory::CountingAllocator;
-pub use price::{Foresight, MOST_NODES, RunPrice, Unsolved, run_price};
+pub use recommendation::Recommendation;
+pub use recorded_runs::{ComparedRun, ComparedRunError, ComparedRuns};
 pub use report::{ObservedOrder, Point, Reference, Study};
-pub use suggestion::Suggestion;
+pub use run_estimate::{Foresight, MOST_NODES, RunEstimate, Unsolved, run_estimate};
+pub use runner::{Budget, StudyError, StudyNews, study};
 pub use table::prices_table;

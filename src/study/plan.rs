@@ -1,6 +1,6 @@
 //! What a study would like to compute, and about what each of its runs will take.
 
-use super::choice::{Choice, Pace, fixed_mesh};
+use super::discretisation::{Discretisation, StepControl, fixed_mesh};
 use super::measure::{Failure, Measurement};
 use crate::scene::{Iteration, Quadrature, Scene};
 
@@ -15,12 +15,12 @@ const GROWTH: f64 = 2.6;
 const MIDDLE: f64 = 1e-3;
 
 /// The run on the scene's own mesh that a study cannot do without.
-pub(super) fn own_mesh(own: &Choice) -> Choice {
+pub(super) fn own_mesh(own: &Discretisation) -> Discretisation {
     let pace = match own.pace {
-        Pace::Tolerance(_) => own.pace,
-        Pace::Step(_) => Pace::Tolerance(MIDDLE),
+        StepControl::Tolerance(_) => own.pace,
+        StepControl::Step(_) => StepControl::Tolerance(MIDDLE),
     };
-    Choice { pace, ..*own }
+    Discretisation { pace, ..*own }
 }
 
 /// How many times finer a reference is than the scene's own mesh. Its own error is then 1/8 of what it measures
@@ -30,11 +30,11 @@ const FINER: [usize; 2] = [3, 2];
 
 /// What the errors may be measured against, the most accurate first: meshes that are finer than the
 /// scene's own, where there can be any.
-pub(super) fn references(scene: &Scene, full: bool) -> Vec<Choice> {
-    let own = Choice::of(scene);
-    let choice = |cells, tolerance| Choice {
+pub(super) fn references(scene: &Scene, full: bool) -> Vec<Discretisation> {
+    let own = Discretisation::of(scene);
+    let choice = |cells, tolerance| Discretisation {
         cells,
-        pace: Pace::Tolerance(tolerance),
+        pace: StepControl::Tolerance(tolerance),
         ..own
     };
     let smallest = if full { 1e-5 } else { 1e-4 };
@@ -43,7 +43,7 @@ pub(super) fn references(scene: &Scene, full: bool) -> Vec<Choice> {
         return vec![choice(own.cells, 0.1 * smallest)];
     }
     let tolerances = [smallest, 10.0 * smallest, MIDDLE];
-    let mut choices: Vec<Choice> = Vec::new();
+    let mut choices: Vec<Discretisation> = Vec::new();
     for cells in FINER.map(|times| times * own.cells) {
         choices.extend(tolerances.map(|tolerance| choice(cells, tolerance)));
     }
@@ -52,8 +52,8 @@ pub(super) fn references(scene: &Scene, full: bool) -> Vec<Choice> {
 }
 
 /// The choices of a study, the cheapest first.
-pub(super) fn ladder(scene: &Scene, full: bool) -> Vec<Choice> {
-    let own = Choice::of(scene);
+pub(super) fn discretisations(scene: &Scene, full: bool) -> Vec<Discretisation> {
+    let own = Discretisation::of(scene);
     let meshes = if fixed_mesh(scene).is_none() {
         let cells = own.cells;
         let mut meshes = vec![cells / 4, cells / 2, cells];
@@ -74,36 +74,36 @@ pub(super) fn ladder(scene: &Scene, full: bool) -> Vec<Choice> {
     let mut choices = Vec::new();
     for &cells in &meshes {
         for &tolerance in tolerances {
-            choices.push(Choice {
+            choices.push(Discretisation {
                 cells,
-                pace: Pace::Tolerance(tolerance),
+                pace: StepControl::Tolerance(tolerance),
                 ..own
             });
         }
         // The scene's own steps, on every mesh.
-        choices.push(Choice { cells, ..own });
+        choices.push(Discretisation { cells, ..own });
     }
     let middle = meshes.get(meshes.len().saturating_sub(2)).copied();
-    let variant = Choice {
+    let variant = Discretisation {
         cells: middle.unwrap_or(own.cells),
-        pace: Pace::Tolerance(1e-3),
+        pace: StepControl::Tolerance(1e-3),
         ..own
     };
-    choices.push(Choice {
+    choices.push(Discretisation {
         quadrature: match own.quadrature {
             Quadrature::Consistent => Quadrature::Lumped,
             Quadrature::Lumped => Quadrature::Consistent,
         },
         ..variant
     });
-    choices.push(Choice {
+    choices.push(Discretisation {
         iteration: match own.iteration {
             Iteration::Newton => Iteration::Lagged,
             Iteration::Lagged => Iteration::Newton,
         },
         ..variant
     });
-    let mut unique: Vec<Choice> = Vec::new();
+    let mut unique: Vec<Discretisation> = Vec::new();
     for choice in choices {
         if !unique.contains(&choice) {
             unique.push(choice);
@@ -113,11 +113,11 @@ pub(super) fn ladder(scene: &Scene, full: bool) -> Vec<Choice> {
 }
 
 /// What a run took, or is expected to take, in seconds.
-pub(super) type Known = (Choice, f64);
+pub(super) type Known = (Discretisation, f64);
 
 /// What a run has taken; of one that was stopped on its way, by how far it had come. `None` where it tells
 /// nothing.
-pub(super) fn known((choice, measured): &(Choice, Measurement)) -> Option<Known> {
+pub(super) fn known((choice, measured): &(Discretisation, Measurement)) -> Option<Known> {
     let tells = match measured.outcome {
         Ok(_) => true,
         Err(Failure::TooLong) => measured.share > 0.0,
@@ -127,11 +127,15 @@ pub(super) fn known((choice, measured): &(Choice, Measurement)) -> Option<Known>
 }
 
 /// About what a run would take, in seconds, by the most similar one of which that is known.
-pub(super) fn price(scene: &Scene, choice: &Choice, known: impl Iterator<Item = Known>) -> f64 {
-    let steps = |pace: Pace| match pace {
+pub(super) fn estimated_time(
+    scene: &Scene,
+    choice: &Discretisation,
+    known: impl Iterator<Item = Known>,
+) -> f64 {
+    let steps = |pace: StepControl| match pace {
         // Six solves each, and longer ones; the number as the cube root of the tolerance.
-        Pace::Tolerance(tolerance) => 60.0 / tolerance.cbrt(),
-        Pace::Step(step) => scene.time.end / step,
+        StepControl::Tolerance(tolerance) => 60.0 / tolerance.cbrt(),
+        StepControl::Step(step) => scene.time.end / step,
     };
     let estimate = |(other, seconds): Known| {
         let cells = choice.cells as f64 / other.cells as f64;

@@ -1,11 +1,11 @@
 //! What a study found: its points, its reference, and what follows from them.
 
 use super::advice::{Advice, advice};
-use super::choice::{Choice, Pace};
-use super::distance::Errors;
+use super::discretisation::{Discretisation, StepControl};
 use super::error_size::ErrorSize;
-use super::finished::FinishedRun;
+use super::errors::Errors;
 use super::measure::{Failure, Measurement};
+use super::recorded_runs::ComparedRun;
 use crate::record::Number;
 use crate::scene::{Iteration, Quadrature};
 use serde::Serialize;
@@ -22,7 +22,7 @@ pub struct Point {
     /// Nodes of the mesh; 0 where that was not made.
     pub nodes: usize,
     /// How long steps are.
-    pub pace: Pace,
+    pub pace: StepControl,
     /// "consistent" or "lumped".
     pub quadrature: &'static str,
     /// "newton" or "lagged".
@@ -62,7 +62,11 @@ pub struct Point {
 }
 
 impl Point {
-    pub(super) fn new(choice: &Choice, own: &Choice, measured: &Measurement) -> Self {
+    pub(super) fn new(
+        choice: &Discretisation,
+        own: &Discretisation,
+        measured: &Measurement,
+    ) -> Self {
         Self {
             cells: choice.cells,
             mesh: choice.mesh.words(choice.cells),
@@ -102,7 +106,7 @@ impl Point {
         }
     }
 
-    pub(super) fn of_run(run: &FinishedRun) -> Self {
+    pub(super) fn of_run(run: &ComparedRun) -> Self {
         let point = Self::new(&run.choice, &run.choice, &run.measurement);
         Self {
             run: Some(run.name.clone()),
@@ -130,7 +134,7 @@ pub struct Reference {
     /// Nodes of its mesh.
     pub nodes: usize,
     /// How long its steps are.
-    pub pace: Pace,
+    pub pace: StepControl,
     /// Computing time, in seconds.
     pub seconds: f64,
     /// The part of its own error that is due to its steps, in φ: that of the same tolerance on a
@@ -190,14 +194,14 @@ pub struct Study {
     pub sentences: Vec<String>,
     /// The way that the scene asks for.
     #[serde(skip)]
-    pub(super) own: Choice,
+    pub(super) own: Discretisation,
 }
 
 impl Study {
     /// What follows from points and a reference. `remarks` say what else is to be known of the study.
     pub(super) fn new(
         scene: &str,
-        own: Choice,
+        own: Discretisation,
         points: Vec<Point>,
         reference: Option<Reference>,
         remarks: Vec<String>,
@@ -253,8 +257,8 @@ impl Study {
                 })
             })
             .filter_map(|point| match point.pace {
-                Pace::Tolerance(tolerance) => Some((tolerance, point)),
-                Pace::Step(_) => None,
+                StepControl::Tolerance(tolerance) => Some((tolerance, point)),
+                StepControl::Step(_) => None,
             })
             .collect();
         rungs.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -307,7 +311,7 @@ impl Study {
         let finest = self.floors.last().copied();
         let order = self.order_in_space;
         let time = self.reference.as_ref().and_then(|reference| {
-            let Pace::Tolerance(wanted) = reference.pace else {
+            let StepControl::Tolerance(wanted) = reference.pace else {
                 return None;
             };
             let same = |cells: &usize| {
@@ -379,8 +383,8 @@ impl Study {
         let error = |error: Option<ErrorSize>| number(error.map(ErrorSize::get));
         for point in &self.points {
             let (step, tolerance) = match point.pace {
-                Pace::Step(step) => (Some(step), None),
-                Pace::Tolerance(tolerance) => (None, Some(tolerance)),
+                StepControl::Step(step) => (Some(step), None),
+                StepControl::Tolerance(tolerance) => (None, Some(tolerance)),
             };
             let errors = point.errors;
             let cells = [

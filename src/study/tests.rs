@@ -25,7 +25,7 @@ static CALM_STUDY: LazyLock<Study> = LazyLock::new(|| {
         time: Duration::from_secs(600),
         full: false,
     };
-    study(&scene(CALM), budget, FinishedRuns::default(), &mut |_| true).expect("it is small")
+    study(&scene(CALM), budget, ComparedRuns::default(), &mut |_| true).expect("it is small")
 });
 
 /// The error at T of some cells and steps against a fine run, by another way than the study's.
@@ -55,10 +55,10 @@ impl Solved {
 }
 
 fn solve(settings: &str, cells: usize, tolerance: f64) -> Solved {
-    let choice = Choice {
+    let choice = Discretisation {
         cells,
-        pace: Pace::Tolerance(tolerance),
-        ..Choice::of(&scene(settings))
+        pace: StepControl::Tolerance(tolerance),
+        ..Discretisation::of(&scene(settings))
     };
     let scene = choice.applied_to(&scene(settings));
     let mut simulation = Simulation::new(&scene).expect("it is small");
@@ -120,7 +120,7 @@ fn a_study_that_is_ended_keeps_what_it_has() {
         time: Duration::from_secs(600),
         full: false,
     };
-    let ended = study(&scene(CALM), budget, FinishedRuns::default(), &mut |news| {
+    let ended = study(&scene(CALM), budget, ComparedRuns::default(), &mut |news| {
         asked += 1;
         !matches!(news, StudyNews::Run(choice, _) if choice.cells > 12)
     });
@@ -138,7 +138,7 @@ fn a_study_that_is_ended_keeps_what_it_has() {
             .iter()
             .any(|point| point.failure.as_deref() == Some("ended"))
     );
-    let none = study(&scene(CALM), budget, FinishedRuns::default(), &mut |_| {
+    let none = study(&scene(CALM), budget, ComparedRuns::default(), &mut |_| {
         false
     });
     assert_eq!(none, Err(StudyError::Ended));
@@ -147,7 +147,7 @@ fn a_study_that_is_ended_keeps_what_it_has() {
 #[test]
 fn the_number_of_chosen_steps_is_foreseen() {
     let scene = scene(CALM);
-    let Ok(Foresight::Price(foreseen)) = run_price(&scene, &mut || true) else {
+    let Ok(Foresight::Price(foreseen)) = run_estimate(&scene, &mut || true) else {
         panic!("it can be run");
     };
     let mut simulation = Simulation::new(&scene).expect("it is small");
@@ -177,7 +177,7 @@ fn study_of(text: &str, file: &'static str) -> Study {
         time: Duration::from_secs(600),
         full: false,
     };
-    study(&scene, budget, FinishedRuns::default(), &mut |_| true).expect("it is small")
+    study(&scene, budget, ComparedRuns::default(), &mut |_| true).expect("it is small")
 }
 
 /// Two squares beside each other and one above the first, of two triangles each.

@@ -5,17 +5,17 @@ use std::num::NonZero;
 use std::sync::Arc;
 use std::thread::available_parallelism;
 
+use super::frame_history::{self, FrameHistory};
 use super::history::History;
-use super::pace::Pace;
-use super::past::{self, Past};
-use super::reins::Reins;
+use super::run_control::RunControl;
 use super::state::{
     App, DirectorStyle, Expectation, Field, Keeping, Notice, Overlay, Panel, Question, Run, Save,
     Saving, Screen, Slot, Status, View,
 };
+use super::throughput::Throughput;
 use super::update::SNAPSHOTS;
 use crate::scene::{AnchoringKind, Scene};
-use crate::simulation::{Picture, Report, RunId};
+use crate::simulation::{Report, RunId, RunSnapshot};
 
 impl App {
     /// Asks whether to go on with the runs of an earlier time, where there are any; no run starts before
@@ -62,7 +62,7 @@ impl App {
             next_run: RunId(1),
             cores: available_parallelism().map_or(1, NonZero::get),
             clock: None,
-            memory: past::BUDGET,
+            memory: frame_history::BUDGET,
             editing: None,
             reloaded: None,
             improved: None,
@@ -86,7 +86,7 @@ impl App {
     }
 
     /// The fields that are looked at: the latest of the active run, or older ones.
-    pub fn picture(&self) -> Option<&Arc<Picture>> {
+    pub fn picture(&self) -> Option<&Arc<RunSnapshot>> {
         let run = self.active_run()?;
         let older = self.looking_back.and_then(|index| run.past.get(index));
         older.or(run.picture.as_ref())
@@ -109,7 +109,7 @@ impl App {
     pub fn is_going(&self) -> bool {
         let goes = |slot: &Slot| {
             let run = slot.run.as_ref();
-            run.is_none_or(|run| run.reins.wanted && !run.is_over())
+            run.is_none_or(|run| run.control.wanted && !run.is_over())
         };
         match self.screen {
             Screen::Run => self.active_slot().is_some_and(goes),
@@ -167,7 +167,7 @@ impl Run {
         Self {
             id,
             status: Status::Starting,
-            reins: Reins::new(horizon),
+            control: RunControl::new(horizon),
             setting_up: None,
             setting: None,
             report: Report::default(),
@@ -176,9 +176,9 @@ impl Run {
             before: None,
             history: History::default(),
             picture: None,
-            past: Past::default(),
+            past: FrameHistory::default(),
             snapshots: Vec::new(),
-            pace: Pace::default(),
+            pace: Throughput::default(),
             notices: VecDeque::new(),
             unsaved: false,
             saved: None,
@@ -189,17 +189,18 @@ impl Run {
 
     /// The pictures of its report, in the order of time: those at the report's times and the latest; while
     /// they are few, such from the past that divide the time up to now as the report's divide T.
-    pub fn pictures_of_set(&self) -> Vec<Arc<Picture>> {
+    pub fn pictures_of_set(&self) -> Vec<Arc<RunSnapshot>> {
         let mut pictures = self.snapshots.clone();
         let last = pictures.last().map(|picture| picture.report.step);
-        let is_later = |now: &&Arc<Picture>| last.is_none_or(|last| last < now.report.step);
+        let is_later = |now: &&Arc<RunSnapshot>| last.is_none_or(|last| last < now.report.step);
         pictures.extend(self.picture.iter().filter(is_later).cloned());
         let now = pictures.last().map_or(0.0, |picture| picture.report.t);
         let parts = SNAPSHOTS - 1;
         for part in 1..parts {
             let t = now * part as f64 / parts as f64;
-            let is_there =
-                |picture: &Arc<Picture>| (picture.report.t - t).abs() <= now / (2 * parts) as f64;
+            let is_there = |picture: &Arc<RunSnapshot>| {
+                (picture.report.t - t).abs() <= now / (2 * parts) as f64
+            };
             if !pictures.iter().any(is_there) {
                 pictures.extend(self.past.nearest(t).filter(|it| is_there(it)).cloned());
             }

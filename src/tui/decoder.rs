@@ -21,7 +21,7 @@ use rustix::event::Timespec;
 use terminput::Event;
 use terminput_crossterm::to_crossterm;
 
-use super::incoming::Incoming;
+use super::event::AppEvent;
 use super::message::Message;
 
 /// How long the rest of a sequence may take before Escape counts as the key: links cut sequences in two.
@@ -125,7 +125,7 @@ struct ControlString {
 
 impl Decoder {
     /// Takes bytes, and reports the keys and texts that they complete.
-    pub fn take(&mut self, bytes: &[u8], sink: &mut dyn FnMut(Incoming)) {
+    pub fn take(&mut self, bytes: &[u8], sink: &mut dyn FnMut(AppEvent)) {
         for &byte in bytes {
             self.state = self.next(byte, sink);
         }
@@ -153,7 +153,7 @@ impl Decoder {
     }
 
     /// No byte came for so long.
-    pub fn lose_patience(&mut self, sink: &mut dyn FnMut(Incoming)) {
+    pub fn lose_patience(&mut self, sink: &mut dyn FnMut(AppEvent)) {
         match &mut self.state {
             State::Escape => {
                 self.report_key(sink);
@@ -162,18 +162,18 @@ impl Decoder {
             State::LateEscape => self.state = State::Ground,
             State::String(string) | State::StringEscape { string, .. } => {
                 string.is_reported = true;
-                sink(Incoming::Message(Message::Remark(UNENDED_STRING.into())));
+                sink(AppEvent::Message(Message::Remark(UNENDED_STRING.into())));
             }
             State::Paste { is_reported, .. } => {
                 *is_reported = true;
-                sink(Incoming::Message(Message::Remark(UNENDED_PASTE.into())));
+                sink(AppEvent::Message(Message::Remark(UNENDED_PASTE.into())));
             }
             _ => {}
         }
     }
 
     /// The state after a byte.
-    fn next(&mut self, byte: u8, sink: &mut dyn FnMut(Incoming)) -> State {
+    fn next(&mut self, byte: u8, sink: &mut dyn FnMut(AppEvent)) -> State {
         match self.state {
             State::Ground => self.begin(byte, sink),
             State::Character(left) => match byte {
@@ -272,7 +272,7 @@ impl Decoder {
     }
 
     /// The state after the first byte of something.
-    fn begin(&mut self, byte: u8, sink: &mut dyn FnMut(Incoming)) -> State {
+    fn begin(&mut self, byte: u8, sink: &mut dyn FnMut(AppEvent)) -> State {
         self.pending.clear();
         match byte {
             ESC => self.keep(ESC, State::Escape),
@@ -294,7 +294,7 @@ impl Decoder {
 
     /// The state after a byte that does not belong to the sequence which has begun: that goes on in `state`,
     /// or is left.
-    fn within(&mut self, byte: u8, state: State, sink: &mut dyn FnMut(Incoming)) -> State {
+    fn within(&mut self, byte: u8, state: State, sink: &mut dyn FnMut(AppEvent)) -> State {
         match byte {
             CAN | SUB | ETX => State::Ground,
             ESC => self.begin(byte, sink),
@@ -335,7 +335,7 @@ impl Decoder {
     }
 
     /// The last byte of what may be a key.
-    fn end_key(&mut self, byte: u8, sink: &mut dyn FnMut(Incoming)) -> State {
+    fn end_key(&mut self, byte: u8, sink: &mut dyn FnMut(AppEvent)) -> State {
         self.keep(byte, State::Ground);
         self.report_key(sink);
         State::Ground
@@ -346,7 +346,7 @@ impl Decoder {
         &mut self,
         byte: u8,
         is_broken: bool,
-        sink: &mut dyn FnMut(Incoming),
+        sink: &mut dyn FnMut(AppEvent),
     ) -> State {
         self.keep(byte, State::Ground);
         if self.pending == PASTE_BEGIN {
@@ -385,7 +385,7 @@ impl Decoder {
         byte: u8,
         matched: usize,
         is_reported: bool,
-        sink: &mut dyn FnMut(Incoming),
+        sink: &mut dyn FnMut(AppEvent),
     ) -> State {
         // A person who reads that the paste does not end.
         if is_reported && byte == ETX {
@@ -399,7 +399,7 @@ impl Decoder {
                 };
             }
             let text = String::from_utf8_lossy(&self.pending).into_owned();
-            sink(Incoming::Pasted(text));
+            sink(AppEvent::Pasted(text));
             return State::Ground;
         }
         // Text that began like the end; ESC stands in the end but once.
@@ -415,14 +415,14 @@ impl Decoder {
     }
 
     /// Reports what is pending, if it is a key.
-    fn report_key(&mut self, sink: &mut dyn FnMut(Incoming)) {
+    fn report_key(&mut self, sink: &mut dyn FnMut(AppEvent)) {
         use crossterm::event::{Event::Key, KeyCode, KeyEventKind};
         if let Ok(Some(event)) = Event::parse_from(&self.pending)
             && let Ok(Key(key)) = to_crossterm(event)
             && key.kind != KeyEventKind::Release
             && !matches!(key.code, KeyCode::Char(letter) if letter.is_control())
         {
-            sink(Incoming::Message(Message::Key(key)));
+            sink(AppEvent::Message(Message::Key(key)));
         }
         self.pending.clear();
     }

@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use super::colour_map::COLOUR_MAPS;
-use super::past::bytes_of;
+use super::frame_history::bytes_of;
 use super::saving::{Job, What, save_states};
 use super::state::{DirectorStyle, Field, View};
 use crate::figure::{self, ColourMap, Director, FigureOptions, RunData, Snapshot};
 use crate::record::{Columns, RunFolder};
-use crate::simulation::{Claim, Picture};
+use crate::simulation::{Claim, RunSnapshot};
 
 /// Saves figures: of a view PNG, SVG, CSV and VTU; of a set all figures of the run up to now, its
 /// fields and its whole history. `scene.toml` stands beside them, and they say how they can be made
@@ -45,7 +45,7 @@ pub fn save_figures(job: &Job, folder: &RunFolder) -> Result<(), String> {
 }
 
 /// Copies of the pictures, and the tables as text and as numbers.
-fn bytes_of_set(pictures: &[Arc<Picture>], folder: &RunFolder) -> u64 {
+fn bytes_of_set(pictures: &[Arc<RunSnapshot>], folder: &RunFolder) -> u64 {
     let fields: usize = pictures.iter().map(|picture| bytes_of(picture)).sum();
     let size = |name| std::fs::metadata(folder.path().join(name)).map_or(0, |it| it.len());
     fields as u64 + 2 * (size("history.csv") + size("shape.csv"))
@@ -53,7 +53,7 @@ fn bytes_of_set(pictures: &[Arc<Picture>], folder: &RunFolder) -> u64 {
 
 fn save_view(
     job: &Job,
-    picture: &Picture,
+    picture: &RunSnapshot,
     view: &View,
     folder: &RunFolder,
 ) -> Result<Vec<std::path::PathBuf>, figure::FigureError> {

@@ -14,7 +14,7 @@ use rustix::event::{PollFd, PollFlags, poll};
 use rustix::io::Errno;
 
 use super::decoder::Decoder;
-use super::incoming::{Incoming, spawn};
+use super::event::{AppEvent, spawn};
 use super::message::Message;
 
 /// The reading thread. Dropping it ends it: nothing is read after that.
@@ -30,7 +30,7 @@ impl Input {
     ///
     /// # Errors
     /// The system gives no pipe or no thread.
-    pub fn start(incoming: Sender<Incoming>) -> io::Result<Self> {
+    pub fn start(incoming: Sender<AppEvent>) -> io::Result<Self> {
         let (stopped, stop) = rustix::pipe::pipe_with(rustix::pipe::PipeFlags::CLOEXEC)?;
         let sink = incoming.clone();
         let thread = spawn("input", incoming, move || {
@@ -60,7 +60,7 @@ impl Drop for Input {
 fn read(
     terminal: impl std::os::fd::AsFd,
     stopped: impl std::os::fd::AsFd,
-    sink: &mut dyn FnMut(Incoming),
+    sink: &mut dyn FnMut(AppEvent),
 ) {
     let mut decoder = Decoder::default();
     let mut bytes = [0; 4096];
@@ -71,7 +71,7 @@ fn read(
         ];
         match poll(&mut ready, decoder.patience().as_ref()) {
             Err(Errno::INTR) => continue,
-            Err(_) => return sink(Incoming::Message(Message::HungUp)),
+            Err(_) => return sink(AppEvent::Message(Message::HungUp)),
             Ok(0) => {
                 decoder.lose_patience(sink);
                 continue;
@@ -83,7 +83,7 @@ fn read(
         }
         match rustix::io::read(&terminal, &mut bytes) {
             Err(Errno::INTR | Errno::AGAIN) => {}
-            Ok(0) | Err(_) => return sink(Incoming::Message(Message::HungUp)),
+            Ok(0) | Err(_) => return sink(AppEvent::Message(Message::HungUp)),
             Ok(count) => decoder.take(&bytes[..count], sink),
         }
     }
@@ -107,12 +107,12 @@ mod tests {
         });
         far.write_all(b"n").unwrap();
         let key = told.recv_timeout(Duration::from_secs(20)).unwrap();
-        assert!(matches!(key, Incoming::Message(Message::Key(_))));
+        assert!(matches!(key, AppEvent::Message(Message::Key(_))));
         drop(far);
         reader.join().unwrap();
-        let all: Vec<Incoming> = told.iter().collect();
+        let all: Vec<AppEvent> = told.iter().collect();
         assert!(
-            matches!(&all[..], [Incoming::Message(Message::HungUp)]),
+            matches!(&all[..], [AppEvent::Message(Message::HungUp)]),
             "{all:?}"
         );
         drop(stop);

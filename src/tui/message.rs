@@ -6,10 +6,10 @@ use std::time::Duration;
 
 use crossterm::event::KeyEvent;
 
-use super::keeping::Kept;
+use super::autosave::Kept;
 use super::state::{Keeping, Slot};
 use crate::scene::Scene;
-use crate::simulation::{Command, Message as WorkerMessage, Orders, Picture, RunId};
+use crate::simulation::{Command, Message as WorkerMessage, RunId, RunSnapshot, WorkerConfig};
 
 /// What happens to the app.
 #[derive(Debug)]
@@ -20,10 +20,10 @@ pub enum Message {
     Resized(u16, u16),
     /// The terminal is back after Ctrl-Z.
     Continued,
-    /// News of a worker.
+    /// WorkerEvent of a worker.
     Solver(WorkerMessage),
     /// The latest fields of a run, fetched from its mailbox.
-    Fields(Arc<Picture>),
+    Fields(Arc<RunSnapshot>),
     /// Seconds of computing of a run so far.
     Computing(RunId, Duration),
     /// Whether the state of a run is kept.
@@ -52,7 +52,7 @@ pub enum Message {
 #[derive(Debug)]
 pub enum Effect {
     /// Start a worker.
-    Start(Orders, Arc<Scene>),
+    Start(WorkerConfig, Arc<Scene>),
     /// Tell a worker something.
     Tell(RunId, Command),
     /// End a worker and forget it; its state stays kept.
@@ -70,7 +70,7 @@ pub enum Effect {
     /// Edit the scene of the slot in $EDITOR and load it anew. A preset is written to a file first.
     Edit(usize),
     /// Save one view: PNG, SVG, CSV, VTU.
-    SaveView(Arc<Picture>, usize),
+    SaveView(Arc<RunSnapshot>, usize),
     /// Save the report's whole set of the slot.
     SaveSet(usize),
     /// Put a text into the terminal's clipboard (OSC 52).

@@ -15,7 +15,7 @@ use std::time::Duration;
 
 use rustix::event::{PollFd, PollFlags, poll};
 
-use super::incoming::{Incoming, spawn};
+use super::event::{AppEvent, spawn};
 
 /// What the buffer of a frame has room for from the start: the largest frame of a large terminal.
 pub(super) const FRAME_BYTES: usize = 128 << 10;
@@ -41,7 +41,7 @@ impl Output {
     /// The system gives no thread.
     pub fn start(
         mut terminal: impl Write + AsFd + Send + 'static,
-        incoming: Sender<Incoming>,
+        incoming: Sender<AppEvent>,
     ) -> io::Result<Self> {
         let (jobs, queue) = mpsc::channel();
         let written = incoming.clone();
@@ -54,7 +54,7 @@ impl Output {
                             bytes
                         });
                         // If the loop has ended, nobody waits for the buffer.
-                        let _ = written.send(Incoming::Written(result));
+                        let _ = written.send(AppEvent::Written(result));
                     }
                     Job::Awaited(bytes, done) => {
                         // Whoever waited may have lost patience.
@@ -66,7 +66,7 @@ impl Output {
         Ok(Self { jobs })
     }
 
-    /// Sends a frame; [`Incoming::Written`] tells when it is out.
+    /// Sends a frame; [`AppEvent::Written`] tells when it is out.
     pub fn send(&self, frame: Vec<u8>) {
         // If the thread has gone, its panic was told.
         let _ = self.jobs.send(Job::Frame(frame));
@@ -127,19 +127,19 @@ mod tests {
 
     const LIMIT: Duration = Duration::from_secs(20);
 
-    fn start() -> (Output, UnixStream, Receiver<Incoming>) {
+    fn start() -> (Output, UnixStream, Receiver<AppEvent>) {
         let (near, far) = UnixStream::pair().unwrap();
-        let (incoming, news) = mpsc::channel();
-        (Output::start(near, incoming).unwrap(), far, news)
+        let (incoming, event) = mpsc::channel();
+        (Output::start(near, incoming).unwrap(), far, event)
     }
 
     #[test]
     fn the_buffer_comes_back_empty_and_as_large_as_it_was() {
-        let (output, mut far, news) = start();
+        let (output, mut far, event) = start();
         let mut frame = Vec::with_capacity(FRAME_BYTES);
         frame.extend_from_slice(b"frame");
         output.send(frame);
-        let Ok(Incoming::Written(Ok(buffer))) = news.recv_timeout(LIMIT) else {
+        let Ok(AppEvent::Written(Ok(buffer))) = event.recv_timeout(LIMIT) else {
             panic!("the frame is written");
         };
         assert!(buffer.is_empty() && buffer.capacity() == FRAME_BYTES);
@@ -150,18 +150,18 @@ mod tests {
 
     #[test]
     fn a_link_that_takes_nothing_is_not_waited_for() {
-        let (output, mut far, news) = start();
+        let (output, mut far, event) = start();
         // More than a socket holds: the writer waits for a reader.
         output.send(vec![b'x'; 8 << 20]);
         let waited = output.write_within(b"end", Duration::from_millis(20));
         assert_eq!(waited.unwrap_err().kind(), io::ErrorKind::TimedOut);
-        assert!(news.try_recv().is_err(), "the frame is still under way");
+        assert!(event.try_recv().is_err(), "the frame is still under way");
 
         let reader = std::thread::spawn(move || {
             let mut all = Vec::new();
             far.read_to_end(&mut all).map(|_| all)
         });
-        let Ok(Incoming::Written(Ok(_))) = news.recv_timeout(LIMIT) else {
+        let Ok(AppEvent::Written(Ok(_))) = event.recv_timeout(LIMIT) else {
             panic!("the frame is written once it is read");
         };
         drop(output);
@@ -172,10 +172,10 @@ mod tests {
 
     #[test]
     fn a_link_that_is_gone_is_an_error() {
-        let (output, far, news) = start();
+        let (output, far, event) = start();
         drop(far);
         output.send(b"frame".to_vec());
-        let Ok(Incoming::Written(Err(error))) = news.recv_timeout(LIMIT) else {
+        let Ok(AppEvent::Written(Err(error))) = event.recv_timeout(LIMIT) else {
             panic!("the error is told");
         };
         assert_eq!(error.kind(), io::ErrorKind::BrokenPipe);

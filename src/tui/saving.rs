@@ -8,14 +8,14 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, Sender};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::incoming::{Incoming, panic_words, spawn};
-use super::keeping::SharedLogbook;
+use super::autosave::SharedAutosave;
+use super::event::{AppEvent, panic_words, spawn};
 use super::message::Message;
 use super::state::View;
 use crate::fem::Mesh;
 use crate::record::{RunFolder, write_state, write_states};
 use crate::scene::{AnchoringKind, Scene};
-use crate::simulation::Picture;
+use crate::simulation::RunSnapshot;
 
 /// Where what is saved goes, within the working folder: a new folder each time.
 pub(super) const PARENT: &str = "saved";
@@ -39,9 +39,9 @@ pub struct Job {
 #[derive(Debug)]
 pub enum What {
     /// One picture, shown in this way.
-    View(Arc<Picture>, View),
-    /// Pictures in the order of their steps, and the logbook of the run: it has all scalars.
-    Set(Vec<Arc<Picture>>, SharedLogbook),
+    View(Arc<RunSnapshot>, View),
+    /// Pictures in the order of their steps, and the autosave of the run: it has all scalars.
+    Set(Vec<Arc<RunSnapshot>>, SharedAutosave),
 }
 
 impl Job {
@@ -68,10 +68,10 @@ pub fn save_states(job: &Job, folder: &RunFolder) -> Result<(), String> {
             let state = (&picture.report, &picture.state);
             write_state(folder, &job.scene, &job.mesh, state)
         }
-        What::Set(pictures, logbook) => {
-            let mut logbook = logbook.lock().unwrap_or_else(PoisonError::into_inner);
-            let rows = logbook.rows().map_err(|error| error.to_string())?;
-            drop(logbook);
+        What::Set(pictures, autosave) => {
+            let mut autosave = autosave.lock().unwrap_or_else(PoisonError::into_inner);
+            let rows = autosave.rows().map_err(|error| error.to_string())?;
+            drop(autosave);
             let states: Vec<_> = pictures
                 .iter()
                 .map(|picture| (&picture.report, &picture.state))
@@ -101,7 +101,7 @@ impl Saver {
     ///
     /// # Errors
     /// The system gives no thread.
-    pub fn start(save: Save, parent: PathBuf, incoming: Sender<Incoming>) -> io::Result<Self> {
+    pub fn start(save: Save, parent: PathBuf, incoming: Sender<AppEvent>) -> io::Result<Self> {
         let (jobs, queue) = mpsc::channel();
         let answers = incoming.clone();
         let unfinished = Unfinished::default();
@@ -110,7 +110,7 @@ impl Saver {
             for job in queue {
                 let saved = carry_out(save, &job, &parent, &shared);
                 // If the loop has ended, nobody wants to know.
-                let _ = answers.send(Incoming::Message(Message::Saved(saved)));
+                let _ = answers.send(AppEvent::Message(Message::Saved(saved)));
             }
         })?;
         Ok(Self {
@@ -187,18 +187,18 @@ fn carry_out(
 
 #[cfg(test)]
 mod tests {
-    use super::super::keeping::Logbook;
+    use super::super::autosave::Autosave;
     use super::*;
     use crate::record::KeptRuns;
     use crate::scene::{Scene, preset};
-    use crate::simulation::{News, Report, RunId, Simulation};
+    use crate::simulation::{Report, RunId, Simulation, WorkerEvent};
 
     fn job(step: u64) -> Job {
         let overrides = ["mesh.cells=8", "membrane.interface_width=0.1"].map(str::to_owned);
         let text = preset("circle").unwrap();
         let scene = Scene::parse(text, "circle", &overrides, &mut |_| unreachable!()).unwrap();
         let simulation = Simulation::new(&scene).unwrap();
-        let picture = Picture {
+        let picture = RunSnapshot {
             run: RunId(1),
             anchoring: None,
             report: Report {
@@ -209,14 +209,14 @@ mod tests {
         };
         let scene = Arc::new(scene);
         let kept = KeptRuns::new(Path::new("/nowhere"), "circle", &scene);
-        let mut logbook = Logbook::new(kept.begin());
-        logbook.take(News::Reports(vec![simulation.report().clone()]));
+        let mut autosave = Autosave::new(kept.begin());
+        autosave.take(WorkerEvent::Reports(vec![simulation.report().clone()]));
         Job {
             name: "circle".into(),
             mesh: Arc::clone(simulation.mesh()),
             scene,
             switches: Vec::new(),
-            what: What::Set(vec![Arc::new(picture)], Arc::new(Mutex::new(logbook))),
+            what: What::Set(vec![Arc::new(picture)], Arc::new(Mutex::new(autosave))),
         }
     }
 
@@ -290,7 +290,7 @@ mod tests {
         saver.abandon();
         let answer = answers.recv_timeout(std::time::Duration::from_secs(20));
         assert!(
-            matches!(&answer, Ok(Incoming::Message(Message::Saved(Err(words)))) if words == "it has gone"),
+            matches!(&answer, Ok(AppEvent::Message(Message::Saved(Err(words)))) if words == "it has gone"),
             "{answer:?}"
         );
         assert_eq!(std::fs::read_dir(parent.path()).unwrap().count(), 0);
@@ -309,7 +309,7 @@ mod tests {
             assert!(saver.is_busy());
             let answer = answers.recv_timeout(std::time::Duration::from_secs(20));
             assert!(
-                matches!(&answer, Ok(Incoming::Message(Message::Saved(Err(words)))) if words == "circle"),
+                matches!(&answer, Ok(AppEvent::Message(Message::Saved(Err(words)))) if words == "circle"),
                 "{answer:?}"
             );
             saver.answered();

@@ -14,24 +14,24 @@ use std::time::{Duration, Instant};
 
 use signal_hook::consts::{SIGINT, SIGQUIT};
 
+use super::autosave::{self, Autosave, SharedAutosave};
 use super::canvas::Canvas;
-use super::farewell;
-use super::incoming::{Incoming, spawn};
+use super::event::{AppEvent, spawn};
+use super::exit_summary;
 use super::input::Input;
-use super::keeping::{self, Logbook, SharedLogbook};
 use super::message::{Effect, Message};
-use super::pacing::{Occasion, Pacing};
+use super::redraw_scheduler::{Occasion, RedrawScheduler};
 use super::saving::{Job, PARENT, Save, Saver, What};
+use super::signals::Watch;
 use super::state::{self, App, Ending, Overlay, Run, Slot};
 use super::terminal::{self, Terminal};
 use super::theme::{ColorTier, Theme};
 use super::update::{expectation_wanted, update};
-use super::watch::Watch;
-use super::{editing, heap, job_control, opening, panel, pricing};
+use super::{allocator, editing, estimates, job_control, opening, panel};
 use crate::record::{self, Settings};
 use crate::scene::{AnchoringKind, Scene};
 use crate::simulation::{
-    Command, Continuity, Orders, Picture, RunId, Worker, free_memory, kept_free,
+    Command, Continuity, RunId, RunSnapshot, Worker, WorkerConfig, free_memory, kept_free,
 };
 
 /// How long saving may hold up an end that was not asked for by a person.
@@ -103,7 +103,7 @@ pub struct Failed {
 /// # Errors
 /// [`AppError`]; the terminal is as it was before.
 pub fn run(options: Options) -> Result<Outcome, AppError> {
-    heap::give_back_large_blocks();
+    allocator::give_back_large_blocks();
     let theme = Theme::detect(options.tier, |name| std::env::var(name).ok());
     // NO_COLOR is the theme's affair, and a person may overrule it. (crossterm, on its own, would
     // send resets of all attributes in place of the colours.)
@@ -117,7 +117,7 @@ pub fn run(options: Options) -> Result<Outcome, AppError> {
     let input = Input::start(incoming.clone()).map_err(AppError::Threads)?;
     let mut slots = options.slots;
     for slot in &mut slots {
-        keeping::look_for(slot);
+        autosave::look_for(slot);
     }
     let mut app = App::new(
         slots,
@@ -126,7 +126,7 @@ pub fn run(options: Options) -> Result<Outcome, AppError> {
         options.frames_per_second,
     );
     app.offer_to_go_on();
-    app.remark = farewell::leftovers(&record::clean(Path::new(PARENT)))
+    app.remark = exit_summary::leftovers(&record::clean(Path::new(PARENT)))
         .into_iter()
         .chain(app.remark.take())
         .reduce(|first, then| first + "\n" + &then);
@@ -140,7 +140,7 @@ pub fn run(options: Options) -> Result<Outcome, AppError> {
         saver,
         workers: BTreeMap::new(),
         logbooks: BTreeMap::new(),
-        pacing: Pacing::default(),
+        pacing: RedrawScheduler::default(),
         saved: Vec::new(),
         incoming,
         queue,
@@ -162,12 +162,12 @@ struct Session {
     terminal: Terminal,
     saver: Saver,
     workers: BTreeMap<RunId, Worker>,
-    logbooks: BTreeMap<RunId, SharedLogbook>,
-    pacing: Pacing,
+    logbooks: BTreeMap<RunId, SharedAutosave>,
+    pacing: RedrawScheduler,
     /// Where things were saved, in order.
     saved: Vec<PathBuf>,
-    incoming: Sender<Incoming>,
-    queue: Receiver<Incoming>,
+    incoming: Sender<AppEvent>,
+    queue: Receiver<AppEvent>,
     /// Where effects are being priced: tells that to end.
     pricing: Option<Arc<AtomicBool>>,
     /// Where it is measured what a scene would take: likewise.
@@ -222,10 +222,10 @@ impl Session {
         self.pacing.ask(Instant::now(), occasion, interval);
     }
 
-    fn take(&mut self, incoming: Incoming) -> Result<(), AppError> {
+    fn take(&mut self, incoming: AppEvent) -> Result<(), AppError> {
         match incoming {
-            Incoming::Message(message) => self.message(message),
-            Incoming::SizeChanged => {
+            AppEvent::Message(message) => self.message(message),
+            AppEvent::SizeChanged => {
                 let (columns, rows) = terminal::size();
                 if (columns, rows) == self.app.size {
                     return Ok(());
@@ -233,17 +233,17 @@ impl Session {
                 self.ask(Occasion::Size);
                 self.message(Message::Resized(columns, rows))
             }
-            Incoming::Pasted(text) => self.paste(&text),
-            Incoming::Written(Ok(buffer)) => {
+            AppEvent::Pasted(text) => self.paste(&text),
+            AppEvent::Written(Ok(buffer)) => {
                 self.terminal.written(buffer);
                 Ok(())
             }
             // A terminal that takes no bytes is no terminal any more.
-            Incoming::Written(Err(_)) => self.message(Message::HungUp),
-            Incoming::Stop => self.suspend(),
-            Incoming::Continued => self.resume(),
-            Incoming::Edited(edited) => self.edited(edited),
-            Incoming::Crashed(words) => Err(AppError::Crashed(words)),
+            AppEvent::Written(Err(_)) => self.message(Message::HungUp),
+            AppEvent::Stop => self.suspend(),
+            AppEvent::Continued => self.resume(),
+            AppEvent::Edited(edited) => self.edited(edited),
+            AppEvent::Crashed(words) => Err(AppError::Crashed(words)),
         }
     }
 
@@ -255,7 +255,7 @@ impl Session {
             // What will be saved is to be the latest.
             Message::Signal(_) | Message::HungUp => self.look()?,
             // Also where nothing of it shows: pictures are fetched when it is time.
-            Message::Solver(_) => self.ask(Occasion::News),
+            Message::Solver(_) => self.ask(Occasion::WorkerEvent),
             Message::Saved(saved) => {
                 self.saver.answered();
                 self.saved.extend(saved.iter().cloned());
@@ -285,7 +285,7 @@ impl Session {
 
     /// Fetches what the runs show at present.
     fn look(&mut self) -> Result<(), AppError> {
-        let fetched: Vec<(RunId, Duration, Option<Arc<Picture>>)> = self
+        let fetched: Vec<(RunId, Duration, Option<Arc<RunSnapshot>>)> = self
             .workers
             .iter()
             .map(|(run, worker)| (*run, worker.computing(), worker.mailbox().fetch()))
@@ -328,15 +328,15 @@ impl Session {
             }
             Effect::Discard(run) => {
                 // Before the next run looks for a place.
-                let logbook = self.logbooks.get(&run);
-                let outcome = logbook.map_or(Ok(()), |logbook| lock(logbook).discard());
+                let autosave = self.logbooks.get(&run);
+                let outcome = autosave.map_or(Ok(()), |autosave| lock(autosave).discard());
                 if let Err(error) = outcome {
                     self.message(Message::Remark(error.to_string()))?;
                 }
                 self.perform(Effect::Drop(run))?;
             }
             Effect::PutAside(kept) => {
-                let words = keeping::put_aside(&self.app.slots, &kept);
+                let words = autosave::put_aside(&self.app.slots, &kept);
                 return self.message(Message::Remark(words));
             }
             Effect::Load(text) => {
@@ -367,7 +367,7 @@ impl Session {
         Ok(())
     }
 
-    fn start(&mut self, orders: Orders, scene: Arc<Scene>) {
+    fn start(&mut self, orders: WorkerConfig, scene: Arc<Scene>) {
         let incoming = self.incoming.clone();
         let run = orders.run;
         let slots = &self.app.slots;
@@ -375,16 +375,16 @@ impl Session {
             .iter()
             .find(|slot| slot.run.as_ref().is_some_and(|known| known.id == run));
         let kept = slot.and_then(|slot| slot.run.as_ref()?.before.as_deref());
-        let logbook = slot.map(|slot| {
-            let (logbook, lost) = keeping::begin(slot, kept);
+        let autosave = slot.map(|slot| {
+            let (autosave, lost) = autosave::begin(slot, kept);
             if let Some(words) = lost {
                 // The loop is here.
-                let _ = incoming.send(Incoming::Message(Message::Remark(words)));
+                let _ = incoming.send(AppEvent::Message(Message::Remark(words)));
             }
-            Arc::new(Mutex::new(logbook))
+            Arc::new(Mutex::new(autosave))
         });
-        if let Some(logbook) = &logbook {
-            self.logbooks.insert(run, Arc::clone(logbook));
+        if let Some(autosave) = &autosave {
+            self.logbooks.insert(run, Arc::clone(autosave));
         }
         let continuity = Continuity {
             from: kept.map(|kept| Box::new(kept.run.memory().clone())),
@@ -392,13 +392,13 @@ impl Session {
         };
         let worker = Worker::start_from(orders, scene, continuity, move |message| {
             // If the loop has ended, so will the worker.
-            let tell = |message| drop(incoming.send(Incoming::Message(message)));
-            let Some(logbook) = &logbook else {
+            let tell = |message| drop(incoming.send(AppEvent::Message(message)));
+            let Some(autosave) = &autosave else {
                 return tell(Message::Solver(message));
             };
-            let noted = lock(logbook).take(message.news);
-            if let Some(news) = noted.news {
-                tell(Message::Solver(crate::simulation::Message { run, news }));
+            let noted = lock(autosave).take(message.event);
+            if let Some(event) = noted.event {
+                tell(Message::Solver(crate::simulation::Message { run, event }));
             }
             if let Some(keeping) = noted.keeping {
                 tell(Message::Kept(run, keeping));
@@ -428,12 +428,12 @@ impl Session {
         let incoming = self.incoming.clone();
         let thread = self.aside("loading", move || {
             let loaded = open().map(|mut slot| {
-                keeping::look_for(&mut slot);
+                autosave::look_for(&mut slot);
                 Box::new(slot)
             });
             let loaded = loaded.map_err(|error| error.to_string());
             // If the loop has ended, nobody wants it.
-            let _ = incoming.send(Incoming::Message(Message::Loaded(loaded)));
+            let _ = incoming.send(AppEvent::Message(Message::Loaded(loaded)));
         });
         match thread {
             Ok(()) => Ok(()),
@@ -449,8 +449,8 @@ impl Session {
         let incoming = self.incoming.clone();
         let thread = self.aside("pricing", move || {
             // If the loop has ended, nobody wants it.
-            pricing::measure(&scene, &end, &mut |text| {
-                let _ = incoming.send(Incoming::Message(Message::Prices(text)));
+            estimates::measure(&scene, &end, &mut |text| {
+                let _ = incoming.send(AppEvent::Message(Message::Prices(text)));
             });
         });
         match thread {
@@ -473,9 +473,9 @@ impl Session {
                 slot.map(|slot| slot.scene)
                     .map_err(|error| error.to_string())
             };
-            let words = pricing::expected(scene, load, &end);
+            let words = estimates::expected(scene, load, &end);
             // If the loop has ended, nobody wants it.
-            let _ = incoming.send(Incoming::Message(Message::Expected(name, words)));
+            let _ = incoming.send(AppEvent::Message(Message::Expected(name, words)));
         });
         match thread {
             Ok(()) => Ok(()),
@@ -483,7 +483,7 @@ impl Session {
         }
     }
 
-    fn save_view(&mut self, picture: Arc<Picture>, slot: usize) -> Result<(), AppError> {
+    fn save_view(&mut self, picture: Arc<RunSnapshot>, slot: usize) -> Result<(), AppError> {
         let view = self.app.view;
         self.save(slot, |_| What::View(picture, view))
     }
@@ -491,11 +491,11 @@ impl Session {
     /// Saves the run's pictures and curves.
     fn save_set(&mut self, slot: usize) -> Result<(), AppError> {
         let run = self.app.slots.get(slot).and_then(|slot| slot.run.as_ref());
-        let Some(logbook) = run.and_then(|run| self.logbooks.get(&run.id)).cloned() else {
+        let Some(autosave) = run.and_then(|run| self.logbooks.get(&run.id)).cloned() else {
             let reason = "the run has no state yet".to_owned();
             return self.message(Message::Saved(Err(reason)));
         };
-        self.save(slot, |run| What::Set(run.pictures_of_set(), logbook))
+        self.save(slot, |run| What::Set(run.pictures_of_set(), autosave))
     }
 
     fn save(&mut self, slot: usize, what: impl FnOnce(&Run) -> What) -> Result<(), AppError> {
@@ -590,7 +590,7 @@ impl Session {
         let thread = self.aside("editor", move || {
             let edited = editing::edit(&editor, &file).map(|()| file);
             // If the loop has ended, nobody wants it.
-            let _ = incoming.send(Incoming::Edited(edited));
+            let _ = incoming.send(AppEvent::Edited(edited));
         });
         match thread {
             Ok(()) => Ok(()),
@@ -634,17 +634,17 @@ impl Session {
                 }
             };
             match next {
-                Some(Incoming::Message(Message::Saved(saved))) => {
+                Some(AppEvent::Message(Message::Saved(saved))) => {
                     self.saver.answered();
                     self.saved.extend(saved.ok());
                 }
                 // A person who does not want to wait.
-                Some(Incoming::Message(Message::Signal(_) | Message::HungUp))
+                Some(AppEvent::Message(Message::Signal(_) | Message::HungUp))
                     if until.is_none() =>
                 {
                     break;
                 }
-                Some(Incoming::Crashed(_)) | None => break,
+                Some(AppEvent::Crashed(_)) | None => break,
                 Some(_) => {}
             }
         }
@@ -659,8 +659,8 @@ impl Session {
             std::thread::sleep(Duration::from_millis(5));
         }
         modes.settle(restored);
-        let left = farewell::left(&self.app, &self.logbooks);
-        let mut line = farewell::line(&self.app, &self.saved, &left);
+        let left = exit_summary::left(&self.app, &self.logbooks);
+        let mut line = exit_summary::line(&self.app, &self.saved, &left);
         if is_abandoned {
             line.push_str("; what was being saved could not be finished in time, and is not saved");
         }
@@ -669,9 +669,9 @@ impl Session {
         std::mem::take(&mut self.workers)
             .into_values()
             .for_each(std::mem::forget);
-        let words = farewell::failures(&left);
+        let words = exit_summary::failures(&left);
         if words.is_empty() {
-            let failed = farewell::failed(&left);
+            let failed = exit_summary::failed(&left);
             Ok(Outcome { ending, failed })
         } else {
             Err(AppError::NotKept { words })
@@ -686,8 +686,8 @@ fn call_off(measuring: &mut Option<Arc<AtomicBool>>) {
     }
 }
 
-fn lock(logbook: &SharedLogbook) -> std::sync::MutexGuard<'_, Logbook> {
-    logbook.lock().unwrap_or_else(PoisonError::into_inner)
+fn lock(autosave: &SharedAutosave) -> std::sync::MutexGuard<'_, Autosave> {
+    autosave.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// A scene with the anchoring that was in force at some time; `None`: there is nothing to anchor.

@@ -4,15 +4,15 @@ use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::keeping::Kept;
-use super::past::Past;
-use super::reins::Reins;
+use super::autosave::Kept;
+use super::frame_history::FrameHistory;
+use super::run_control::RunControl;
 use crate::record::KeptAt;
 use crate::scene::{AnchoringKind, Scene};
-use crate::simulation::{Picture, Report, RunId, SetUp, Setting, Underway};
+use crate::simulation::{Report, RunId, RunSnapshot, SetUp, Setting, StepProgress};
 
 pub use super::history::History;
-pub use super::pace::Pace;
+pub use super::throughput::Throughput;
 
 /// The whole state of the app.
 #[derive(Debug)]
@@ -112,7 +112,7 @@ pub struct Run {
     /// Running, paused, ….
     pub status: Status,
     /// What the user wants of it, what its worker was told, and what that has answered.
-    pub reins: Reins,
+    pub control: RunControl,
     /// The part of the set-up that is being done, or was done last.
     pub setting_up: Option<SetUp>,
     /// Mesh and steps; `None` while the run is set up.
@@ -120,7 +120,7 @@ pub struct Run {
     /// The scalars of the last step.
     pub report: Report,
     /// How far the next step is, while it takes long.
-    pub underway: Option<Underway>,
+    pub underway: Option<StepProgress>,
     /// The anchoring in force.
     pub anchoring: Option<AnchoringKind>,
     /// The run of an earlier time that this one goes on from, until its first news.
@@ -128,13 +128,13 @@ pub struct Run {
     /// The scalars of all steps, decimated.
     pub history: History,
     /// The latest fields.
-    pub picture: Option<Arc<Picture>>,
+    pub picture: Option<Arc<RunSnapshot>>,
     /// Older fields, within a budget of memory.
-    pub past: Past,
+    pub past: FrameHistory,
     /// Fields at the report's times, none lost: what `S` draws.
-    pub snapshots: Vec<Arc<Picture>>,
+    pub snapshots: Vec<Arc<RunSnapshot>>,
     /// Steps a second and time left.
-    pub pace: Pace,
+    pub pace: Throughput,
     /// What is wrong or worth knowing, the newest last.
     pub notices: VecDeque<Notice>,
     /// Whether anything was computed of which no figures are saved.
@@ -360,7 +360,7 @@ pub enum Saving {
 #[derive(Debug, Clone)]
 pub enum Save {
     /// One view: the picture and its slot.
-    View(Arc<Picture>, usize),
+    View(Arc<RunSnapshot>, usize),
     /// The whole set of a slot, as far as its run was at this step.
     Set {
         /// The slot.

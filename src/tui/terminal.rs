@@ -19,7 +19,7 @@ use crossterm::queue;
 use crossterm::terminal::{Clear, ClearType};
 use ratatui::Frame;
 
-use super::incoming::Incoming;
+use super::event::AppEvent;
 use super::modes::{Modes, sequence};
 use super::output::{FRAME_BYTES, Output};
 use super::surface::{Bytes, Surface, Synchronized};
@@ -51,8 +51,8 @@ impl Terminal {
     ///
     /// # Errors
     /// What the system says; the terminal is then as it was.
-    pub fn open(incoming: Sender<Incoming>) -> io::Result<Self> {
-        // Past the standard library's buffer, which ends at every line.
+    pub fn open(incoming: Sender<AppEvent>) -> io::Result<Self> {
+        // FrameHistory the standard library's buffer, which ends at every line.
         let file = File::from(rustix::stdio::stdout().try_clone_to_owned()?);
         let modes = Arc::new(Modes::new(Output::start(file, incoming)?));
         let bytes = Bytes::default();
@@ -244,20 +244,20 @@ mod tests {
         std::env::var_os(INSIDE).is_some()
     }
 
-    fn open() -> (Terminal, mpsc::Receiver<Incoming>) {
-        let (incoming, news) = mpsc::channel();
+    fn open() -> (Terminal, mpsc::Receiver<AppEvent>) {
+        let (incoming, event) = mpsc::channel();
         let terminal = Terminal::open(incoming).unwrap();
         // Otherwise there would be nothing to put back.
         let modes = rustix::termios::tcgetattr(rustix::stdio::stdin()).unwrap();
         assert!(!modes.local_modes.contains(LocalModes::ICANON));
-        (terminal, news)
+        (terminal, event)
     }
 
-    fn draw(terminal: &mut Terminal, news: &mpsc::Receiver<Incoming>, word: &'static str) {
+    fn draw(terminal: &mut Terminal, event: &mpsc::Receiver<AppEvent>, word: &'static str) {
         terminal.draw((20, 2), |frame| {
             frame.render_widget(ratatui::text::Line::raw(word), frame.area());
         });
-        let Ok(Incoming::Written(Ok(buffer))) = news.recv() else {
+        let Ok(AppEvent::Written(Ok(buffer))) = event.recv() else {
             panic!("the frame is written");
         };
         terminal.written(buffer);
@@ -268,10 +268,10 @@ mod tests {
     #[test]
     fn panics_restore_the_terminal_if_they_are_its_owners() {
         if is_inside() {
-            let (mut terminal, news) = open();
+            let (mut terminal, event) = open();
             let worker = thread::spawn(|| panic!("words of a worker"));
             assert!(worker.join().is_err());
-            draw(&mut terminal, &news, "still-here");
+            draw(&mut terminal, &event, "still-here");
             panic!("words of the owner");
         }
         let written = in_a_terminal(
@@ -293,8 +293,8 @@ mod tests {
     #[test]
     fn memory_that_is_refused_leaves_the_terminal_as_it_was() {
         if is_inside() {
-            let (mut terminal, news) = open();
-            draw(&mut terminal, &news, "still-here");
+            let (mut terminal, event) = open();
+            draw(&mut terminal, &event, "still-here");
             let worker = || std::alloc::handle_alloc_error(std::alloc::Layout::new::<u64>());
             let _ = thread::spawn(worker).join();
             return;
@@ -322,17 +322,17 @@ mod tests {
     #[test]
     fn what_is_given_away_is_taken_back_and_drawn_whole() {
         if is_inside() {
-            let (mut terminal, news) = open();
-            draw(&mut terminal, &news, "one");
+            let (mut terminal, event) = open();
+            draw(&mut terminal, &event, "one");
             terminal.give_away();
             terminal.give_away();
             assert!(!terminal.is_ours() && !terminal.is_free());
             terminal.draw((20, 2), |_| panic!("nothing is drawn on another's screen"));
             println!("elsewhere");
             terminal.take_back().unwrap();
-            draw(&mut terminal, &news, "one");
+            draw(&mut terminal, &event, "one");
             terminal.copy("path");
-            draw(&mut terminal, &news, "one");
+            draw(&mut terminal, &event, "one");
             drop(terminal);
             let panicked = thread::spawn(|| panic!("words after the end")).join();
             assert!(panicked.is_err());

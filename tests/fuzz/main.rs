@@ -22,11 +22,11 @@ use std::time::{Duration, Instant};
 
 use mutation::Mutation;
 use vesica::record::{
-    Columns, Ending, Found, IfOccupied, KeptRuns, Preparation, Resumption, RunFolder, Settings,
+    Columns, Ending, Found, IfOccupied, KeptRuns, RecorderBuilder, Resumption, RunFolder, Settings,
     read_fields, read_run,
 };
 use vesica::scene::{Expression, Scene, Triangulation, preset, preset_names, write_mesh};
-use vesica::simulation::{Memory, Simulation};
+use vesica::simulation::{Simulation, SimulationCheckpoint};
 
 /// Inputs of each target in the quick part, and in the long one.
 const QUICK: u64 = 1500;
@@ -165,7 +165,7 @@ fn record(folder: &Path) -> Scene {
         snapshots: 2,
         ..Settings::default()
     };
-    let preparation = Preparation::begin(folder, &scene, settings).expect("it is written");
+    let preparation = RecorderBuilder::begin(folder, &scene, settings).expect("it is written");
     let mut simulation = Simulation::new(&scene).expect("a small scene");
     let mut recorder = preparation
         .start(&simulation, Duration::ZERO)
@@ -282,8 +282,8 @@ fn checkpoint_targets(folder: &Path) -> Vec<Target> {
     let kept = KeptRuns::new(&parent, "small", &scene);
     let mut keeper = kept.begin();
     keeper.step(simulation.report());
-    let mut memory = Memory::default();
-    simulation.remember(&mut memory);
+    let mut memory = SimulationCheckpoint::default();
+    simulation.save(&mut memory);
     keeper.keep(memory).expect("it is written");
     let folder = keeper.kept().expect("it is kept").folder.clone();
     drop(keeper);
@@ -310,7 +310,7 @@ fn checkpoint_targets(folder: &Path) -> Vec<Target> {
                     continue;
                 };
                 let mut simulation = Simulation::new(&scene).expect("a small scene");
-                if simulation.recall(run.memory()).is_ok() {
+                if simulation.restore(run.memory()).is_ok() {
                     let _ = simulation.advance();
                 }
                 let _ = kept.go_on(&run);

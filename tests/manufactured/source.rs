@@ -8,8 +8,8 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use vesica::fem::{Patch, Rule, Space};
-use vesica::physics::{DirectorForm, Effect, MembraneForce, Sample, Terms};
+use vesica::fem::{Patch, QuadratureRule, Space};
+use vesica::physics::{DirectorForm, Effect, LedgerTerms, MembraneForce, PatchFields};
 
 use super::model::{Model, WeakForm};
 
@@ -80,7 +80,7 @@ struct Places {
 
 impl Places {
     fn new(space: &Space) -> Self {
-        let fine = Space::new(space.mesh().clone(), Rule::Consistent);
+        let fine = Space::new(space.mesh().clone(), QuadratureRule::Consistent);
         Self {
             points: space.point_positions(),
             fine_points: fine.point_positions(),
@@ -146,11 +146,16 @@ impl Effect for Source {
         "source"
     }
 
-    fn integral(&mut self, _patch: &Patch<'_>, _at: &Sample) -> f64 {
+    fn integral(&mut self, _patch: &Patch<'_>, _at: &PatchFields) -> f64 {
         0.0
     }
 
-    fn add_director_force(&mut self, patch: &Patch<'_>, _old: &Sample, form: &mut DirectorForm) {
+    fn add_director_force(
+        &mut self,
+        patch: &Patch<'_>,
+        _old: &PatchFields,
+        form: &mut DirectorForm,
+    ) {
         let (model, t) = (&self.model, self.clock.now());
         let [x, y] = &mut self.director;
         if patch.is_first() {
@@ -162,7 +167,7 @@ impl Effect for Source {
         }
     }
 
-    fn begin_membrane(&mut self, patch: &Patch<'_>, _old: &Sample, _new: &Sample) {
+    fn begin_membrane(&mut self, patch: &Patch<'_>, _old: &PatchFields, _new: &PatchFields) {
         if !patch.is_first() {
             return;
         }
@@ -176,8 +181,8 @@ impl Effect for Source {
     fn add_membrane_force(
         &mut self,
         patch: &Patch<'_>,
-        _old: &Sample,
-        _new: &Sample,
+        _old: &PatchFields,
+        _new: &PatchFields,
         force: &mut MembraneForce,
     ) {
         self.membrane
@@ -187,9 +192,9 @@ impl Effect for Source {
     fn add_dissipation(
         &mut self,
         patch: &Patch<'_>,
-        old: &Sample,
-        new: &Sample,
-        terms: &mut Terms,
+        old: &PatchFields,
+        new: &PatchFields,
+        terms: &mut LedgerTerms,
     ) {
         let mut work = self.membrane.work(
             patch,

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use vesica::fem::{Mesh, Rule, Space, ritz_projection};
+use vesica::fem::{Mesh, QuadratureRule, Space, ritz_projection};
 use vesica::scene::{Boundary, Scene};
 use vesica::scheme::{Scheme, State};
 
@@ -252,7 +252,7 @@ fn initial_values(model: &Model, mesh: &Arc<Mesh>, clamped: bool) -> [Option<Vec
 impl Outcome {
     /// The distance to the exact solution.
     pub fn errors(&self) -> Errors {
-        let space = Space::new(self.mesh.clone(), Rule::Consistent);
+        let space = Space::new(self.mesh.clone(), QuadratureRule::Consistent);
         let places = space.point_positions();
         let distance = |nodal: &[f64], exact: &dyn Fn([f64; 2]) -> f64| {
             let mut values = vec![0.0; space.points()];
@@ -283,7 +283,7 @@ impl Outcome {
 
     /// The distance to nodal values on the same mesh.
     pub fn distance_to(&self, other: &State) -> Errors {
-        let space = Space::new(self.mesh.clone(), Rule::Consistent);
+        let space = Space::new(self.mesh.clone(), QuadratureRule::Consistent);
         let distance = |nodal: &[f64], other: &[f64]| {
             let difference: Vec<f64> = nodal.iter().zip(other).map(|(a, b)| a - b).collect();
             space.mass().quadratic_form(&difference)

@@ -15,10 +15,10 @@ use nematic::Nematic;
 use noise::Booked;
 use vesica::fem::Space;
 use vesica::physics::potentials::{
-    double_well_secant, double_well_secant_slope, double_well_slope, unit_length_penalty,
-    unit_length_penalty_slope,
+    double_well_derivative, double_well_secant, double_well_secant_derivative, unit_length_penalty,
+    unit_length_penalty_derivative,
 };
-use vesica::physics::{Anchoring, Area, Bending, Effect, Effects, Sample, surface_area};
+use vesica::physics::{Anchoring, Area, Bending, Effect, Effects, PatchFields, surface_area};
 use vesica::scene::Scene;
 use vesica::scheme::{Scheme, StepError};
 use well::{OfTwo, Well};
@@ -46,7 +46,11 @@ const QUADRATURES: [&str; 2] = ["solver.quadrature=consistent", "solver.quadratu
 #[test]
 fn an_effect_from_outside_with_a_right_secant_keeps_the_law() {
     for quadrature in QUADRATURES {
-        let mut scheme = with_well(quadrature, double_well_secant, double_well_secant_slope);
+        let mut scheme = with_well(
+            quadrature,
+            double_well_secant,
+            double_well_secant_derivative,
+        );
         for step in 1..=3 {
             let report = match scheme.step(1e-6) {
                 Ok(report) => report,
@@ -62,7 +66,7 @@ fn an_effect_from_outside_with_a_right_secant_keeps_the_law() {
 #[test]
 fn a_wrong_secant_breaks_the_law() {
     for quadrature in QUADRATURES {
-        let slope = |phi: f64, _: f64| double_well_slope(phi);
+        let slope = |phi: f64, _: f64| double_well_derivative(phi);
         let curvature = |phi: f64, _: f64| 3.0 * phi * phi - 1.0;
         let mut scheme = with_well(quadrature, slope, curvature);
         let state = scheme.state().clone();
@@ -86,7 +90,7 @@ fn with_nematic(quadrature: &str, nematic: impl FnOnce(&Scene, &Space) -> Nemati
     let scene = scene(SMALL, &[&TIGHT[..], &settings].concat());
     let mut scheme = scheme(&scene);
     let (space, state) = (scheme.space(), scheme.state());
-    let mut start = Sample::new(true);
+    let mut start = PatchFields::new(true);
     start.set_phi(&space.whole(), &state.phi);
     start.set_director(&space.whole(), state.director.as_ref().expect("a director"));
     let mut nematic = nematic(&scene, space);
@@ -136,7 +140,7 @@ fn the_control_is_the_librarys_effect_when_it_is_right() {
                 space,
                 1.0,
                 unit_length_penalty,
-                unit_length_penalty_slope,
+                unit_length_penalty_derivative,
             )
         });
         for _ in 0..3 {
@@ -168,7 +172,7 @@ fn a_smaller_constant_makes_the_penalty_feed_energy() {
                     space,
                     convexity,
                     unit_length_penalty,
-                    unit_length_penalty_slope,
+                    unit_length_penalty_derivative,
                 )
             }))
         };

@@ -1,9 +1,9 @@
 //! The nematic energy once more, with what can be wrong in it as parameters.
 
 use vesica::fem::{Patch, Space};
-use vesica::physics::potentials::{INSIDE_CONVEXITY, inside, inside_majorant};
+use vesica::physics::potentials::{INDICATOR_CONVEXITY, indicator_secant_bound, phase_indicator};
 use vesica::physics::{
-    DirectorForm, DirectorSample, Effect, MembraneForce, MembraneLinearisation, Sample, Terms,
+    DirectorFields, DirectorForm, Effect, LedgerTerms, MembraneForce, MembraneJacobian, PatchFields,
 };
 use vesica::scene::{Iteration, Scene};
 
@@ -43,7 +43,7 @@ impl Nematic {
     }
 
     /// λ_nem (½|∇d|² + P(d)) at the points.
-    fn density_of(&self, patch: &Patch<'_>, director: &DirectorSample) -> Vec<f64> {
+    fn density_of(&self, patch: &Patch<'_>, director: &DirectorFields) -> Vec<f64> {
         let mut elastic = vec![0.0; patch.points()];
         patch.from_elements(&squares(&director.gradients), &mut elastic);
         elastic
@@ -58,7 +58,9 @@ impl Nematic {
 
     /// λ_nem I(φ) at the points.
     fn interior(&self, phi: &[f64]) -> Vec<f64> {
-        phi.iter().map(|phi| self.weight * inside(*phi)).collect()
+        phi.iter()
+            .map(|phi| self.weight * phase_indicator(*phi))
+            .collect()
     }
 }
 
@@ -70,11 +72,11 @@ fn squares([x, y]: &[Vec<[f64; 2]>; 2]) -> Vec<f64> {
         .collect()
 }
 
-fn at(director: &DirectorSample, point: usize) -> [f64; 2] {
+fn at(director: &DirectorFields, point: usize) -> [f64; 2] {
     [director.values[0][point], director.values[1][point]]
 }
 
-fn director(sample: &Sample) -> &DirectorSample {
+fn director(sample: &PatchFields) -> &DirectorFields {
     sample.director.as_ref().expect("a director")
 }
 
@@ -83,10 +85,10 @@ impl Effect for Nematic {
         "nematic"
     }
 
-    fn integral(&mut self, patch: &Patch<'_>, at: &Sample) -> f64 {
+    fn integral(&mut self, patch: &Patch<'_>, at: &PatchFields) -> f64 {
         let mut density = self.density_of(patch, director(at));
         for (density, phi) in density.iter_mut().zip(&at.phi) {
-            *density *= inside(*phi);
+            *density *= phase_indicator(*phi);
         }
         patch.integrate(&density)
     }
@@ -95,7 +97,12 @@ impl Effect for Nematic {
         integral - self.offset
     }
 
-    fn add_director_force(&mut self, patch: &Patch<'_>, old: &Sample, form: &mut DirectorForm) {
+    fn add_director_force(
+        &mut self,
+        patch: &Patch<'_>,
+        old: &PatchFields,
+        form: &mut DirectorForm,
+    ) {
         let interior = self.interior(&old.phi);
         let mut means = vec![0.0; patch.elements()];
         patch.element_means(&interior, &mut means);
@@ -118,7 +125,7 @@ impl Effect for Nematic {
         }
     }
 
-    fn begin_membrane(&mut self, patch: &Patch<'_>, _old: &Sample, new: &Sample) {
+    fn begin_membrane(&mut self, patch: &Patch<'_>, _old: &PatchFields, new: &PatchFields) {
         let density = self.density_of(patch, director(new));
         self.density[patch.point_range()].copy_from_slice(&density);
     }
@@ -126,37 +133,37 @@ impl Effect for Nematic {
     fn add_membrane_force(
         &mut self,
         patch: &Patch<'_>,
-        old: &Sample,
-        new: &Sample,
+        old: &PatchFields,
+        new: &PatchFields,
         force: &mut MembraneForce,
     ) {
         let density = &self.density[patch.point_range()];
         let values = density.iter().zip(new.phi.iter().zip(&old.phi));
         for (load, (density, (new, old))) in force.load.iter_mut().zip(values) {
-            *load += density * inside_majorant(*new, *old);
+            *load += density * indicator_secant_bound(*new, *old);
         }
     }
 
-    fn add_membrane_linearisation(
+    fn add_membrane_jacobian(
         &mut self,
         patch: &Patch<'_>,
-        _old: &Sample,
-        _new: &Sample,
+        _old: &PatchFields,
+        _new: &PatchFields,
         _iteration: Iteration,
-        linearisation: &mut MembraneLinearisation,
+        jacobian: &mut MembraneJacobian,
     ) {
         let density = &self.density[patch.point_range()];
-        for (reaction, density) in linearisation.reaction.iter_mut().zip(density) {
-            *reaction += INSIDE_CONVEXITY * density;
+        for (reaction, density) in jacobian.reaction.iter_mut().zip(density) {
+            *reaction += INDICATOR_CONVEXITY * density;
         }
     }
 
     fn add_dissipation(
         &mut self,
         patch: &Patch<'_>,
-        old: &Sample,
-        new: &Sample,
-        terms: &mut Terms,
+        old: &PatchFields,
+        new: &PatchFields,
+        terms: &mut LedgerTerms,
     ) {
         let (before, after) = (director(old), director(new));
         let interior = self.interior(&old.phi);
@@ -185,8 +192,8 @@ impl Effect for Nematic {
         let values = density.iter().zip(new.phi.iter().zip(&old.phi));
         let interpolation: Vec<f64> = values
             .map(|(density, (new, old))| {
-                let work = inside_majorant(*new, *old) * (new - old);
-                density * (work - inside(*new) + inside(*old))
+                let work = indicator_secant_bound(*new, *old) * (new - old);
+                density * (work - phase_indicator(*new) + phase_indicator(*old))
             })
             .collect();
         terms.add("ND_elast", patch.integrate_elements(&elastic));

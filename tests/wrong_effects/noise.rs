@@ -1,7 +1,9 @@
 //! Noise with a part of its work in the books.
 
 use vesica::fem::Patch;
-use vesica::physics::{DirectorForm, DirectorReach, Effect, Interval, Noise, Sample, Terms};
+use vesica::physics::{
+    DirectorCoupling, DirectorForm, Effect, Interval, LedgerTerms, Noise, PatchFields,
+};
 use vesica::scene;
 
 /// Noise of which the books have this share of the work: 1 is right.
@@ -33,7 +35,7 @@ impl Effect for Booked {
         false
     }
 
-    fn integral(&mut self, _: &Patch<'_>, _: &Sample) -> f64 {
+    fn integral(&mut self, _: &Patch<'_>, _: &PatchFields) -> f64 {
         0.0
     }
 
@@ -41,11 +43,16 @@ impl Effect for Booked {
         self.noise.set_interval(interval)
     }
 
-    fn director_reach(&self) -> Option<DirectorReach> {
-        self.noise.director_reach()
+    fn director_coupling(&self) -> Option<DirectorCoupling> {
+        self.noise.director_coupling()
     }
 
-    fn add_director_force(&mut self, patch: &Patch<'_>, old: &Sample, form: &mut DirectorForm) {
+    fn add_director_force(
+        &mut self,
+        patch: &Patch<'_>,
+        old: &PatchFields,
+        form: &mut DirectorForm,
+    ) {
         self.noise.add_director_force(patch, old, form);
     }
 
@@ -53,16 +60,16 @@ impl Effect for Booked {
         true
     }
 
-    fn work(&mut self, patch: &Patch<'_>, old: &Sample, new: &Sample) -> f64 {
+    fn work(&mut self, patch: &Patch<'_>, old: &PatchFields, new: &PatchFields) -> f64 {
         self.share * self.noise.work(patch, old, new)
     }
 
     fn add_dissipation(
         &mut self,
         patch: &Patch<'_>,
-        old: &Sample,
-        new: &Sample,
-        terms: &mut Terms,
+        old: &PatchFields,
+        new: &PatchFields,
+        terms: &mut LedgerTerms,
     ) {
         terms.add("noise_work", -self.work(patch, old, new));
     }

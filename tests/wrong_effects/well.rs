@@ -2,7 +2,7 @@
 
 use vesica::fem::{Patch, Space};
 use vesica::physics::potentials::double_well;
-use vesica::physics::{Effect, MembraneForce, MembraneLinearisation, Sample};
+use vesica::physics::{Effect, MembraneForce, MembraneJacobian, PatchFields};
 use vesica::scene::Iteration;
 
 /// A function of the new and the old φ.
@@ -27,7 +27,7 @@ impl Well {
             secant_slope,
             at_start: 0.0,
         };
-        let mut start = Sample::default();
+        let mut start = PatchFields::default();
         start.set_phi(&space.whole(), phi);
         well.at_start = well.integral(&space.whole(), &start);
         well
@@ -39,7 +39,7 @@ impl Effect for Well {
         "well"
     }
 
-    fn integral(&mut self, patch: &Patch<'_>, at: &Sample) -> f64 {
+    fn integral(&mut self, patch: &Patch<'_>, at: &PatchFields) -> f64 {
         let density: Vec<f64> = at.phi.iter().map(|phi| double_well(*phi)).collect();
         self.weight * patch.integrate(&density)
     }
@@ -51,8 +51,8 @@ impl Effect for Well {
     fn add_membrane_force(
         &mut self,
         _patch: &Patch<'_>,
-        old: &Sample,
-        new: &Sample,
+        old: &PatchFields,
+        new: &PatchFields,
         force: &mut MembraneForce,
     ) {
         let values = new.phi.iter().zip(&old.phi);
@@ -61,16 +61,16 @@ impl Effect for Well {
         }
     }
 
-    fn add_membrane_linearisation(
+    fn add_membrane_jacobian(
         &mut self,
         _patch: &Patch<'_>,
-        old: &Sample,
-        new: &Sample,
+        old: &PatchFields,
+        new: &PatchFields,
         _iteration: Iteration,
-        linearisation: &mut MembraneLinearisation,
+        jacobian: &mut MembraneJacobian,
     ) {
         let values = new.phi.iter().zip(&old.phi);
-        for (reaction, (new, old)) in linearisation.reaction.iter_mut().zip(values) {
+        for (reaction, (new, old)) in jacobian.reaction.iter_mut().zip(values) {
             *reaction += self.weight * (self.secant_slope)(*new, *old);
         }
     }

@@ -2,7 +2,7 @@
 
 use super::VERSION;
 use crate::record::RecordError;
-use crate::simulation::RecallError;
+use crate::simulation::RestoreError;
 use std::io;
 use std::path::PathBuf;
 
@@ -50,7 +50,7 @@ pub enum Problem {
     Scene(String),
     /// The state does not fit the scene.
     #[error(transparent)]
-    State(RecallError),
+    State(RestoreError),
 }
 
 /// Why a run cannot be taken up again. Nothing was changed.

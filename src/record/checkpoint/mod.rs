@@ -14,14 +14,14 @@
 //! taken where the newest is damaged. Both are written whole, beside their place.
 
 mod error;
-mod keeper;
+mod store;
 
 pub use error::{CheckpointError, Problem};
-pub(super) use keeper::Keeper;
+pub(super) use store::Keeper;
 
-use super::history::TablesMemory;
+use super::history::TablesCheckpoint;
 use super::summary::Totals;
-use crate::simulation::Memory;
+use crate::simulation::SimulationCheckpoint;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
@@ -46,9 +46,9 @@ pub(super) struct Content {
     /// By which the scene is known: its complete text, but for the end.
     pub scene: String,
     /// The state of the simulation.
-    pub simulation: Memory,
+    pub simulation: SimulationCheckpoint,
     /// How far the tables have come.
-    pub tables: TablesMemory,
+    pub tables: TablesCheckpoint,
     /// What `run.json` sums up.
     pub totals: Totals,
     /// A row every so many steps.

@@ -15,7 +15,7 @@ fn content() -> Content {
         written: vec![(0.0, "step-0000000.vtu".into())],
         ..Content::default()
     };
-    simulation.remember(&mut content.simulation);
+    simulation.save(&mut content.simulation);
     content
 }
 
@@ -116,7 +116,7 @@ fn survive(bytes: &[u8]) -> bool {
         return false;
     };
     let mut simulation = Simulation::new(&scene("[nematic]\n[anchoring]\n")).unwrap();
-    if simulation.recall(&content.simulation).is_ok() {
+    if simulation.restore(&content.simulation).is_ok() {
         // Whatever the numbers were: an error or a step, no panic.
         let _ = simulation.advance();
     }

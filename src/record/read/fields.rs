@@ -1,6 +1,6 @@
 //! The fields of a VTU file, as this program writes it.
 
-use super::super::whole::read_file_text;
+use super::super::bounded_read::read_file_text;
 use super::{LARGEST, ReadError, WrongArray};
 use crate::fem::Mesh;
 use crate::scheme::State;

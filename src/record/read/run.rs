@@ -114,7 +114,7 @@ fn snapshots(folder: &Path) -> Result<Vec<(u64, PathBuf)>, ReadError> {
 #[cfg(test)]
 mod tests {
     use super::super::super::scene_file::tests::scene;
-    use super::super::super::{Ending, IfOccupied, Preparation, RunFolder, Settings};
+    use super::super::super::{Ending, IfOccupied, RecorderBuilder, RunFolder, Settings};
     use super::*;
     use crate::simulation::Simulation;
     use std::time::Duration;
@@ -124,7 +124,7 @@ mod tests {
         let scene = scene("[nematic]\n");
         let folder = RunFolder::at(path, IfOccupied::Refuse).expect("a folder");
         let preparation =
-            Preparation::begin(folder, &scene, Settings::default()).expect("it is written");
+            RecorderBuilder::begin(folder, &scene, Settings::default()).expect("it is written");
         let mut simulation = Simulation::new(&scene).expect("a small scene");
         let mut recorder = preparation
             .start(&simulation, Duration::ZERO)

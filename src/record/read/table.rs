@@ -1,9 +1,9 @@
 //! Tables of numbers, read back.
 
 use super::super::Columns;
+use super::super::bounded_read::read_file_text;
 use super::super::lenient::LenientTable;
 use super::super::shortened::shortened;
-use super::super::whole::read_file_text;
 use super::{LARGEST, ReadError};
 use std::path::Path;
 

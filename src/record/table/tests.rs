@@ -80,7 +80,7 @@ fn a_table_is_taken_up_where_it_was() {
         assert_eq!(fs::read_to_string(&path).unwrap(), whole);
         let remarks = found.remarks_of_take_up();
         assert!(remarks.is_empty(), "{remarks:?}");
-        let mut again = found.take_up().unwrap();
+        let mut again = found.reopen().unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), "step,t\n0,0\n1,0.5\n");
         again.append([Some(2.0), Some(1.0)]);
         again.flush().unwrap();
@@ -156,7 +156,7 @@ fn a_table_that_is_cut_has_what_is_left_of_it() {
         );
         assert_eq!(fs::read_to_string(&path).unwrap(), text);
         let remarks = found.remarks_of_take_up();
-        let mut again = found.take_up().unwrap();
+        let mut again = found.reopen().unwrap();
         assert!(!remarks[0].contains("kept as"), "{remarks:?}");
         again.append([Some(4.0), Some(2.0)]);
         again.flush().unwrap();
@@ -195,7 +195,7 @@ fn what_is_left_out_of_a_table_is_kept_beside_it() {
         fs::write(&path, text).unwrap();
         let found = Table::find(path.clone(), &extent);
         let remarks = found.remarks_of_take_up();
-        found.take_up().unwrap();
+        found.reopen().unwrap();
         assert!(remarks[0].contains(words), "{words}: {remarks:?}");
         assert_eq!(
             fs::read_to_string(&path).unwrap(),
@@ -215,7 +215,7 @@ fn a_table_that_cannot_be_read_is_put_aside_and_begins_anew() {
     let put_aside = |words: &str, kept: &Path| {
         let found = Table::find(path.clone(), &extent);
         let remarks = found.remarks_of_take_up();
-        let mut table = found.take_up().unwrap();
+        let mut table = found.reopen().unwrap();
         assert_eq!(remarks.len(), 1);
         assert!(remarks[0].contains(words), "{words}: {remarks:?}");
         assert!(remarks[0].ends_with(&format!("kept as {}", kept.display())));
@@ -254,7 +254,7 @@ fn a_number_that_was_changed_is_told_with_its_place() {
     );
     // Of a table that was taken up again as well.
     fs::write(&path, "step,t\n0,0\n1,0.5\n2,1\n3,1.5\n").unwrap();
-    let mut table = Table::find(path.clone(), &extent).take_up().unwrap();
+    let mut table = Table::find(path.clone(), &extent).reopen().unwrap();
     table.append([Some(4.0), Some(2.0)]);
     table.flush().unwrap();
     let extent = table.extent();
@@ -270,7 +270,7 @@ fn a_row_that_a_disk_has_damaged_costs_no_other() {
     fs::write(&path, b"step,t\n0,0\n1,0\xff5\n2,1\n3,1.5\n").unwrap();
     let found = Table::find(path.clone(), &extent);
     let remarks = found.remarks_of_take_up();
-    found.take_up().unwrap();
+    found.reopen().unwrap();
     let words = "line 3, column t had \"0\u{fffd}5\", which is no number";
     assert!(remarks[0].contains(words), "{remarks:?}");
     let text = fs::read_to_string(&path).unwrap();

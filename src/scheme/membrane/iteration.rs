@@ -22,26 +22,26 @@
 use crate::linalg::vector;
 use crate::scene::Iteration;
 
-use super::{MembraneStep, Phase, Places, State, StepError, rounding};
+use super::{MembraneStep, Phase, State, StepContext, StepError, rounding};
 
 /// Which change must be within the tolerance.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::scheme) enum Stopping {
+pub(in crate::scheme) enum StoppingCriterion {
     /// That of each field in the last iteration.
     LastChange,
     /// That of φ in all iterations to come, where Newton's method lets it be foreseen: by what it did in the
     /// last solve, if there was one.
-    ChangesToCome(Option<Contraction>),
+    ChangesToCome(Option<ConvergenceRate>),
 }
 
 /// A change of φ in one iteration, and θ: how large the next was in comparison.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::scheme) struct Contraction {
+pub(in crate::scheme) struct ConvergenceRate {
     change: f64,
     theta: f64,
 }
 
-impl Contraction {
+impl ConvergenceRate {
     /// A bound of all the changes that follow this one: θ/(1 − θ) times it. Newton's θ is proportional to the
     /// change; that a smaller one has a smaller θ is not made use of.
     fn changes_after(&self, change: f64) -> f64 {
@@ -56,16 +56,16 @@ impl Contraction {
 
 /// What the iteration may do.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::scheme) struct Limits {
+pub(in crate::scheme) struct NewtonOptions {
     pub(in crate::scheme) iteration: Iteration,
-    pub(in crate::scheme) stopping: Stopping,
+    pub(in crate::scheme) stopping: StoppingCriterion,
     /// solver.tolerance.
     pub(in crate::scheme) tolerance: f64,
     /// solver.law_tolerance.
     pub(in crate::scheme) law_tolerance: f64,
 }
 
-impl Limits {
+impl NewtonOptions {
     /// Iterations before giving up: Newton's method needs fewer than ten where it converges at once,
     /// (4.35) up to twenty at moderate Δt.
     fn iterations(&self) -> u32 {
@@ -101,8 +101,8 @@ const REFINEMENTS: u32 = 3;
 
 /// Whether the linearised equations will do for one more iteration where they made the residual so many times as
 /// large and left this defect of the energy law.
-fn serves_again(fell: f64, law: f64, limits: Limits) -> bool {
-    fell <= FALLS_FAST && fell * law.abs() <= SHARE_OF_LAW * limits.law_tolerance
+fn serves_again(fell: f64, law: f64, options: NewtonOptions) -> bool {
+    fell <= FALLS_FAST && fell * law.abs() <= SHARE_OF_LAW * options.law_tolerance
 }
 
 /// What a solved substep 2 took.
@@ -115,12 +115,12 @@ pub(in crate::scheme) struct Work {
     /// The estimated relative error of φ: its change in the last iteration, or those to come.
     pub(in crate::scheme) error: f64,
     /// How Newton's method converged in the last two undamped iterations.
-    pub(in crate::scheme) contraction: Option<Contraction>,
+    pub(in crate::scheme) contraction: Option<ConvergenceRate>,
 }
 
 /// Where a new iterate is, and what it took to find.
 #[derive(Debug, Clone, Copy)]
-struct Advance {
+struct DampedStep {
     /// Of the residual.
     norm: f64,
     damping: f64,
@@ -161,87 +161,87 @@ impl MembraneStep {
     /// Solves substep 2 from the guess in `to`, where φ, ω and μ of the solution are left.
     pub(in crate::scheme) fn solve(
         &mut self,
-        places: &mut Places<'_>,
-        limits: Limits,
+        context: &mut StepContext<'_>,
+        options: NewtonOptions,
     ) -> Result<Work, StepError> {
         let mut work = Work {
             newton: 0,
             krylov: 0,
             damping: 1.0,
             error: 0.0,
-            contraction: match limits.stopping {
-                Stopping::ChangesToCome(known) => known,
-                Stopping::LastChange => None,
+            contraction: match options.stopping {
+                StoppingCriterion::ChangesToCome(known) => known,
+                StoppingCriterion::LastChange => None,
             },
         };
         if self.clamped {
             // The guess may come from anywhere; the wall does not move.
-            let nodes = places
+            let nodes = context
                 .to
                 .phi
                 .iter_mut()
-                .zip(&places.from.phi)
+                .zip(&context.from.phi)
                 .zip(&self.fixed);
             nodes
                 .filter(|(_, fixed)| **fixed)
                 .for_each(|((to, from), _)| *to = *from);
         }
-        if places.is_faint
-            && let Some(krylov) = self.stays(places, limits)
+        if context.is_faint
+            && let Some(krylov) = self.stays(context, options)
         {
             work.krylov = krylov;
             return Ok(work);
         }
-        self.conserve_guess(places);
-        for effect in places.effects.iter_mut() {
-            effect.follow_correction(0.0);
+        self.conserve_guess(context);
+        for effect in context.effects.iter_mut() {
+            effect.accept_correction(0.0);
         }
-        let mut norm = self.evaluate(places, 0)?;
+        let mut norm = self.evaluate(context, 0)?;
         let mut progress = Progress::new(norm);
         let mut before = None;
-        let mut keep_linearised = false;
-        (places.watch)(Phase::Residual);
+        let mut keep_jacobian = false;
+        (context.watch)(Phase::Residual);
         loop {
             work.newton += 1;
-            if !keep_linearised {
-                self.linearise(places, limits.iteration);
-                (places.watch)(Phase::Linearisation);
+            if !keep_jacobian {
+                self.assemble_jacobian(context, options.iteration);
+                (context.watch)(Phase::Linearisation);
             }
-            let advance = self.iterate(places, limits, norm, work.newton)?;
+            let advance = self.iterate(context, options, norm, work.newton)?;
             let fell = advance.norm / norm;
             norm = advance.norm;
             work.krylov += advance.krylov;
             work.damping = work.damping.min(advance.damping);
-            let changes = self.changes(places);
+            let changes = self.changes(context);
             // The lagged iteration does not speed up, and a damped correction says nothing about the next.
-            let undamped = limits.iteration == Iteration::Newton && advance.damping == 1.0;
+            let undamped = options.iteration == Iteration::Newton && advance.damping == 1.0;
             if let Some(before) = before.filter(|_| undamped) {
-                work.contraction = Some(Contraction {
+                work.contraction = Some(ConvergenceRate {
                     change: before,
                     theta: changes[0] / before,
                 });
             }
             before = undamped.then_some(changes[0]);
-            let to_come = match (limits.stopping, work.contraction) {
-                (Stopping::ChangesToCome(_), Some(contraction)) if undamped => {
+            let to_come = match (options.stopping, work.contraction) {
+                (StoppingCriterion::ChangesToCome(_), Some(contraction)) if undamped => {
                     contraction.changes_after(changes[0])
                 }
                 _ => changes[0],
             };
             work.error = to_come;
-            let judged = match limits.stopping {
-                Stopping::LastChange => changes,
-                Stopping::ChangesToCome(_) => [to_come; 3],
+            let judged = match options.stopping {
+                StoppingCriterion::LastChange => changes,
+                StoppingCriterion::ChangesToCome(_) => [to_come; 3],
             };
-            let settled = self.is_settled(places, judged, limits);
-            let law = self.law_defect(places);
-            (places.watch)(Phase::Residual);
-            if settled && law.abs() <= SHARE_OF_LAW * limits.law_tolerance {
+            let settled = self.is_settled(context, judged, options);
+            let law = self.law_defect(context);
+            (context.watch)(Phase::Residual);
+            if settled && law.abs() <= SHARE_OF_LAW * options.law_tolerance {
                 return Ok(work);
             }
-            keep_linearised = undamped && serves_again(fell, law, limits);
-            if progress.is_stalled([norm, changes[0]]) || work.newton >= limits.iterations() {
-                return Err(self.not_converged(places, limits, work.newton, norm));
+            keep_jacobian = undamped && serves_again(fell, law, options);
+            if progress.is_stalled([norm, changes[0]]) || work.newton >= options.iterations() {
+                return Err(self.not_converged(context, options, work.newton, norm));
             }
         }
     }
@@ -250,35 +250,35 @@ impl MembraneStep {
     /// Newton's method. Where one fails, the solution stays what it was.
     pub(in crate::scheme) fn refine(
         &mut self,
-        places: &mut Places<'_>,
-        limits: Limits,
+        context: &mut StepContext<'_>,
+        options: NewtonOptions,
         work: &mut Work,
     ) -> Result<(), StepError> {
-        let limits = Limits {
+        let options = NewtonOptions {
             iteration: Iteration::Newton,
             law_tolerance: REFINED_LAW,
-            ..limits
+            ..options
         };
         let mass_tolerance = std::mem::replace(&mut self.mass_tolerance, f64::EPSILON);
-        let mut outcome = self.evaluate(places, work.newton);
+        let mut outcome = self.evaluate(context, work.newton);
         for _ in 0..REFINEMENTS {
             let Ok(norm) = outcome else { break };
-            if self.law_defect(places).abs() <= REFINED_LAW {
+            if self.law_defect(context).abs() <= REFINED_LAW {
                 break;
             }
             work.newton += 1;
-            self.linearise(places, limits.iteration);
-            (places.watch)(Phase::Linearisation);
-            outcome = match self.iterate(places, limits, norm, work.newton) {
+            self.assemble_jacobian(context, options.iteration);
+            (context.watch)(Phase::Linearisation);
+            outcome = match self.iterate(context, options, norm, work.newton) {
                 Ok(advance) => {
                     work.krylov += advance.krylov;
                     Ok(advance.norm)
                 }
                 Err(_) => {
                     let [phi, _, mu] = &self.last;
-                    places.to.phi.copy_from_slice(phi);
-                    places.to.mu.copy_from_slice(mu);
-                    let back = self.evaluate(places, work.newton).map(|_| ());
+                    context.to.phi.copy_from_slice(phi);
+                    context.to.mu.copy_from_slice(mu);
+                    let back = self.evaluate(context, work.newton).map(|_| ());
                     self.mass_tolerance = mass_tolerance;
                     return back;
                 }
@@ -292,38 +292,38 @@ impl MembraneStep {
     /// linearised last.
     fn iterate(
         &mut self,
-        places: &mut Places<'_>,
-        limits: Limits,
+        context: &mut StepContext<'_>,
+        options: NewtonOptions,
         norm: f64,
         iteration: u32,
-    ) -> Result<Advance, StepError> {
-        let goal = self.linear_goal(places, limits, norm);
+    ) -> Result<DampedStep, StepError> {
+        let goal = self.linear_goal(context, options, norm);
         let krylov = self
-            .solve_linearised(places, goal)
+            .solve_newton_system(context, goal)
             .map_err(|source| StepError::Membrane { iteration, source })?;
-        let sources = [&places.to.phi, &places.to.omega, &places.to.mu];
+        let sources = [&context.to.phi, &context.to.omega, &context.to.mu];
         for (last, now) in self.last.iter_mut().zip(sources) {
             last.copy_from_slice(now);
         }
-        (places.watch)(Phase::Krylov);
-        self.tell_correction(places);
-        let mut advance = self.advance(places, limits, norm, iteration)?;
+        (context.watch)(Phase::Krylov);
+        self.tell_correction(context);
+        let mut advance = self.advance(context, options, norm, iteration)?;
         advance.krylov += krylov;
-        for effect in places.effects.iter_mut() {
-            effect.follow_correction(advance.damping);
+        for effect in context.effects.iter_mut() {
+            effect.accept_correction(advance.damping);
         }
         Ok(advance)
     }
 
     /// Tells every effect with a rank-one term what the correction makes of it.
-    fn tell_correction(&self, places: &mut Places<'_>) {
-        let increment = &self.linear.increment[..places.space.nodes()];
-        for effect in places.effects.iter_mut() {
+    fn tell_correction(&self, context: &mut StepContext<'_>) {
+        let increment = &self.linear.increment[..context.space.nodes()];
+        for effect in context.effects.iter_mut() {
             let along = effect
                 .rank_one()
                 .map(|term| vector::dot(&term.row, increment));
             if let Some(along) = along {
-                effect.set_correction(along);
+                effect.newton_correction(along);
             }
         }
     }
@@ -331,43 +331,43 @@ impl MembraneStep {
     /// Moves to the new iterate, with Newton's method damped as the head of this file says.
     fn advance(
         &mut self,
-        places: &mut Places<'_>,
-        limits: Limits,
+        context: &mut StepContext<'_>,
+        options: NewtonOptions,
         norm: f64,
         iteration: u32,
-    ) -> Result<Advance, StepError> {
-        let floor = self.rounding_floor(places);
-        let length = self.length_of_correction(places, 0.0);
+    ) -> Result<DampedStep, StepError> {
+        let floor = self.rounding_floor(context);
+        let length = self.length_of_correction(context, 0.0);
         let mut damping = 1.0;
         let mut krylov = 0;
         loop {
-            self.move_by(places, damping);
-            let outcome = self.evaluate(places, iteration);
-            let advance = |norm| Advance {
+            self.move_by(context, damping);
+            let outcome = self.evaluate(context, iteration);
+            let advance = |norm| DampedStep {
                 norm,
                 damping,
                 krylov,
             };
-            if limits.iteration == Iteration::Lagged {
+            if options.iteration == Iteration::Lagged {
                 return outcome.map(advance);
             }
             let enough = (1.0 - 1e-4 * damping) * norm;
             let mut smaller = 0.5 * damping;
             match outcome {
                 Ok(new) if new <= enough.max(floor) => return Ok(advance(new)),
-                Ok(new) if damping == 1.0 && self.is_solved(places, limits) => {
+                Ok(new) if damping == 1.0 && self.is_solved(context, options) => {
                     return Ok(advance(new));
                 }
                 Ok(new) => {
                     self.correction.clone_from(&self.linear.increment);
-                    let trial = self.solve_linearised(places, 0.1 * new);
-                    let simplified = self.length_of_correction(places, 0.0);
-                    let curvature = self.length_of_correction(places, 1.0 - damping);
+                    let extrapolated = self.solve_newton_system(context, 0.1 * new);
+                    let simplified = self.length_of_correction(context, 0.0);
+                    let curvature = self.length_of_correction(context, 1.0 - damping);
                     std::mem::swap(&mut self.correction, &mut self.linear.increment);
-                    if let Ok(iterations) = trial {
+                    if let Ok(iterations) = extrapolated {
                         krylov += iterations;
                         if simplified <= (1.0 - 0.25 * damping) * length {
-                            return Ok(Advance {
+                            return Ok(DampedStep {
                                 norm: new,
                                 damping,
                                 krylov,
@@ -379,7 +379,7 @@ impl MembraneStep {
                         }
                     }
                     if damping <= LEAST_DAMPING {
-                        return Err(self.not_converged(places, limits, iteration, new));
+                        return Err(self.not_converged(context, options, iteration, new));
                     }
                 }
                 Err(error) if damping <= LEAST_DAMPING => return Err(error),
@@ -390,34 +390,34 @@ impl MembraneStep {
     }
 
     /// To the last iterate and by a part of the correction further.
-    fn move_by(&self, places: &mut Places<'_>, damping: f64) {
-        let size = places.space.nodes();
+    fn move_by(&self, context: &mut StepContext<'_>, damping: f64) {
+        let size = context.space.nodes();
         let along = |field: &mut [f64], last: &[f64], steps: &[f64]| {
             for ((value, last), step) in field.iter_mut().zip(last).zip(steps) {
                 *value = last + damping * step;
             }
         };
         let increment = &self.linear.increment;
-        along(&mut places.to.phi, &self.last[0], &increment[..size]);
+        along(&mut context.to.phi, &self.last[0], &increment[..size]);
         if self.clamped {
-            along(&mut places.to.mu, &self.last[2], &increment[2 * size..]);
+            along(&mut context.to.mu, &self.last[2], &increment[2 * size..]);
         }
     }
 
     /// The L2 norm of φ's increment, less this part of the correction that is kept.
-    fn length_of_correction(&mut self, places: &Places<'_>, part: f64) -> f64 {
-        let size = places.space.nodes();
+    fn length_of_correction(&mut self, context: &StepContext<'_>, part: f64) -> f64 {
+        let size = context.space.nodes();
         self.scratch.copy_from_slice(&self.linear.increment[..size]);
         if part != 0.0 {
             vector::add_scaled(&mut self.scratch, -part, &self.correction[..size]);
         }
-        vector::weighted_square(&self.scratch, places.space.nodal_weights()).sqrt()
+        vector::weighted_square(&self.scratch, context.space.nodal_weights()).sqrt()
     }
 
     /// The relative L2 changes of φ, ω, μ between the last two iterates.
-    fn changes(&mut self, places: &Places<'_>) -> [f64; 3] {
-        let weights = places.space.nodal_weights();
-        let fields = [&places.to.phi, &places.to.omega, &places.to.mu];
+    fn changes(&mut self, context: &StepContext<'_>) -> [f64; 3] {
+        let weights = context.space.nodal_weights();
+        let fields = [&context.to.phi, &context.to.omega, &context.to.mu];
         let mut changes = [0.0; 3];
         for ((change, last), now) in changes.iter_mut().zip(&self.last).zip(fields) {
             for ((difference, now), last) in self.scratch.iter_mut().zip(now).zip(last) {
@@ -431,30 +431,38 @@ impl MembraneStep {
 
     /// Whether the iterate is a solution to the tolerances, though its residual is not smaller than that of the last
     /// one: rounding does not let it be.
-    fn is_solved(&mut self, places: &Places<'_>, limits: Limits) -> bool {
-        let changes = self.changes(places);
-        self.is_settled(places, changes, limits)
-            && self.law_defect(places).abs() <= SHARE_OF_LAW * limits.law_tolerance
+    fn is_solved(&mut self, context: &StepContext<'_>, options: NewtonOptions) -> bool {
+        let changes = self.changes(context);
+        self.is_settled(context, changes, options)
+            && self.law_defect(context).abs() <= SHARE_OF_LAW * options.law_tolerance
     }
 
     /// Whether every field has changed by no more than the tolerance, or φ by no more than rounding: ω and μ follow
     /// from φ, and where they are zero but for rounding their relative changes never end.
-    fn is_settled(&mut self, places: &Places<'_>, changes: [f64; 3], limits: Limits) -> bool {
-        if changes.into_iter().all(|change| change <= limits.tolerance) {
+    fn is_settled(
+        &mut self,
+        context: &StepContext<'_>,
+        changes: [f64; 3],
+        options: NewtonOptions,
+    ) -> bool {
+        if changes
+            .into_iter()
+            .all(|change| change <= options.tolerance)
+        {
             return true;
         }
-        let pairs = places.to.phi.iter().zip(&self.last[0]);
+        let pairs = context.to.phi.iter().zip(&self.last[0]);
         let step = self.scratch.iter_mut().zip(pairs);
         step.for_each(|(difference, (now, last))| *difference = now - last);
-        let weights = places.space.nodal_weights();
-        vector::weighted_square(&self.scratch, weights).sqrt() <= self.rounding_of_phase(places)
+        let weights = context.space.nodal_weights();
+        vector::weighted_square(&self.scratch, weights).sqrt() <= self.rounding_of_phase(context)
     }
 
     /// The L2 norm of a change of φ that is no more than rounding.
-    fn rounding_of_phase(&self, places: &Places<'_>) -> f64 {
-        let weights = places.space.nodal_weights();
+    fn rounding_of_phase(&self, context: &StepContext<'_>) -> f64 {
+        let weights = context.space.nodal_weights();
         // φ is 1 or −1 where nothing is.
-        let size = vector::weighted_square(&places.from.phi, weights).max(vector::sum(weights));
+        let size = vector::weighted_square(&context.from.phi, weights).max(vector::sum(weights));
         rounding::CHANGE * size.sqrt()
     }
 
@@ -463,42 +471,42 @@ impl MembraneStep {
     ///
     /// The energy law could not be told of such a step: all its terms are rounding, and with a long Δt its
     /// dissipation is more than the energy.
-    fn stays(&mut self, places: &mut Places<'_>, limits: Limits) -> Option<u32> {
-        for effect in places.effects.iter_mut() {
-            effect.follow_correction(0.0);
+    fn stays(&mut self, context: &mut StepContext<'_>, options: NewtonOptions) -> Option<u32> {
+        for effect in context.effects.iter_mut() {
+            effect.accept_correction(0.0);
         }
-        places.restart();
-        let norm = self.evaluate(places, 0).ok()?;
-        (places.watch)(Phase::Residual);
-        let rounding = self.rounding_of_phase(places);
+        context.restart();
+        let norm = self.evaluate(context, 0).ok()?;
+        (context.watch)(Phase::Residual);
+        let rounding = self.rounding_of_phase(context);
         // Where even an explicit step is no more than that, the correction is none either.
         let krylov = if norm <= rounding {
             0
         } else {
-            self.linearise(places, Iteration::Newton);
-            (places.watch)(Phase::Linearisation);
-            let goal = self.linear_goal(places, limits, norm);
-            let krylov = self.solve_linearised(places, goal).ok()?;
-            (places.watch)(Phase::Krylov);
-            if self.length_of_correction(places, 0.0) > rounding {
+            self.assemble_jacobian(context, Iteration::Newton);
+            (context.watch)(Phase::Linearisation);
+            let goal = self.linear_goal(context, options, norm);
+            let krylov = self.solve_newton_system(context, goal).ok()?;
+            (context.watch)(Phase::Krylov);
+            if self.length_of_correction(context, 0.0) > rounding {
                 return None;
             }
             krylov
         };
-        let State { omega, mu, .. } = &mut *places.to;
-        omega.copy_from_slice(&places.from.omega);
+        let State { omega, mu, .. } = &mut *context.to;
+        omega.copy_from_slice(&context.from.omega);
         if self.clamped {
             // What its equation makes of it where there is one.
             self.scratch.fill(0.0);
             self.mass_inverse.solve(
-                places.space,
+                context.space,
                 &self.residual[1],
                 &mut self.scratch,
                 self.mass_tolerance,
             );
             vector::add_scaled(mu, 1.0, &self.scratch);
         }
-        let free = places.space.nodal_weights().iter().zip(&self.fixed);
+        let free = context.space.nodal_weights().iter().zip(&self.fixed);
         let free = free.map(|(weight, fixed)| if *fixed { 0.0 } else { *weight });
         let (mut sum, mut size) = (0.0, 0.0);
         for (weight, mu) in free.zip(&*mu) {
@@ -511,29 +519,29 @@ impl MembraneStep {
     }
 
     /// (r₁ᵀμ + r₂ᵀ(φ − φⁿ))/S: by how much the energy law will miss.
-    fn law_defect(&self, places: &Places<'_>) -> f64 {
+    fn law_defect(&self, context: &StepContext<'_>) -> f64 {
         let [first, second] = &self.residual;
-        let mut defect = vector::dot(first, &places.to.mu);
+        let mut defect = vector::dot(first, &context.to.mu);
         if self.clamped {
-            let steps = places.to.phi.iter().zip(&places.from.phi).zip(second);
+            let steps = context.to.phi.iter().zip(&context.from.phi).zip(second);
             defect += steps.map(|((new, old), r)| (new - old) * r).sum::<f64>();
         }
-        defect / places.energy_scale
+        defect / context.energy_scale
     }
 
     fn not_converged(
         &mut self,
-        places: &Places<'_>,
-        limits: Limits,
+        context: &StepContext<'_>,
+        options: NewtonOptions,
         iterations: u32,
         residual: f64,
     ) -> StepError {
         StepError::NotConverged {
             iterations,
-            changes: self.changes(places),
-            tolerance: limits.tolerance,
-            law: self.law_defect(places),
-            law_tolerance: limits.law_tolerance,
+            changes: self.changes(context),
+            tolerance: options.tolerance,
+            law: self.law_defect(context),
+            law_tolerance: options.law_tolerance,
             residual,
         }
     }
@@ -546,7 +554,7 @@ mod tests {
     #[test]
     fn the_changes_to_come_are_bounded_where_they_fall_fast() {
         let after = |change: f64, theta: f64| {
-            let last = Contraction {
+            let last = ConvergenceRate {
                 change: 1e-2,
                 theta,
             };
@@ -562,17 +570,17 @@ mod tests {
     }
 
     #[test]
-    fn the_linearised_equations_serve_again_where_they_lead_to_the_end() {
-        let limits = Limits {
+    fn a_jacobian_serves_again_where_it_leads_to_the_end() {
+        let options = NewtonOptions {
             iteration: Iteration::Newton,
-            stopping: Stopping::LastChange,
+            stopping: StoppingCriterion::LastChange,
             tolerance: 1e-6,
             law_tolerance: 1e-8,
         };
-        assert!(serves_again(1e-3, -7e-6, limits));
-        assert!(!serves_again(1e-3, 9e-6, limits), "not far enough");
-        assert!(!serves_again(2e-2, 1e-9, limits), "too slow");
-        assert!(!serves_again(f64::NAN, 1e-9, limits));
+        assert!(serves_again(1e-3, -7e-6, options));
+        assert!(!serves_again(1e-3, 9e-6, options), "not far enough");
+        assert!(!serves_again(2e-2, 1e-9, options), "too slow");
+        assert!(!serves_again(f64::NAN, 1e-9, options));
     }
 
     #[test]

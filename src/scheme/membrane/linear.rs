@@ -10,11 +10,11 @@ use crate::fem::Space;
 use crate::linalg::{Gmres, LinalgError, LinearOperator, vector};
 use crate::scene::LinearMethod;
 
-use super::super::factored::{FactorMemory, FactoredPreconditioner, ThreeFieldOperator};
-use super::super::faults;
-use super::super::shifted::ShiftedPreconditioner;
-use super::super::transform::{BulkPreconditioner, ReducedOperator};
-use super::{Limits, MembraneStep, Places, Stopping};
+use super::super::fault_injection;
+use super::super::solvers::cosine::{BulkPreconditioner, ReducedOperator};
+use super::super::solvers::ldlt::{FactorCheckpoint, FactoredPreconditioner, ThreeFieldOperator};
+use super::super::solvers::shifted::ShiftedPreconditioner;
+use super::{MembraneStep, NewtonOptions, StepContext, StoppingCriterion};
 
 /// Limit of GMRES's iterations in one solve.
 const KRYLOV_LIMIT: usize = 200;
@@ -166,13 +166,13 @@ impl LinearSolver {
 
 /// How the linear systems are solved at present, and the factor that is kept.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
-pub(in crate::scheme) struct LinearMemory {
+pub(in crate::scheme) struct LinearCheckpoint {
     is_fast: bool,
-    factor: FactorMemory,
+    factor: FactorCheckpoint,
 }
 
 #[cfg(test)]
-impl LinearMemory {
+impl LinearCheckpoint {
     pub(in crate::scheme) fn has_no_factor(&self) -> bool {
         self.factor.is_empty()
     }
@@ -201,7 +201,7 @@ impl MembraneStep {
 
     /// What the fast path is called in messages, in use or not; `None` where there is none.
     pub(in crate::scheme) fn fast_method(&self) -> Option<&'static str> {
-        let mut solvers = std::iter::once(&self.linear).chain(&self.spare);
+        let mut solvers = std::iter::once(&self.linear).chain(&self.standby);
         solvers.find_map(|solver| match &solver.path {
             Path::Factor { .. } => None,
             Path::Reduced { preconditioner, .. } => Some(preconditioner.method()),
@@ -211,70 +211,70 @@ impl MembraneStep {
     /// Leaves the fast path for the factor.
     pub(in crate::scheme) fn fall_back(&mut self, space: &Space) -> Result<(), LinalgError> {
         if self.is_fast() {
-            let factor = match self.spare.take() {
+            let factor = match self.standby.take() {
                 Some(factor) => factor,
                 None => LinearSolver::factor(space, &self.fixed)?,
             };
-            self.spare = Some(std::mem::replace(&mut self.linear, factor));
+            self.standby = Some(std::mem::replace(&mut self.linear, factor));
         }
         Ok(())
     }
 
     /// Goes back to the fast path, if it was left.
     pub(in crate::scheme) fn return_to_fast(&mut self) {
-        if let Some(spare) = self.spare.as_mut().filter(|spare| spare.is_fast()) {
-            std::mem::swap(spare, &mut self.linear);
+        if let Some(standby) = self.standby.as_mut().filter(|standby| standby.is_fast()) {
+            std::mem::swap(standby, &mut self.linear);
         }
     }
 
     /// Forgets the factor where it is not in use.
-    pub(in crate::scheme) fn let_factor_go(&mut self) {
+    pub(in crate::scheme) fn drop_factor(&mut self) {
         if self.is_fast() {
-            self.spare = None;
+            self.standby = None;
         }
     }
 
     /// How the linear systems are solved at present. All else is made anew in every step.
-    pub(in crate::scheme) fn remember(&self, memory: &mut LinearMemory) {
-        memory.is_fast = self.is_fast();
-        let mut solvers = std::iter::once(&self.linear).chain(&self.spare);
+    pub(in crate::scheme) fn save(&self, checkpoint: &mut LinearCheckpoint) {
+        checkpoint.is_fast = self.is_fast();
+        let mut solvers = std::iter::once(&self.linear).chain(&self.standby);
         match solvers.find_map(LinearSolver::preconditioner) {
-            Some(factor) => factor.remember(&mut memory.factor),
-            None => memory.factor.clear(),
+            Some(factor) => factor.save(&mut checkpoint.factor),
+            None => checkpoint.factor.clear(),
         }
     }
 
     /// Whether this step can solve the linear systems as another did.
-    pub(in crate::scheme) fn can_recall(&self, memory: &LinearMemory) -> bool {
-        let mut solvers = std::iter::once(&self.linear).chain(&self.spare);
-        !memory.is_fast || solvers.any(LinearSolver::is_fast)
+    pub(in crate::scheme) fn can_restore(&self, checkpoint: &LinearCheckpoint) -> bool {
+        let mut solvers = std::iter::once(&self.linear).chain(&self.standby);
+        !checkpoint.is_fast || solvers.any(LinearSolver::is_fast)
     }
 
     /// Solves the linear systems from now on as they were then, with the same factor.
     ///
     /// # Errors
     /// What a factor may run into.
-    pub(in crate::scheme) fn recall(
+    pub(in crate::scheme) fn restore(
         &mut self,
         space: &Space,
-        memory: &LinearMemory,
+        checkpoint: &LinearCheckpoint,
     ) -> Result<(), LinalgError> {
-        if memory.is_fast {
+        if checkpoint.is_fast {
             self.return_to_fast();
         } else {
             self.fall_back(space)?;
         }
-        let solvers = std::iter::once(&mut self.linear).chain(&mut self.spare);
+        let solvers = std::iter::once(&mut self.linear).chain(&mut self.standby);
         let mut factors = solvers.filter_map(LinearSolver::preconditioner_mut);
         match factors.next() {
-            Some(factor) => factor.recall(&memory.factor),
-            None if memory.factor.is_empty() => Ok(()),
+            Some(factor) => factor.restore(&checkpoint.factor),
+            None if checkpoint.factor.is_empty() => Ok(()),
             None => {
                 let mut solver = LinearSolver::factor(space, &self.fixed)?;
                 if let Some(factor) = solver.preconditioner_mut() {
-                    factor.recall(&memory.factor)?;
+                    factor.restore(&checkpoint.factor)?;
                 }
-                self.spare = Some(solver);
+                self.standby = Some(solver);
                 Ok(())
             }
         }
@@ -283,31 +283,36 @@ impl MembraneStep {
     /// To what norm the linearised system is solved: to what the energy law allows (by
     /// the inequality of Cauchy and Schwarz for r₁ᵀμ), but at least by a factor of ten and not
     /// further than Newton's method can use.
-    pub(super) fn linear_goal(&mut self, places: &Places<'_>, limits: Limits, norm: f64) -> f64 {
-        let weights = places.space.nodal_weights();
+    pub(super) fn linear_goal(
+        &mut self,
+        context: &StepContext<'_>,
+        options: NewtonOptions,
+        norm: f64,
+    ) -> f64 {
+        let weights = context.space.nodal_weights();
         let domain = vector::sum(weights);
-        let mean = vector::dot(weights, &places.to.mu) / domain;
-        let square = vector::weighted_square(&places.to.mu, weights) - mean * mean * domain;
+        let mean = vector::dot(weights, &context.to.mu) / domain;
+        let square = vector::weighted_square(&context.to.mu, weights) - mean * mean * domain;
         let potential = square.max(0.0).sqrt().max(f64::MIN_POSITIVE);
-        let wanted = limits.law_tolerance * places.energy_scale / potential;
-        let least = match limits.stopping {
-            Stopping::LastChange => 1e-8,
-            Stopping::ChangesToCome(_) => LEAST_OF_A_PART,
+        let wanted = options.law_tolerance * context.energy_scale / potential;
+        let least = match options.stopping {
+            StoppingCriterion::LastChange => 1e-8,
+            StoppingCriterion::ChangesToCome(_) => LEAST_OF_A_PART,
         };
         wanted.clamp(least * norm, 0.1 * norm)
     }
 
     /// Solves for the increment; returns the Krylov iterations.
-    pub(super) fn solve_linearised(
+    pub(super) fn solve_newton_system(
         &mut self,
-        places: &Places<'_>,
+        context: &StepContext<'_>,
         goal: f64,
     ) -> Result<u32, LinalgError> {
-        let space = places.space;
-        let mobility = places.dt * self.mobility;
-        let width = places.effects.bending.interface_width();
+        let space = context.space;
+        let mobility = context.dt * self.mobility;
+        let width = context.effects.bending.interface_width();
         let size = space.nodes();
-        let floor = self.rounding_floor(places);
+        let floor = self.rounding_floor(context);
         let (r1, rest) = self.linear.right_side.split_at_mut(size);
         let rows = r1.iter_mut().zip(&self.residual[0]).zip(&self.root_weights);
         rows.for_each(|((b, r), root)| *b = -r / root);
@@ -319,7 +324,7 @@ impl MembraneStep {
                 preconditioner.prepare(space, mobility, width)?;
                 let mut operator = ReducedOperator {
                     space,
-                    linearised: &self.linearised,
+                    jacobian: &self.jacobian,
                     mass_inverse: &mut self.mass_inverse,
                     mobility,
                     root_weights: &self.root_weights,
@@ -353,15 +358,15 @@ impl MembraneStep {
                 let [mu, omega] = [self.least.mu, self.least.omega];
                 let row_scales = [
                     1.0,
-                    SHARE_OF_MU / size_of(&places.to.mu, mu),
-                    SHARE_OF_OMEGA / (width * size_of(&places.to.omega, omega)),
+                    SHARE_OF_MU / size_of(&context.to.mu, mu),
+                    SHARE_OF_OMEGA / (width * size_of(&context.to.omega, omega)),
                 ];
                 let rows = r2.iter_mut().zip(&self.residual[1]).zip(&self.root_weights);
                 rows.for_each(|((b, r), root)| *b = -row_scales[1] * r / root);
                 r3.fill(0.0);
                 let mut operator = ThreeFieldOperator {
                     space,
-                    linearised: &self.linearised,
+                    jacobian: &self.jacobian,
                     mobility,
                     width,
                     fixed: &self.fixed,
@@ -370,11 +375,11 @@ impl MembraneStep {
                 };
                 let (b, x) = (&self.linear.right_side, &mut self.linear.increment);
                 let goal = goal.min(1e-2 * vector::norm(b));
-                let mobilities = [mobility, places.factor_dt * self.mobility];
+                let mobilities = [mobility, context.factor_dt * self.mobility];
                 loop {
-                    let linearised = &self.linearised;
+                    let jacobian = &self.jacobian;
                     let fresh =
-                        preconditioner.prepare(space, linearised, mobilities, width, row_scales)?;
+                        preconditioner.prepare(space, jacobian, mobilities, width, row_scales)?;
                     let outcome = self.linear.gmres.solve(
                         &mut operator,
                         &mut **preconditioner,
@@ -392,23 +397,26 @@ impl MembraneStep {
                 }
             }
         };
-        faults::tap(faults::Place::Increment, &mut self.linear.increment);
+        fault_injection::tap(
+            fault_injection::Place::Increment,
+            &mut self.linear.increment,
+        );
         if !self.linear.increment.iter().all(|value| value.is_finite()) {
             return Err(LinalgError::NotFinite {
                 place: "GMRES",
                 iteration: outcome.iterations,
             });
         }
-        self.conserve(places);
+        self.conserve(context);
         Ok(outcome.iterations as u32)
     }
 
     /// Shifts φ's increment by a constant such that ∫φ = ∫φⁿ to rounding after it, however
     /// loosely the system was solved and however large a μ rounding has had to deal with in Kμ, whose
     /// sum is 0. At the wall a given φ stays.
-    fn conserve(&mut self, places: &Places<'_>) {
+    fn conserve(&mut self, context: &StepContext<'_>) {
         let increment = &self.linear.increment;
-        let shift = self.conserving_shift(places, |node| increment[node]);
+        let shift = self.conserving_shift(context, |node| increment[node]);
         let free = self.fixed.iter().zip(&mut self.linear.increment);
         free.filter(|(fixed, _)| !**fixed)
             .for_each(|(_, step)| *step += shift);
@@ -416,29 +424,29 @@ impl MembraneStep {
 
     /// The same for the guess: a damped correction would leave a part of what is missing there, and
     /// the guesses of later steps are made from this one's φ.
-    pub(super) fn conserve_guess(&self, places: &mut Places<'_>) {
-        let shift = self.conserving_shift(places, |_| 0.0);
-        let free = self.fixed.iter().zip(&mut places.to.phi);
+    pub(super) fn conserve_guess(&self, context: &mut StepContext<'_>) {
+        let shift = self.conserving_shift(context, |_| 0.0);
+        let free = self.fixed.iter().zip(&mut context.to.phi);
         free.filter(|(fixed, _)| !**fixed)
             .for_each(|(_, phi)| *phi += shift);
     }
 
     /// The constant by which φ must be shifted where it is free, such that ∫φ = ∫φⁿ after this increment.
-    fn conserving_shift(&self, places: &Places<'_>, increment: impl Fn(usize) -> f64) -> f64 {
+    fn conserving_shift(&self, context: &StepContext<'_>, increment: impl Fn(usize) -> f64) -> f64 {
         let (mut missing, mut free) = (0.0, 0.0);
-        for (node, weight) in places.space.nodal_weights().iter().enumerate() {
-            missing -= weight * (places.to.phi[node] - places.from.phi[node] + increment(node));
+        for (node, weight) in context.space.nodal_weights().iter().enumerate() {
+            missing -= weight * (context.to.phi[node] - context.from.phi[node] + increment(node));
             free += if self.fixed[node] { 0.0 } else { *weight };
         }
         missing / free
     }
 
     /// About what rounding makes of r₁: three products with the stiffness matrix lie between φ and it.
-    pub(super) fn rounding_floor(&self, places: &Places<'_>) -> f64 {
-        let space = places.space;
-        let bulk = places.dt * self.mobility * places.effects.bending.interface_width();
+    pub(super) fn rounding_floor(&self, context: &StepContext<'_>) -> f64 {
+        let space = context.space;
+        let bulk = context.dt * self.mobility * context.effects.bending.interface_width();
         let weights = space.nodal_weights();
-        let phi = vector::weighted_square(&places.to.phi, weights).sqrt();
+        let phi = vector::weighted_square(&context.to.phi, weights).sqrt();
         10.0 * f64::EPSILON * (1.0 + bulk * self.largest_eigenvalue.powi(3)) * phi
     }
 

@@ -1,10 +1,10 @@
 //! Off is absent: a scene without an effect is the limit of the scene with it, bit for bit, and its
 //! steps do no work for it. And substep 1 is solved where it matters, no more and no less.
 
-use super::super::director::{Demand, DirectorStep};
-use super::super::region::{Criterion, Region};
+use super::super::active_region::{ActiveRegion, Criterion};
+use super::super::director::{DirectorStep, SolveOptions};
 use super::super::*;
-use crate::linalg::count::{self, Counts};
+use crate::linalg::op_counts::{self, Counts};
 
 const STEPS: u32 = 4;
 const DT: f64 = 1e-6;
@@ -42,16 +42,16 @@ fn scheme(scene: &Scene) -> Scheme {
 /// A few steps: where they end, what they did, and how often the equations were linearised.
 fn steps(settings: &[&str]) -> (Scheme, Counts, u64) {
     let mut scheme = scheme(&scene(settings));
-    let mut linearised = 0;
-    let counts = count::of(|| {
+    let mut jacobian = 0;
+    let counts = op_counts::of(|| {
         for step in 1..=STEPS {
-            let mut watch = |phase| linearised += u64::from(phase == Phase::Linearisation);
+            let mut watch = |phase| jacobian += u64::from(phase == Phase::Linearisation);
             if let Err(error) = scheme.step_watched(DT, &mut watch) {
                 panic!("{settings:?} step {step}: {error}");
             }
         }
     });
-    (scheme, counts, linearised)
+    (scheme, counts, jacobian)
 }
 
 const QUADRATURES: [&str; 2] = ["solver.quadrature=lumped", "solver.quadrature=consistent"];
@@ -110,41 +110,38 @@ fn an_absent_effect_is_the_limit_of_a_weak_one() {
 fn an_absent_effect_does_no_work() {
     let without = ["anchoring=false", "nematic=false"];
     for off in [&["area=false"][..], &[]] {
-        let (_, counts, linearised) = steps(&[&[QUADRATURES[0]], off, &without].concat());
-        assert_eq!(counts.assemblies, 3 * linearised, "{off:?}");
+        let (_, counts, jacobian) = steps(&[&[QUADRATURES[0]], off, &without].concat());
+        assert_eq!(counts.assemblies, 3 * jacobian, "{off:?}");
     }
-    let (_, counts, linearised) = steps(&[QUADRATURES[0], "nematic.weight=0", "anchoring=false"]);
+    let (_, counts, jacobian) = steps(&[QUADRATURES[0], "nematic.weight=0", "anchoring=false"]);
     assert_eq!(
         counts.assemblies,
-        3 * linearised,
+        3 * jacobian,
         "nothing acts on the director"
     );
-    let (scheme, counts, linearised) = steps(&[QUADRATURES[0]]);
+    let (scheme, counts, jacobian) = steps(&[QUADRATURES[0]]);
     // When a region is made, so are its stiffness matrix and nothing else.
     let regions = scheme
         .director
         .as_ref()
         .map_or(0, |step| step.region().parts_made);
     assert!(regions > 0);
-    assert_eq!(
-        counts.assemblies,
-        3 * linearised + u64::from(STEPS) + regions
-    );
+    assert_eq!(counts.assemblies, 3 * jacobian + u64::from(STEPS) + regions);
     assert!(scheme.report().director_iterations > 0);
 }
 
 /// And not in every iteration of Newton's method: the last ones go on with what the one before had.
 #[test]
-fn the_equations_are_linearised_less_often_than_solved() {
+fn the_jacobian_is_assembled_less_often_than_systems_are_solved() {
     let mut scheme = scheme(&scene(&[QUADRATURES[0], "area=false"]));
-    let (mut linearised, mut newton) = (0, 0);
+    let (mut jacobian, mut newton) = (0, 0);
     for _ in 0..STEPS {
-        let mut watch = |phase| linearised += u32::from(phase == Phase::Linearisation);
+        let mut watch = |phase| jacobian += u32::from(phase == Phase::Linearisation);
         newton += scheme.step_watched(DT, &mut watch).expect("a step").newton;
     }
     assert!(
-        linearised >= STEPS && 4 * linearised <= 3 * newton,
-        "{linearised} {newton}"
+        jacobian >= STEPS && 4 * jacobian <= 3 * newton,
+        "{jacobian} {newton}"
     );
 }
 
@@ -160,7 +157,7 @@ fn substep_1_leaves_out_what_does_not_matter() {
         let random = "nematic.initial={ kind = 'random', seed = 3, length = 1.2 }";
         let mut scheme = scheme(&scene(&[quadrature, random]));
         let energy_scale = scheme.energy_scale(&scheme.report.energies);
-        let demand = Demand {
+        let options = SolveOptions {
             dt,
             length: dt,
             tolerance: 1e-14,
@@ -175,9 +172,9 @@ fn substep_1_leaves_out_what_does_not_matter() {
         let from = scheme.state.director.clone().expect("a director");
         let mut ends = [from.clone(), from.clone()];
         for (step, to) in [&mut part, &mut whole].into_iter().zip(&mut ends) {
-            let (effects, sample) = (&mut scheme.effects, &mut scheme.samples.old);
+            let (effects, sample) = (&mut scheme.effects, &mut scheme.scratch.old);
             let start = (&scheme.state.phi[..], &from);
-            step.solve(&scheme.space, effects, sample, demand, start, to)
+            step.solve(&scheme.space, effects, sample, options, start, to)
                 .expect("a solved substep");
         }
         let nodes = scheme.space.nodes();
@@ -240,19 +237,19 @@ fn the_region_follows_the_vesicle() {
     let scheme = scheme(&scene(&[QUADRATURES[0]]));
     let (space, radius, width) = (&scheme.space, 0.15, 0.025);
     let criterion = Criterion {
-        reach: scheme.effects.director_reach(),
+        reach: scheme.effects.director_coupling(),
         largest_eigenvalue: space.stiffness().eigenvalue_bound(space.nodal_weights()),
         length: 1.0,
         energy_scale: scheme.energy_scale(&scheme.report.energies),
         inertia: 0.5 * DT,
         coupled: false,
     };
-    let mut region = Region::default();
+    let mut region = ActiveRegion::default();
     let mut before = vec![false; space.nodes()];
     for step in 0..=10 {
         let x = 0.35 + 0.03 * f64::from(step);
-        let places = space.mesh().nodes().iter();
-        let outside = places.map(|place| (place[0] - x).hypot(place[1] - 0.5) - radius);
+        let context = space.mesh().nodes().iter();
+        let outside = context.map(|place| (place[0] - x).hypot(place[1] - 0.5) - radius);
         let outside: Vec<f64> = outside.collect();
         let profile = |outside: &f64| (-outside / (2.0_f64.sqrt() * width)).tanh();
         let phi: Vec<f64> = outside.iter().map(profile).collect();

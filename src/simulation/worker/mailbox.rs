@@ -3,16 +3,16 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::super::Report;
-use super::Picture;
+use super::RunSnapshot;
 use crate::scheme::State;
 
 /// Room for one picture: a new one takes the place of one that nobody has fetched.
 #[derive(Debug, Clone, Default)]
-pub struct Mailbox(Arc<Mutex<Option<Arc<Picture>>>>);
+pub struct Mailbox(Arc<Mutex<Option<Arc<RunSnapshot>>>>);
 
 impl Mailbox {
     /// Takes out the latest picture, if there is one since the last call.
-    pub fn fetch(&self) -> Option<Arc<Picture>> {
+    pub fn fetch(&self) -> Option<Arc<RunSnapshot>> {
         self.place().take()
     }
 
@@ -21,12 +21,12 @@ impl Mailbox {
         self.place().is_none()
     }
 
-    pub(super) fn put(&self, picture: Arc<Picture>) {
+    pub(super) fn put(&self, picture: Arc<RunSnapshot>) {
         *self.place() = Some(picture);
     }
 
     /// Held for an assignment only, so neither side ever waits for the other's work.
-    fn place(&self) -> MutexGuard<'_, Option<Arc<Picture>>> {
+    fn place(&self) -> MutexGuard<'_, Option<Arc<RunSnapshot>>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -34,14 +34,14 @@ impl Mailbox {
 /// Pictures that are painted over when nobody else holds them any more: one is shown, one waits in
 /// the mailbox, one is painted.
 #[derive(Debug, Default)]
-pub(super) struct Canvases(Vec<Arc<Picture>>);
+pub(super) struct SnapshotPool(Vec<Arc<RunSnapshot>>);
 
 const CANVASES: usize = 3;
 
-impl Canvases {
+impl SnapshotPool {
     /// A copy of `picture` in a canvas that is free, or in a new one. A canvas that is kept
     /// elsewhere (an older state to look back at) is given up to whoever keeps it.
-    pub(super) fn paint(&mut self, picture: PictureOf<'_>) -> Arc<Picture> {
+    pub(super) fn paint(&mut self, picture: SnapshotOf<'_>) -> Arc<RunSnapshot> {
         let free = self
             .0
             .iter_mut()
@@ -63,16 +63,16 @@ impl Canvases {
 
 /// What a picture is made of, by reference.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct PictureOf<'a> {
+pub(super) struct SnapshotOf<'a> {
     pub(super) run: super::RunId,
     pub(super) anchoring: Option<crate::scene::AnchoringKind>,
     pub(super) report: &'a Report,
     pub(super) state: &'a State,
 }
 
-impl PictureOf<'_> {
-    pub(super) fn to_picture(self) -> Picture {
-        Picture {
+impl SnapshotOf<'_> {
+    pub(super) fn to_picture(self) -> RunSnapshot {
+        RunSnapshot {
             run: self.run,
             anchoring: self.anchoring,
             report: self.report.clone(),
@@ -81,7 +81,7 @@ impl PictureOf<'_> {
     }
 
     /// The same without allocating: the vectors have their lengths.
-    fn paint_over(self, picture: &mut Picture) {
+    fn paint_over(self, picture: &mut RunSnapshot) {
         picture.run = self.run;
         picture.anchoring = self.anchoring;
         let mut energies = std::mem::take(&mut picture.report.energies);
@@ -123,12 +123,12 @@ mod tests {
         }
     }
 
-    fn paint(canvases: &mut Canvases, step: u64) -> Arc<Picture> {
+    fn paint(canvases: &mut SnapshotPool, step: u64) -> Arc<RunSnapshot> {
         let report = Report {
             step,
             ..Report::default()
         };
-        canvases.paint(PictureOf {
+        canvases.paint(SnapshotOf {
             run: RunId(1),
             anchoring: None,
             report: &report,
@@ -138,7 +138,7 @@ mod tests {
 
     #[test]
     fn the_latest_wins_and_is_fetched_once() {
-        let (mailbox, mut canvases) = (Mailbox::default(), Canvases::default());
+        let (mailbox, mut canvases) = (Mailbox::default(), SnapshotPool::default());
         assert!(mailbox.fetch().is_none());
         mailbox.put(paint(&mut canvases, 1));
         mailbox.put(paint(&mut canvases, 2));
@@ -149,7 +149,7 @@ mod tests {
 
     #[test]
     fn three_canvases_serve_for_ever() {
-        let (mailbox, mut canvases) = (Mailbox::default(), Canvases::default());
+        let (mailbox, mut canvases) = (Mailbox::default(), SnapshotPool::default());
         let mut shown = None;
         let mut places = Vec::new();
         for step in 0..100 {
@@ -170,7 +170,7 @@ mod tests {
 
     #[test]
     fn a_picture_that_is_kept_is_never_painted_over() {
-        let mut canvases = Canvases::default();
+        let mut canvases = SnapshotPool::default();
         let kept: Vec<_> = (0..20).map(|step| paint(&mut canvases, step)).collect();
         for (step, picture) in kept.iter().enumerate() {
             assert_eq!(picture.state, state(step as f64));

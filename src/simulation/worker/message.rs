@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::super::{Event, Memory, Report, SetUp, SimulationError, Underway};
+use super::super::{Event, Report, SetUp, SimulationCheckpoint, SimulationError, StepProgress};
 use crate::fem::Mesh;
 use crate::scene::{AnchoringKind, Scene, Warning};
 use crate::scheme::State;
@@ -15,7 +15,7 @@ pub struct RunId(pub u64);
 
 /// What a worker is told when it is started.
 #[derive(Debug, Clone)]
-pub struct Orders {
+pub struct WorkerConfig {
     /// The run's number.
     pub run: RunId,
     /// Whether it waits for `Resume` at step 0.
@@ -23,9 +23,9 @@ pub struct Orders {
     /// The run does not go beyond the first grid time at or after this one, until told otherwise:
     /// a common clock for runs that are watched side by side. `None`: it goes on to T.
     pub horizon: Option<f64>,
-    /// News of scalars are gathered for so long before they are sent.
+    /// WorkerEvent of scalars are gathered for so long before they are sent.
     pub gathering: Duration,
-    /// So many states, evenly from t = 0 to T, are sent as [`News::Snapshot`]: none is lost.
+    /// So many states, evenly from t = 0 to T, are sent as [`WorkerEvent::Snapshot`]: none is lost.
     pub snapshots: u64,
 }
 
@@ -34,39 +34,39 @@ pub struct Orders {
 /// taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Command {
-    /// Stop after the step in hand. Answered by [`News::Paused`], always, also when it stands still
+    /// Stop after the step in hand. Answered by [`WorkerEvent::Paused`], always, also when it stands still
     /// already.
     Pause,
     /// Go on.
     Resume,
-    /// Take one step, even beyond the horizon, and pause. Answered by [`News::Paused`].
+    /// Take one step, even beyond the horizon, and pause. Answered by [`WorkerEvent::Paused`].
     Step,
     /// Another anchoring for the state as it is, from the next step on. Answered by
-    /// [`News::Anchored`]; where there is no director to anchor nothing happens.
+    /// [`WorkerEvent::Anchored`]; where there is no director to anchor nothing happens.
     Anchor(AnchoringKind),
-    /// Move the horizon (see [`Orders`]).
+    /// Move the horizon (see [`WorkerConfig`]).
     Horizon(Option<f64>),
     /// Another T. A run that had reached its end then stands still until it is to go on: answered by
-    /// [`News::Paused`].
+    /// [`WorkerEvent::Paused`].
     Until(f64),
-    /// Tell the state now. Answered by [`News::State`] where that is ordered at all.
+    /// Tell the state now. Answered by [`WorkerEvent::State`] where that is ordered at all.
     Keep,
     /// End the run. Dropping the worker does the same.
     End,
 }
 
-/// News of a run.
+/// WorkerEvent of a run.
 #[derive(Debug, Clone)]
 pub struct Message {
     /// Whose.
     pub run: RunId,
     /// What.
-    pub news: News,
+    pub event: WorkerEvent,
 }
 
 /// What a worker tells.
 #[derive(Debug, Clone)]
-pub enum News {
+pub enum WorkerEvent {
     /// A part of the set-up begins.
     SettingUp(SetUp),
     /// The run was set up: first of all news but those.
@@ -74,7 +74,7 @@ pub enum News {
     /// The scalars of steps, in order, none left out; the first is step 0.
     Reports(Vec<Report>),
     /// How far a step is that takes long: after a second, and every half second from then on.
-    Underway(Underway),
+    StepProgress(StepProgress),
     /// Something happened. (That the anchoring was switched is told as `Anchored`.)
     Event(Event),
     /// The anchoring is another one: the same state as in the last report, its energy measured anew.
@@ -85,11 +85,11 @@ pub enum News {
         report: Box<Report>,
     },
     /// One of the evenly spaced states that were ordered.
-    Snapshot(Arc<Picture>),
+    Snapshot(Arc<RunSnapshot>),
     /// The state, from which the run can be gone on with: where that was ordered, every so often, when it is
     /// asked for, and before the worker ends, also in the midst of a step; but for the asking, unless nothing
     /// was computed since the last time.
-    State(Box<Memory>),
+    State(Box<SimulationCheckpoint>),
     /// The worker stands still, as asked: the answer to every `Pause` and every `Step`, and told at
     /// the start where it was ordered to wait.
     Paused,
@@ -153,7 +153,7 @@ pub struct Setting {
 
 /// The fields of a run at one time with the scalars of that time.
 #[derive(Debug, Clone)]
-pub struct Picture {
+pub struct RunSnapshot {
     /// The run.
     pub run: RunId,
     /// The anchoring at that time, `None` where the scene has no director.

@@ -17,11 +17,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-use super::Memory;
+use super::SimulationCheckpoint;
 use crate::scene::Scene;
 
 pub use mailbox::Mailbox;
-pub use message::{Command, Failure, Message, News, Orders, Picture, RunId, Setting};
+pub use message::{
+    Command, Failure, Message, RunId, RunSnapshot, Setting, WorkerConfig, WorkerEvent,
+};
 
 use runner::Runner;
 
@@ -29,8 +31,8 @@ use runner::Runner;
 #[derive(Debug, Default)]
 pub struct Continuity {
     /// The state to go on from; `None`: φ⁰ and d⁰ of the scene.
-    pub from: Option<Box<Memory>>,
-    /// How often [`News::State`] is told; `None`: never.
+    pub from: Option<Box<SimulationCheckpoint>>,
+    /// How often [`WorkerEvent::State`] is told; `None`: never.
     pub keep: Option<Duration>,
 }
 
@@ -47,28 +49,28 @@ pub struct Worker {
 
 impl Worker {
     /// The name of every worker's thread begins with this: a panic there is caught, and told as
-    /// [`News::Failed`].
+    /// [`WorkerEvent::Failed`].
     pub const THREAD_NAME: &str = "vesica run";
 
     /// Starts a run. `sink` is called on the run's thread with all its news and must not block.
     ///
     /// Whatever goes wrong is told to the sink, a thread that cannot be started too.
     pub fn start(
-        orders: Orders,
+        config: WorkerConfig,
         scene: Arc<Scene>,
         sink: impl Fn(Message) + Send + 'static,
     ) -> Self {
-        Self::start_from(orders, scene, Continuity::default(), sink)
+        Self::start_from(config, scene, Continuity::default(), sink)
     }
 
     /// Starts a run that goes on from where another was, or that is to be gone on with.
     pub fn start_from(
-        orders: Orders,
+        config: WorkerConfig,
         scene: Arc<Scene>,
         continuity: Continuity,
         sink: impl Fn(Message) + Send + 'static,
     ) -> Self {
-        let run = orders.run;
+        let run = config.run;
         let (commands, received) = mpsc::channel();
         let mailbox = Mailbox::default();
         let computing = Arc::new(AtomicU64::new(0));
@@ -78,7 +80,7 @@ impl Worker {
             let (sink, mailbox, computing) = (sink.clone(), mailbox.clone(), computing.clone());
             move || {
                 if let Some(sink) = take(&sink) {
-                    Runner::new(orders, received, sink, mailbox, computing).run(&scene, continuity);
+                    Runner::new(config, received, sink, mailbox, computing).run(&scene, continuity);
                 }
             }
         };
@@ -90,8 +92,8 @@ impl Worker {
             Err(reason) => {
                 if let Some(sink) = take(&sink) {
                     let text = format!("the system starts no thread for the run: {reason}");
-                    let news = News::Failed(Failure::other(text));
-                    sink(Message { run, news });
+                    let event = WorkerEvent::Failed(Failure::other(text));
+                    sink(Message { run, event });
                 }
                 None
             }

@@ -9,9 +9,11 @@ use std::sync::mpsc::{Receiver, TryRecvError};
 use std::time::{Duration, Instant};
 
 use super::super::claim::KeptFree;
-use super::super::{EventKind, Memory, Report, Schedule, Simulation, SimulationError};
-use super::mailbox::{Canvases, Mailbox, PictureOf};
-use super::{Command, Continuity, Failure, Message, News, Orders, RunId, Setting};
+use super::super::{
+    EventKind, Report, Schedule, Simulation, SimulationCheckpoint, SimulationError,
+};
+use super::mailbox::{Mailbox, SnapshotOf, SnapshotPool};
+use super::{Command, Continuity, Failure, Message, RunId, Setting, WorkerConfig, WorkerEvent};
 use crate::scene::{AnchoringKind, Scene, Time};
 
 /// Bytes that telling a state takes: a copy of it, and whoever keeps it makes bytes of that, in a block that grows by
@@ -21,13 +23,13 @@ const KEEPING_A_NODE: u64 = 1200;
 
 /// The thread's own: everything but the simulation.
 pub(super) struct Runner<Sink> {
-    orders: Orders,
+    config: WorkerConfig,
     commands: Receiver<Command>,
     /// What came while the run was set up or a hard step was taken.
     waiting: VecDeque<Command>,
-    teller: Teller<Sink>,
+    events: EventSender<Sink>,
     mailbox: Mailbox,
-    canvases: Canvases,
+    canvases: SnapshotPool,
     computing: Arc<AtomicU64>,
     kept: Kept,
     step_in_hand: StepInHand,
@@ -78,43 +80,43 @@ impl StepInHand {
 
 /// Why a worker stands still.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Rest {
+enum IdleReason {
     Paused,
     AtHorizon,
     Done,
 }
 
-impl Rest {
-    fn news(self) -> News {
+impl IdleReason {
+    fn event(self) -> WorkerEvent {
         match self {
-            Self::Paused => News::Paused,
-            Self::AtHorizon => News::AtHorizon,
-            Self::Done => News::Done,
+            Self::Paused => WorkerEvent::Paused,
+            Self::AtHorizon => WorkerEvent::AtHorizon,
+            Self::Done => WorkerEvent::Done,
         }
     }
 }
 
 impl<Sink: Fn(Message)> Runner<Sink> {
     pub(super) fn new(
-        orders: Orders,
+        config: WorkerConfig,
         commands: Receiver<Command>,
         sink: Sink,
         mailbox: Mailbox,
         computing: Arc<AtomicU64>,
     ) -> Self {
         Self {
-            teller: Teller {
-                run: orders.run,
-                gathering: orders.gathering,
+            events: EventSender {
+                run: config.run,
+                gathering: config.gathering,
                 sink,
                 gathered: Vec::new(),
                 sent: Instant::now(),
             },
-            orders,
+            config,
             commands,
             waiting: VecDeque::new(),
             mailbox,
-            canvases: Canvases::default(),
+            canvases: SnapshotPool::default(),
             computing,
             kept: Kept {
                 interval: None,
@@ -141,8 +143,8 @@ impl<Sink: Fn(Message)> Runner<Sink> {
         };
         // The sink itself may be what panicked; then there is nobody left to tell.
         let _ = catch_unwind(AssertUnwindSafe(|| match failure {
-            Some(failure) => self.teller.tell(News::Failed(failure)),
-            None => self.teller.flush(),
+            Some(failure) => self.events.tell(WorkerEvent::Failed(failure)),
+            None => self.events.flush(),
         }));
     }
 
@@ -157,19 +159,19 @@ impl<Sink: Fn(Message)> Runner<Sink> {
         let _kept_free = continuity
             .keep
             .map(|_| KeptFree::of(KEEPING + KEEPING_A_NODE * nodes));
-        if let Some(memory) = continuity.from {
-            simulation.recall(&memory)?;
+        if let Some(checkpoint) = continuity.from {
+            simulation.restore(&checkpoint)?;
         }
         self.kept = Kept {
             interval: continuity.keep,
             is_current: true,
             at: Instant::now(),
         };
-        let mut schedule = Schedule::new(&scene.time, 1, self.orders.snapshots);
+        let mut schedule = Schedule::new(&scene.time, 1, self.config.snapshots);
         simulation.follow(&schedule);
         // Before the news, so that whoever hears them finds it; so everywhere.
         self.show(&simulation);
-        self.teller.tell(News::Ready(Arc::new(Setting {
+        self.events.tell(WorkerEvent::Ready(Arc::new(Setting {
             scene: scene.clone(),
             mesh: simulation.mesh.clone(),
             steps: schedule.steps,
@@ -177,10 +179,10 @@ impl<Sink: Fn(Message)> Runner<Sink> {
         })));
         self.tell_step(&mut simulation, &schedule);
         if let Some(underway) = simulation.underway() {
-            self.teller.tell(News::Underway(underway));
+            self.events.tell(WorkerEvent::StepProgress(underway));
         }
 
-        let mut going = !self.orders.paused;
+        let mut going = !self.config.paused;
         let mut told = None;
         loop {
             let rest = self.rest(&simulation, &schedule, going);
@@ -188,9 +190,9 @@ impl<Sink: Fn(Message)> Runner<Sink> {
                 match rest {
                     Some(rest) => {
                         self.show(&simulation);
-                        self.teller.tell(rest.news());
+                        self.events.tell(rest.event());
                     }
-                    None => self.teller.tell(News::Resumed),
+                    None => self.events.tell(WorkerEvent::Resumed),
                 }
                 told = rest;
             }
@@ -207,16 +209,18 @@ impl<Sink: Fn(Message)> Runner<Sink> {
                     }
                 }
                 Ok(Command::Resume) => going = true,
-                Ok(Command::Horizon(horizon)) => self.orders.horizon = horizon,
+                Ok(Command::Horizon(horizon)) => self.config.horizon = horizon,
                 Ok(Command::Until(end)) => {
                     let time = Time { end, ..scene.time };
-                    schedule = Schedule::new(&time, 1, self.orders.snapshots);
+                    schedule = Schedule::new(&time, 1, self.config.snapshots);
                     simulation.follow(&schedule);
-                    going &= rest != Some(Rest::Done);
+                    going &= rest != Some(IdleReason::Done);
                 }
                 Ok(Command::Anchor(kind)) => self.anchor(&mut simulation, kind),
                 Ok(Command::Keep) => self.tell_state(&simulation),
-                Ok(command @ (Command::Pause | Command::Step)) if rest != Some(Rest::Done) => {
+                Ok(command @ (Command::Pause | Command::Step))
+                    if rest != Some(IdleReason::Done) =>
+                {
                     if command == Command::Step {
                         self.step(&mut simulation, &schedule)?;
                     }
@@ -238,7 +242,7 @@ impl<Sink: Fn(Message)> Runner<Sink> {
         let mut told = None;
         Simulation::new_unless(scene, &mut |part| {
             if told.replace(part) != Some(part) {
-                self.teller.tell(News::SettingUp(part));
+                self.events.tell(WorkerEvent::SettingUp(part));
             }
             while let Some(command) = next_command(&self.commands) {
                 self.waiting.push_back(command);
@@ -264,26 +268,31 @@ impl<Sink: Fn(Message)> Runner<Sink> {
         if self.kept.interval.is_none() {
             return;
         }
-        let mut memory = Box::new(Memory::default());
-        simulation.remember(&mut memory);
-        self.teller.tell(News::State(memory));
+        let mut checkpoint = Box::new(SimulationCheckpoint::default());
+        simulation.save(&mut checkpoint);
+        self.events.tell(WorkerEvent::State(checkpoint));
         self.kept.is_current = true;
         self.kept.at = Instant::now();
     }
 
     /// Why the run stands still at present; `None`: it goes on.
-    fn rest(&self, simulation: &Simulation, schedule: &Schedule, going: bool) -> Option<Rest> {
+    fn rest(
+        &self,
+        simulation: &Simulation,
+        schedule: &Schedule,
+        going: bool,
+    ) -> Option<IdleReason> {
         let report = simulation.report();
         if schedule.is_over(report.step, report.t) {
-            Some(Rest::Done)
+            Some(IdleReason::Done)
         } else if !going {
-            Some(Rest::Paused)
+            Some(IdleReason::Paused)
         } else if self
-            .orders
+            .config
             .horizon
             .is_some_and(|horizon| report.t >= horizon)
         {
-            Some(Rest::AtHorizon)
+            Some(IdleReason::AtHorizon)
         } else {
             None
         }
@@ -337,7 +346,7 @@ impl<Sink: Fn(Message)> Runner<Sink> {
                 && self.step_in_hand.is_due(underway.step)
             {
                 self.step_in_hand.told();
-                self.teller.tell(News::Underway(underway));
+                self.events.tell(WorkerEvent::StepProgress(underway));
             }
             return Ok(false);
         }
@@ -350,18 +359,18 @@ impl<Sink: Fn(Message)> Runner<Sink> {
 
     /// The report, the events and, where one is due, the snapshot of the state that was reached.
     fn tell_step(&mut self, simulation: &mut Simulation, schedule: &Schedule) {
-        self.teller.gather(simulation.last_whole().0);
+        self.events.gather(simulation.last_whole().0);
         self.tell_events(simulation);
         let (report, _) = simulation.last_whole();
         if schedule.snapshot_due(report.step, report.t) {
             let picture = Arc::new(self.picture(simulation).to_picture());
-            self.teller.tell(News::Snapshot(picture));
+            self.events.tell(WorkerEvent::Snapshot(picture));
         }
     }
 
     fn tell_events(&mut self, simulation: &mut Simulation) {
         for event in simulation.drain_events() {
-            self.teller.tell(News::Event(event));
+            self.events.tell(WorkerEvent::Event(event));
         }
     }
 
@@ -372,11 +381,11 @@ impl<Sink: Fn(Message)> Runner<Sink> {
         let report = Box::new(report.clone());
         for event in simulation.drain_events() {
             if !matches!(event.kind, EventKind::AnchoringSwitched { .. }) {
-                self.teller.tell(News::Event(event));
+                self.events.tell(WorkerEvent::Event(event));
             }
         }
         self.show(simulation);
-        self.teller.tell(News::Anchored { kind, report });
+        self.events.tell(WorkerEvent::Anchored { kind, report });
     }
 
     /// Puts the present state into the mailbox: that of the last whole step, with which all else that is
@@ -386,14 +395,14 @@ impl<Sink: Fn(Message)> Runner<Sink> {
         self.mailbox.put(picture);
     }
 
-    fn picture<'a>(&self, simulation: &'a Simulation) -> PictureOf<'a> {
+    fn picture<'a>(&self, simulation: &'a Simulation) -> SnapshotOf<'a> {
         let scene = simulation.scene();
         let kind = scene
             .anchoring
             .map_or(AnchoringKind::None, |anchoring| anchoring.kind);
         let (report, state) = simulation.last_whole();
-        PictureOf {
-            run: self.orders.run,
+        SnapshotOf {
+            run: self.config.run,
             anchoring: scene.nematic.as_ref().map(|_| kind),
             report,
             state,
@@ -411,7 +420,7 @@ fn next_command(commands: &Receiver<Command>) -> Option<Command> {
 }
 
 /// Tells the news of a run in order, and gathers reports so that they do not come one by one.
-struct Teller<Sink> {
+struct EventSender<Sink> {
     run: RunId,
     gathering: Duration,
     sink: Sink,
@@ -420,7 +429,7 @@ struct Teller<Sink> {
     sent: Instant,
 }
 
-impl<Sink: Fn(Message)> Teller<Sink> {
+impl<Sink: Fn(Message)> EventSender<Sink> {
     /// Takes the report of a step, and sends what was gathered if it is time.
     fn gather(&mut self, report: &Report) {
         self.gathered.push(report.clone());
@@ -430,21 +439,21 @@ impl<Sink: Fn(Message)> Teller<Sink> {
     }
 
     /// Tells something, after all that came before it.
-    fn tell(&mut self, news: News) {
+    fn tell(&mut self, event: WorkerEvent) {
         self.flush();
         (self.sink)(Message {
             run: self.run,
-            news,
+            event,
         });
     }
 
     fn flush(&mut self) {
         self.sent = Instant::now();
         if !self.gathered.is_empty() {
-            let news = News::Reports(std::mem::take(&mut self.gathered));
+            let event = WorkerEvent::Reports(std::mem::take(&mut self.gathered));
             (self.sink)(Message {
                 run: self.run,
-                news,
+                event,
             });
         }
     }

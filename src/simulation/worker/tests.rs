@@ -15,11 +15,11 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// A worker and what it has told.
 struct Watched {
     worker: Worker,
-    news: Receiver<Message>,
+    event: Receiver<Message>,
 }
 
-fn orders() -> Orders {
-    Orders {
+fn config() -> WorkerConfig {
+    WorkerConfig {
         run: RunId(7),
         paused: true,
         horizon: None,
@@ -28,69 +28,72 @@ fn orders() -> Orders {
     }
 }
 
-fn start(orders: Orders, scene: Scene) -> Watched {
-    let (sender, news) = mpsc::channel();
+fn start(config: WorkerConfig, scene: Scene) -> Watched {
+    let (sender, event) = mpsc::channel();
     let sink = move |message| {
         // Whoever listens may have gone.
         let _ = sender.send(message);
     };
-    let worker = Worker::start(orders, Arc::new(scene), sink);
-    Watched { worker, news }
+    let worker = Worker::start(config, Arc::new(scene), sink);
+    Watched { worker, event }
 }
 
 impl Watched {
     /// The next news, but for those of the set-up, and for how far a step is: that depends on the clock.
-    fn next(&self) -> News {
+    fn next(&self) -> WorkerEvent {
         loop {
-            let message = self.news.recv_timeout(PATIENCE).unwrap();
+            let message = self.event.recv_timeout(PATIENCE).unwrap();
             assert_eq!(message.run, RunId(7));
-            if !matches!(message.news, News::SettingUp(_) | News::Underway(_)) {
-                return message.news;
+            if !matches!(
+                message.event,
+                WorkerEvent::SettingUp(_) | WorkerEvent::StepProgress(_)
+            ) {
+                return message.event;
             }
         }
     }
 
     /// All news up to the first of which this holds.
-    fn until(&self, is_last: impl Fn(&News) -> bool) -> Vec<News> {
-        let mut news = vec![self.next()];
-        while !news.last().is_some_and(&is_last) {
-            news.push(self.next());
+    fn until(&self, is_last: impl Fn(&WorkerEvent) -> bool) -> Vec<WorkerEvent> {
+        let mut event = vec![self.next()];
+        while !event.last().is_some_and(&is_last) {
+            event.push(self.next());
         }
-        news
+        event
     }
 
     /// The words of the news up to the first such word.
     fn words_until(&self, last: &str) -> Vec<String> {
-        let news = self.until(|news| word(news) == last);
-        news.iter().map(word).collect()
+        let event = self.until(|event| word(event) == last);
+        event.iter().map(word).collect()
     }
 }
 
-/// News in a word, with the steps of reports.
-fn word(news: &News) -> String {
-    match news {
-        News::SettingUp(part) => part.words().to_owned(),
-        News::Ready(_) => "ready".to_owned(),
-        News::Reports(reports) => {
+/// WorkerEvent in a word, with the steps of reports.
+fn word(event: &WorkerEvent) -> String {
+    match event {
+        WorkerEvent::SettingUp(part) => part.words().to_owned(),
+        WorkerEvent::Ready(_) => "ready".to_owned(),
+        WorkerEvent::Reports(reports) => {
             let steps: Vec<u64> = reports.iter().map(|report| report.step).collect();
             format!("{steps:?}")
         }
-        News::Underway(underway) => format!("within {}", underway.step),
-        News::Event(event) => event.kind.name().to_owned(),
-        News::Anchored { kind, report } => format!("{kind} at {}", report.step),
-        News::Snapshot(picture) => format!("snapshot {}", picture.report.step),
-        News::State(memory) => format!("state {}", memory.step()),
-        News::Paused => "paused".to_owned(),
-        News::Resumed => "resumed".to_owned(),
-        News::AtHorizon => "at the horizon".to_owned(),
-        News::Done => "done".to_owned(),
-        News::Failed(reason) => format!("failed: {reason}"),
+        WorkerEvent::StepProgress(underway) => format!("within {}", underway.step),
+        WorkerEvent::Event(event) => event.kind.name().to_owned(),
+        WorkerEvent::Anchored { kind, report } => format!("{kind} at {}", report.step),
+        WorkerEvent::Snapshot(picture) => format!("snapshot {}", picture.report.step),
+        WorkerEvent::State(checkpoint) => format!("state {}", checkpoint.step()),
+        WorkerEvent::Paused => "paused".to_owned(),
+        WorkerEvent::Resumed => "resumed".to_owned(),
+        WorkerEvent::AtHorizon => "at the horizon".to_owned(),
+        WorkerEvent::Done => "done".to_owned(),
+        WorkerEvent::Failed(reason) => format!("failed: {reason}"),
     }
 }
 
-fn reports(news: &[News]) -> Vec<Report> {
-    let reports = news.iter().filter_map(|news| match news {
-        News::Reports(reports) => Some(reports.clone()),
+fn reports(event: &[WorkerEvent]) -> Vec<Report> {
+    let reports = event.iter().filter_map(|event| match event {
+        WorkerEvent::Reports(reports) => Some(reports.clone()),
         _ => None,
     });
     reports.flatten().map(without_costs).collect()
@@ -112,14 +115,14 @@ fn fetched(worker: &Worker) -> (u64, State) {
 #[test]
 fn a_watched_run_is_bit_for_bit_the_one_that_nobody_watches() {
     let scene = small(&[]);
-    let orders = Orders {
+    let config = WorkerConfig {
         paused: false,
         gathering: Duration::from_millis(3),
         snapshots: 5,
-        ..orders()
+        ..config()
     };
-    let watched = start(orders, scene.clone());
-    let news = watched.until(|news| matches!(news, News::Done));
+    let watched = start(config, scene.clone());
+    let event = watched.until(|event| matches!(event, WorkerEvent::Done));
 
     let mut simulation = Simulation::new(&scene).unwrap();
     let mut expected = vec![simulation.report().clone()];
@@ -128,11 +131,11 @@ fn a_watched_run_is_bit_for_bit_the_one_that_nobody_watches() {
         expected.push(without_costs(simulation.advance().unwrap().clone()));
         states.push(simulation.state().clone());
     }
-    assert_eq!(reports(&news), expected);
-    let snapshots: Vec<_> = news
+    assert_eq!(reports(&event), expected);
+    let snapshots: Vec<_> = event
         .iter()
-        .filter_map(|news| match news {
-            News::Snapshot(picture) => Some(picture),
+        .filter_map(|event| match event {
+            WorkerEvent::Snapshot(picture) => Some(picture),
             _ => None,
         })
         .collect();
@@ -145,12 +148,12 @@ fn a_watched_run_is_bit_for_bit_the_one_that_nobody_watches() {
         assert_eq!(kept.anchoring, Some(AnchoringKind::Parallel));
     }
     assert_eq!(fetched(&watched.worker), (40, states[40].clone()));
-    let News::Ready(setting) = &news[0] else {
-        panic!("{:?}", news[0]);
+    let WorkerEvent::Ready(setting) = &event[0] else {
+        panic!("{:?}", event[0]);
     };
     assert_eq!((setting.steps, &setting.scene), (Some(40), &scene));
-    let costs = news.iter().filter_map(|news| match news {
-        News::Reports(reports) => Some(reports),
+    let costs = event.iter().filter_map(|event| match event {
+        WorkerEvent::Reports(reports) => Some(reports),
         _ => None,
     });
     let costs: Duration = costs.flatten().map(|report| report.costs.total()).sum();
@@ -159,7 +162,7 @@ fn a_watched_run_is_bit_for_bit_the_one_that_nobody_watches() {
 
 #[test]
 fn news_come_in_the_order_of_the_commands() {
-    let watched = start(orders(), small(&["time.end=6e-6"]));
+    let watched = start(config(), small(&["time.end=6e-6"]));
     let Watched { worker, .. } = &watched;
     assert_eq!(watched.words_until("paused"), ["ready", "[0]", "paused"]);
     assert_eq!(worker.computing(), Duration::ZERO);
@@ -193,9 +196,9 @@ fn news_come_in_the_order_of_the_commands() {
 
 #[test]
 fn the_parts_of_the_set_up_are_told_in_order() {
-    let Watched { news, worker } = start(orders(), small(&[]));
+    let Watched { event, worker } = start(config(), small(&[]));
     let words: Vec<String> = (0..4)
-        .map(|_| word(&news.recv_timeout(PATIENCE).unwrap().news))
+        .map(|_| word(&event.recv_timeout(PATIENCE).unwrap().event))
         .collect();
     let parts = [SetUp::Mesh, SetUp::InitialState, SetUp::Solver].map(SetUp::words);
     assert_eq!(words[..3], parts);
@@ -207,21 +210,21 @@ fn the_parts_of_the_set_up_are_told_in_order() {
 #[test]
 fn a_run_ends_while_its_mesh_is_made() {
     let scene = small(&["mesh={ kind = 'delaunay', size = 0.004 }"]);
-    let Watched { news, worker } = start(orders(), scene);
-    let first = news.recv_timeout(PATIENCE).unwrap().news;
+    let Watched { event, worker } = start(config(), scene);
+    let first = event.recv_timeout(PATIENCE).unwrap().event;
     assert_eq!(word(&first), SetUp::Mesh.words());
     drop(worker);
-    let words: Vec<String> = news.iter().map(|message| word(&message.news)).collect();
+    let words: Vec<String> = event.iter().map(|message| word(&message.event)).collect();
     assert_eq!(words, [""; 0]);
 }
 
 #[test]
 fn a_step_of_a_running_run_pauses_it() {
-    let orders = Orders {
+    let config = WorkerConfig {
         paused: false,
-        ..orders()
+        ..config()
     };
-    let watched = start(orders, small(&["time.end=1.0"]));
+    let watched = start(config, small(&["time.end=1.0"]));
     watched.worker.tell(Command::Step);
     let words = watched.words_until("paused");
     watched.worker.tell(Command::Step);
@@ -232,21 +235,21 @@ fn a_step_of_a_running_run_pauses_it() {
 
 impl Watched {
     fn next_steps(&self) -> Vec<u64> {
-        let news = [self.next()];
-        reports(&news).iter().map(|report| report.step).collect()
+        let event = [self.next()];
+        reports(&event).iter().map(|report| report.step).collect()
     }
 }
 
 #[test]
 fn a_run_waits_at_its_horizon_until_that_moves() {
-    let orders = Orders {
+    let config = WorkerConfig {
         paused: false,
         horizon: Some(3e-6),
-        ..orders()
+        ..config()
     };
     // Without the event that another linear solver takes over.
     let scene = small(&["time.end=9e-6", "solver.linear=transform"]);
-    let watched = start(orders, scene);
+    let watched = start(config, scene);
     let Watched { worker, .. } = &watched;
     let words = watched.words_until("at the horizon");
     assert_eq!(words[1..], ["[0]", "[1]", "[2]", "[3]", "at the horizon"]);
@@ -275,10 +278,10 @@ fn a_run_waits_at_its_horizon_until_that_moves() {
 #[test]
 fn an_event_comes_after_the_report_of_its_step() {
     let at_wall = small(&["vesicle.center=[0.5, 0.9]", "vesicle.angle=0"]);
-    let watched = start(orders(), at_wall);
+    let watched = start(config(), at_wall);
     let words = watched.words_until("paused");
     assert_eq!(words, ["ready", "[0]", "reached-wall", "paused"]);
-    assert!(watched.news.try_recv().is_err());
+    assert!(watched.event.try_recv().is_err());
 }
 
 #[test]
@@ -286,14 +289,14 @@ fn a_picture_is_painted_only_when_the_last_one_was_fetched() {
     let mailbox: Arc<OnceLock<Mailbox>> = Arc::default();
     let (sender, steps) = mpsc::channel();
     let shared = mailbox.clone();
-    let sink = move |message: Message| match message.news {
-        News::Reports(reports) if reports[0].step % 3 == 1 => {
+    let sink = move |message: Message| match message.event {
+        WorkerEvent::Reports(reports) if reports[0].step % 3 == 1 => {
             let picture = shared.get().and_then(Mailbox::fetch);
             let _ = sender.send(picture.map(|picture| picture.report.step));
         }
         _ => {}
     };
-    let worker = Worker::start(orders(), Arc::new(small(&["time.end=1e-5"])), sink);
+    let worker = Worker::start(config(), Arc::new(small(&["time.end=1e-5"])), sink);
     mailbox.set(worker.mailbox()).unwrap();
     worker.tell(Command::Resume);
     let fetched: Vec<_> = (0..4).map(|_| steps.recv_timeout(PATIENCE)).collect();
@@ -306,11 +309,11 @@ fn a_picture_is_painted_only_when_the_last_one_was_fetched() {
 
 #[test]
 fn reports_are_gathered_and_none_is_held_back_at_rest() {
-    let orders = Orders {
+    let config = WorkerConfig {
         gathering: Duration::from_secs(3600),
-        ..orders()
+        ..config()
     };
-    let watched = start(orders, small(&["time.end=5e-6"]));
+    let watched = start(config, small(&["time.end=5e-6"]));
     assert_eq!(watched.words_until("paused"), ["ready", "[0]", "paused"]);
     watched.worker.tell(Command::Step);
     assert_eq!(watched.words_until("paused"), ["[1]", "paused"]);
@@ -320,12 +323,12 @@ fn reports_are_gathered_and_none_is_held_back_at_rest() {
 }
 
 /// Carries out the switches that a worker has told on a simulation that nobody watches.
-fn replay(scene: &Scene, news: &[News]) -> (Vec<Report>, State) {
+fn replay(scene: &Scene, event: &[WorkerEvent]) -> (Vec<Report>, State) {
     let mut simulation = Simulation::new(scene).unwrap();
     let mut expected = vec![simulation.report().clone()];
-    let last = reports(news).len() as u64;
-    let mut switches = news.iter().filter_map(|news| match news {
-        News::Anchored { kind, report } => Some((*kind, report)),
+    let last = reports(event).len() as u64;
+    let mut switches = event.iter().filter_map(|event| match event {
+        WorkerEvent::Anchored { kind, report } => Some((*kind, report)),
         _ => None,
     });
     let mut switch = switches.next();
@@ -355,15 +358,15 @@ fn a_thousand_commands_lose_nothing_and_double_nothing() {
         AnchoringKind::Parallel,
         AnchoringKind::None,
     ];
-    let orders = Orders {
+    let config = WorkerConfig {
         gathering: Duration::from_millis(1),
         snapshots: 7,
         horizon: Some(0.0),
-        ..orders()
+        ..config()
     };
-    let watched = start(orders, scene.clone());
+    let watched = start(config, scene.clone());
     let mut random = ChaCha8Rng::seed_from_u64(3);
-    let (mut news, mut switches, mut answers) = (Vec::new(), Vec::new(), 1);
+    let (mut event, mut switches, mut answers) = (Vec::new(), Vec::new(), 1);
     for _ in 0..1000 {
         let command = match random.random_range(0..20) {
             0..4 => Command::Pause,
@@ -380,8 +383,8 @@ fn a_thousand_commands_lose_nothing_and_double_nothing() {
         }
         watched.worker.tell(command);
         for _ in 0..random.next_u32() % 4 {
-            match watched.news.try_recv() {
-                Ok(message) => news.push(message.news),
+            match watched.event.try_recv() {
+                Ok(message) => event.push(message.event),
                 Err(TryRecvError::Empty) => thread::yield_now(),
                 Err(TryRecvError::Disconnected) => panic!("the thread has ended"),
             }
@@ -389,52 +392,53 @@ fn a_thousand_commands_lose_nothing_and_double_nothing() {
     }
     watched.worker.tell(Command::Horizon(None));
     watched.worker.tell(Command::Resume);
-    news.extend(watched.until(|news| matches!(news, News::Done)));
+    event.extend(watched.until(|event| matches!(event, WorkerEvent::Done)));
 
-    let told: Vec<u64> = reports(&news).iter().map(|report| report.step).collect();
+    let told: Vec<u64> = reports(&event).iter().map(|report| report.step).collect();
     assert_eq!(told, (0..=steps).collect::<Vec<_>>());
-    let count = |word_of: &str| news.iter().filter(|news| word(news) == word_of).count();
+    let count = |word_of: &str| event.iter().filter(|event| word(event) == word_of).count();
     assert_eq!(count("paused"), answers);
     assert_eq!((count("ready"), count("done")), (1, 1));
     assert_eq!(count("snapshot 0") + count("snapshot 600"), 2);
     assert_eq!(
-        news.iter()
-            .filter(|news| word(news).starts_with("snap"))
+        event
+            .iter()
+            .filter(|event| word(event).starts_with("snap"))
             .count(),
         7
     );
-    let anchored: Vec<_> = news
+    let anchored: Vec<_> = event
         .iter()
-        .filter_map(|news| match news {
-            News::Anchored { kind, .. } => Some(*kind),
+        .filter_map(|event| match event {
+            WorkerEvent::Anchored { kind, .. } => Some(*kind),
             _ => None,
         })
         .collect();
     assert_eq!(anchored, switches);
-    let (expected, state) = replay(&scene, &news);
-    assert_eq!(reports(&news), expected);
+    let (expected, state) = replay(&scene, &event);
+    assert_eq!(reports(&event), expected);
     assert_eq!(fetched(&watched.worker), (steps, state));
-    check_life_cycle(&news);
+    check_life_cycle(&event);
 }
 
 /// Whoever stands still takes no step but one that is asked for, and goes on only from standing.
-fn check_life_cycle(news: &[News]) {
+fn check_life_cycle(event: &[WorkerEvent]) {
     let (mut stands, mut steps_while_standing) = (false, 0);
-    for news in &news[2..] {
-        match news {
-            News::Paused => {
+    for event in &event[2..] {
+        match event {
+            WorkerEvent::Paused => {
                 assert!(steps_while_standing <= 1);
                 (stands, steps_while_standing) = (true, 0);
             }
-            News::AtHorizon => {
+            WorkerEvent::AtHorizon => {
                 assert_eq!(steps_while_standing, 0);
                 stands = true;
             }
-            News::Resumed => {
+            WorkerEvent::Resumed => {
                 assert!(stands && steps_while_standing == 0);
                 stands = false;
             }
-            News::Reports(reports) if stands => steps_while_standing += reports.len(),
+            WorkerEvent::Reports(reports) if stands => steps_while_standing += reports.len(),
             _ => {}
         }
     }
@@ -453,33 +457,35 @@ fn a_hard_step_is_told_and_kept_in_its_midst() {
     ";
     let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
     let scene = Scene::parse(text, "the test", &[], &mut no_files).unwrap();
-    let start = |from: Option<Box<Memory>>| {
-        let (sender, news) = mpsc::channel();
+    let start = |from: Option<Box<SimulationCheckpoint>>| {
+        let (sender, event) = mpsc::channel();
         let sink = move |message: Message| {
             // Whoever listens may have gone.
-            let _ = sender.send(message.news);
+            let _ = sender.send(message.event);
         };
         let continuity = Continuity {
             from,
             keep: Some(Duration::ZERO),
         };
-        let orders = Orders {
+        let config = WorkerConfig {
             paused: false,
-            ..orders()
+            ..config()
         };
-        let worker = Worker::start_from(orders, Arc::new(scene.clone()), continuity, sink);
-        (worker, news)
+        let worker = Worker::start_from(config, Arc::new(scene.clone()), continuity, sink);
+        (worker, event)
     };
-    let (worker, news) = start(None);
+    let (worker, event) = start(None);
     // Until a part of the step is behind it.
-    let mut kept: Option<Box<Memory>> = None;
+    let mut kept: Option<Box<SimulationCheckpoint>> = None;
     let underway = loop {
-        match news.recv_timeout(PATIENCE).unwrap() {
-            News::Underway(underway) if kept.as_ref().is_some_and(|kept| kept.t() > 0.0) => {
+        match event.recv_timeout(PATIENCE).unwrap() {
+            WorkerEvent::StepProgress(underway)
+                if kept.as_ref().is_some_and(|kept| kept.t() > 0.0) =>
+            {
                 break underway;
             }
-            News::State(memory) => kept = Some(memory),
-            News::Reports(reports) => assert!(reports.iter().all(|report| report.step == 0)),
+            WorkerEvent::State(checkpoint) => kept = Some(checkpoint),
+            WorkerEvent::Reports(reports) => assert!(reports.iter().all(|report| report.step == 0)),
             _ => {}
         }
     };
@@ -493,18 +499,19 @@ fn a_hard_step_is_told_and_kept_in_its_midst() {
     assert!(0.0 < kept.t() && kept.t() <= underway.t, "{}", kept.t());
     drop(worker);
 
-    let (_worker, news) = start(Some(kept.clone()));
+    let (_worker, event) = start(Some(kept.clone()));
     let next = || {
         loop {
-            match news.recv_timeout(PATIENCE).unwrap() {
-                News::SettingUp(_) => {}
-                news => break news,
+            match event.recv_timeout(PATIENCE).unwrap() {
+                WorkerEvent::SettingUp(_) => {}
+                event => break event,
             }
         }
     };
-    let (News::Ready(_), News::Reports(reports), News::Underway(again)) = (next(), next(), next())
+    let (WorkerEvent::Ready(_), WorkerEvent::Reports(reports), WorkerEvent::StepProgress(again)) =
+        (next(), next(), next())
     else {
-        panic!("other news");
+        panic!("other event");
     };
     assert_eq!((reports[0].step, reports[0].t), (0, 0.0));
     assert_eq!((again.step, again.t), (1, kept.t()));
@@ -516,9 +523,12 @@ fn a_set_up_that_fails_is_told() {
     // More than any memory holds: refused before anything is allocated.
     let scene = small(&["mesh.cells=20000"]);
     let expected = Simulation::new(&scene).unwrap_err().to_string();
-    let watched = start(orders(), scene);
+    let watched = start(config(), scene);
     assert_eq!(word(&watched.next()), format!("failed: {expected}"));
-    assert!(watched.news.recv_timeout(PATIENCE).is_err(), "nothing more");
+    assert!(
+        watched.event.recv_timeout(PATIENCE).is_err(),
+        "nothing more"
+    );
     watched.worker.tell(Command::Resume);
 }
 
@@ -528,17 +538,20 @@ fn a_step_that_fails_is_told_after_all_before_it() {
     let mut simulation = Simulation::new(&scene).unwrap();
     let initial = simulation.state().clone();
     let error = simulation.advance().unwrap_err().to_string();
-    let orders = Orders {
+    let config = WorkerConfig {
         paused: false,
         gathering: Duration::from_secs(3600),
-        ..orders()
+        ..config()
     };
-    let watched = start(orders, scene);
+    let watched = start(config, scene);
     let words: Vec<String> = (0..4).map(|_| word(&watched.next())).collect();
     // The event comes while the step is taken.
     let failed = format!("failed: {error}");
     assert_eq!(words, ["ready", "[0]", "short-steps", &failed]);
-    assert!(watched.news.recv_timeout(PATIENCE).is_err(), "nothing more");
+    assert!(
+        watched.event.recv_timeout(PATIENCE).is_err(),
+        "nothing more"
+    );
     assert_eq!(fetched(&watched.worker), (0, initial));
 }
 
@@ -556,62 +569,68 @@ fn a_panic_is_told() {
         values: Arc::from(vec![0.0; nodes]),
         columns: 1,
     });
-    let watched = start(orders(), scene);
+    let watched = start(config(), scene);
     let told = word(&watched.next());
     assert!(
         told.starts_with("failed: the solver has a mistake"),
         "{told}"
     );
-    assert!(watched.news.recv_timeout(PATIENCE).is_err(), "nothing more");
+    assert!(
+        watched.event.recv_timeout(PATIENCE).is_err(),
+        "nothing more"
+    );
 }
 
 #[test]
 fn a_sink_that_panics_ends_the_run_and_nothing_else() {
-    let (sender, news) = mpsc::channel();
+    let (sender, event) = mpsc::channel();
     let sink = move |message: Message| {
-        if !matches!(message.news, News::SettingUp(_)) {
-            let _ = sender.send(word(&message.news));
+        if !matches!(message.event, WorkerEvent::SettingUp(_)) {
+            let _ = sender.send(word(&message.event));
         }
-        assert!(!matches!(message.news, News::Ready(_)), "a sink's mistake");
+        assert!(
+            !matches!(message.event, WorkerEvent::Ready(_)),
+            "a sink's mistake"
+        );
     };
-    let worker = Worker::start(orders(), Arc::new(small(&[])), sink);
-    assert_eq!(news.recv_timeout(PATIENCE).as_deref(), Ok("ready"));
-    let told = news.recv_timeout(PATIENCE).unwrap();
+    let worker = Worker::start(config(), Arc::new(small(&[])), sink);
+    assert_eq!(event.recv_timeout(PATIENCE).as_deref(), Ok("ready"));
+    let told = event.recv_timeout(PATIENCE).unwrap();
     assert!(told.contains("a sink's mistake"), "{told}");
     drop(worker);
-    assert!(news.recv().is_err());
+    assert!(event.recv().is_err());
 }
 
 #[test]
 fn dropping_ends_a_run_within_a_step() {
     let endless = small(&["time.end=1.0"]);
     for (paused, horizon) in [(true, None), (false, Some(1e-6)), (false, None)] {
-        let orders = Orders {
+        let config = WorkerConfig {
             paused,
             horizon,
-            ..orders()
+            ..config()
         };
-        let watched = start(orders, endless.clone());
+        let watched = start(config, endless.clone());
         watched.next();
         drop(watched.worker);
         // All that was told is here, and the thread with its sender is gone.
-        let told = watched.news.iter().count();
+        let told = watched.event.iter().count();
         assert!(told < 1_000_000);
     }
 }
 
 #[test]
 fn an_end_holds_nothing_back() {
-    let orders = Orders {
+    let config = WorkerConfig {
         gathering: Duration::from_secs(3600),
         paused: false,
-        ..orders()
+        ..config()
     };
-    let watched = start(orders, small(&["time.end=1.0"]));
+    let watched = start(config, small(&["time.end=1.0"]));
     assert_eq!(word(&watched.next()), "ready");
     watched.worker.tell(Command::End);
-    let news: Vec<News> = watched.news.iter().map(|message| message.news).collect();
-    let steps: Vec<u64> = reports(&news).iter().map(|report| report.step).collect();
+    let event: Vec<WorkerEvent> = watched.event.iter().map(|message| message.event).collect();
+    let steps: Vec<u64> = reports(&event).iter().map(|report| report.step).collect();
     assert_eq!(steps, (0..steps.len() as u64).collect::<Vec<_>>());
     assert!(!steps.is_empty());
 }
@@ -619,7 +638,7 @@ fn an_end_holds_nothing_back() {
 #[test]
 fn without_a_director_no_anchoring_is_told() {
     let scene = small(&["anchoring=false", "nematic=false"]);
-    let watched = start(orders(), scene);
+    let watched = start(config(), scene);
     watched.words_until("paused");
     watched
         .worker
@@ -632,30 +651,30 @@ fn without_a_director_no_anchoring_is_told() {
 
 #[test]
 fn an_event_of_a_switch_is_told_once() {
-    let watched = start(orders(), small(&[]));
+    let watched = start(config(), small(&[]));
     watched.words_until("paused");
     watched.worker.tell(Command::Anchor(AnchoringKind::None));
     watched.worker.tell(Command::Step);
-    let news = watched.until(|news| matches!(news, News::Paused));
-    let switch = |news: &&News| {
+    let event = watched.until(|event| matches!(event, WorkerEvent::Paused));
+    let switch = |event: &&WorkerEvent| {
         matches!(
-            news,
-            News::Event(Event {
+            event,
+            WorkerEvent::Event(Event {
                 kind: EventKind::AnchoringSwitched { .. },
                 ..
             })
         )
     };
-    assert_eq!(news.iter().filter(switch).count(), 0);
-    let words: Vec<String> = news.iter().map(word).collect();
+    assert_eq!(event.iter().filter(switch).count(), 0);
+    let words: Vec<String> = event.iter().map(word).collect();
     assert_eq!(words, ["none at 0", "[1]", "paused"]);
 }
 
 #[test]
 fn a_run_goes_on_from_the_state_of_another() {
     let scene = small(&[]);
-    let start_from = |from: Option<Box<Memory>>| {
-        let (sender, news) = mpsc::channel();
+    let start_from = |from: Option<Box<SimulationCheckpoint>>| {
+        let (sender, event) = mpsc::channel();
         let sink = move |message| {
             // Whoever listens may have gone.
             let _ = sender.send(message);
@@ -664,21 +683,21 @@ fn a_run_goes_on_from_the_state_of_another() {
             from,
             keep: Some(Duration::from_secs(3600)),
         };
-        let worker = Worker::start_from(orders(), Arc::new(scene.clone()), continuity, sink);
-        Watched { worker, news }
+        let worker = Worker::start_from(config(), Arc::new(scene.clone()), continuity, sink);
+        Watched { worker, event }
     };
     let first = start_from(None);
     first.worker.tell(Command::Step);
     first.worker.tell(Command::Step);
     first.worker.tell(Command::End);
-    let news = first.until(|news| matches!(news, News::State(_)));
-    let Some(News::State(memory)) = news.last() else {
-        panic!("{news:?}");
+    let event = first.until(|event| matches!(event, WorkerEvent::State(_)));
+    let Some(WorkerEvent::State(checkpoint)) = event.last() else {
+        panic!("{event:?}");
     };
-    assert_eq!(memory.step(), 2);
-    assert!(first.news.recv_timeout(PATIENCE).is_err(), "nothing more");
+    assert_eq!(checkpoint.step(), 2);
+    assert!(first.event.recv_timeout(PATIENCE).is_err(), "nothing more");
 
-    let second = start_from(Some(memory.clone()));
+    let second = start_from(Some(checkpoint.clone()));
     second.worker.tell(Command::Step);
     let mut told = second.words_until("paused");
     told.extend(second.words_until("paused"));
@@ -689,8 +708,8 @@ fn a_run_goes_on_from_the_state_of_another() {
 
     // The state of another scene is told, and nothing is computed.
     let other = Simulation::new(&small(&["mesh.cells=9"])).unwrap();
-    let mut memory = Box::new(Memory::default());
-    other.remember(&mut memory);
-    let third = start_from(Some(memory));
+    let mut checkpoint = Box::new(SimulationCheckpoint::default());
+    other.save(&mut checkpoint);
+    let third = start_from(Some(checkpoint));
     assert!(word(&third.next()).contains("another scene"));
 }

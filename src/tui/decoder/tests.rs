@@ -12,13 +12,13 @@ enum Reported {
     Remark,
 }
 
-fn report(decode: impl FnOnce(&mut dyn FnMut(Incoming))) -> Vec<Reported> {
+fn report(decode: impl FnOnce(&mut dyn FnMut(AppEvent))) -> Vec<Reported> {
     let mut reported = Vec::new();
     decode(&mut |incoming| {
         reported.push(match incoming {
-            Incoming::Message(Message::Key(key)) => Reported::Key(key),
-            Incoming::Message(Message::Remark(_)) => Reported::Remark,
-            Incoming::Pasted(text) => Reported::Text(text),
+            AppEvent::Message(Message::Key(key)) => Reported::Key(key),
+            AppEvent::Message(Message::Remark(_)) => Reported::Remark,
+            AppEvent::Pasted(text) => Reported::Text(text),
             other => panic!("{other:?}"),
         });
     });

@@ -14,7 +14,7 @@ use super::rows::{self, Row, Widths};
 use super::shown::Shown;
 use super::text;
 use crate::simulation::{Costs, ErrorPart, Phase, Report};
-use crate::study::Suggestion;
+use crate::study::Recommendation;
 use crate::tui::curve;
 use crate::tui::keys::{self, Action};
 use crate::tui::layout::{Step, Wish};
@@ -95,7 +95,7 @@ pub fn draw(shown: &Shown<'_>, look: Look, theme: &Theme, area: Rect, buffer: &m
         text::line(buffer, area, 3 + parts, budget);
     }
     if area.height > 4 + parts
-        && let Some(suggestion) = Suggestion::of(shown.scene(), &report.budget)
+        && let Some(suggestion) = Recommendation::of(shown.scene(), &report.budget)
     {
         let words = Line::from(vec![
             Span::styled(

@@ -8,7 +8,7 @@ use ratatui::style::Modifier;
 use ratatui::text::{Line, Span};
 
 use super::text;
-use crate::record::Brief;
+use crate::record::ShortNumber;
 use crate::scene::preset_description;
 use crate::tui::layout::centred;
 use crate::tui::state::{App, Beyond, Keeping, Question, Run};
@@ -71,7 +71,11 @@ pub fn confirm(app: &App, question: Question, theme: &Theme, screen: Rect, buffe
 fn place(run: &Run) -> String {
     match &run.underway {
         None => format!("at step {}", run.report.step),
-        Some(underway) => format!("within step {}, t = {}", underway.step, Brief(underway.t)),
+        Some(underway) => format!(
+            "within step {}, t = {}",
+            underway.step,
+            ShortNumber(underway.t)
+        ),
     }
 }
 
@@ -84,7 +88,7 @@ fn beyond_words(app: &App, beyond: Beyond) -> String {
     let Some((run, end)) = run.and_then(|run| Some((run, run.later_end()?))) else {
         return String::new();
     };
-    let (name, t, end) = (&slot.name, Brief(run.report.t), Brief(end));
+    let (name, t, end) = (&slot.name, ShortNumber(run.report.t), ShortNumber(end));
     let first = match beyond {
         Beyond::Run => String::new(),
         Beyond::Step => ", and pause after one step".to_owned(),

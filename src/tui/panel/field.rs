@@ -12,9 +12,9 @@ use super::shown::Shown;
 use super::text;
 use crate::fem::Rectangle;
 use crate::tui::canvas::Canvas;
+use crate::tui::field_image;
 use crate::tui::layout::{Step, centred, fit};
 use crate::tui::numbers::brief;
-use crate::tui::sampled;
 use crate::tui::state::{DirectorStyle, Field, View};
 use crate::tui::theme::Theme;
 
@@ -115,7 +115,7 @@ pub fn draw(
 
 /// What is shown.
 fn title<'a>(view: View, theme: &Theme) -> Line<'a> {
-    let (symbol, words) = sampled::names(view.field, theme);
+    let (symbol, words) = field_image::names(view.field, theme);
     Line::from(vec![
         Span::styled(symbol, theme.strong()),
         Span::raw(" "),

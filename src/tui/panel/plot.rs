@@ -10,8 +10,8 @@ use crate::fem::Mesh;
 use crate::scheme::State;
 use crate::tui::canvas::Canvas;
 use crate::tui::colour_map::{ColourMap, LEVELS};
+use crate::tui::field_image::FieldImage;
 use crate::tui::glyphs::Glyphs;
-use crate::tui::sampled::Sampled;
 use crate::tui::state::{DirectorStyle, Field, View};
 use crate::tui::theme::{ColorTier, Role, Theme};
 
@@ -54,7 +54,7 @@ impl Plot<'_> {
         let half = theme.glyphs().upper_half.filter(|_| theme.paints());
         let samples_a_cell = if half.is_some() { 2 } else { 1 };
         let raster = canvas.raster(self.mesh, columns, rows * samples_a_cell);
-        let sampled = Sampled::new(self.view.field, self.state, self.interface_width, &raster);
+        let sampled = FieldImage::new(self.view.field, self.state, self.interface_width, &raster);
         let mut contour = contour(&sampled.phase, columns);
         if self.view.field != Field::Phase {
             // What lies on the membrane is to be seen too.
@@ -75,7 +75,7 @@ impl Plot<'_> {
     /// Without colours: a ramp of glyphs, the contour above all.
     fn ink(
         &self,
-        sampled: &Sampled,
+        sampled: &FieldImage,
         contour: &[bool],
         theme: &Theme,
         area: Rect,
@@ -103,7 +103,7 @@ impl Plot<'_> {
     /// The director on a lattice of cells inside the vesicle.
     fn director(
         &self,
-        sampled: &Sampled,
+        sampled: &FieldImage,
         contour: &[bool],
         theme: &Theme,
         canvas: &mut Canvas,
@@ -161,7 +161,7 @@ impl Plot<'_> {
 
 /// Whether a sample lies inside the vesicle with both its neighbours, and not on the contour.
 fn is_inside(
-    sampled: &Sampled,
+    sampled: &FieldImage,
     contour: &[bool],
     columns: usize,
     column: usize,
@@ -218,7 +218,7 @@ pub fn ramp_style(share: f64, theme: &Theme) -> Style {
 
 /// Two samples a cell, one above the other.
 fn paint(
-    sampled: &Sampled,
+    sampled: &FieldImage,
     contour: &[bool],
     map: &ColourMap,
     theme: &Theme,
@@ -263,7 +263,7 @@ fn paint(
 
 /// One sample a cell: colours in a locale without blocks.
 fn paint_cells(
-    sampled: &Sampled,
+    sampled: &FieldImage,
     contour: &[bool],
     map: &ColourMap,
     theme: &Theme,

@@ -1,7 +1,7 @@
 //! What is looked at: a run as it is now, or as it was.
 
 use crate::scene::{AnchoringKind, Scene};
-use crate::simulation::{Picture, Report, Schedule, SetUp, Setting};
+use crate::simulation::{Report, RunSnapshot, Schedule, SetUp, Setting};
 use crate::tui::curve;
 use crate::tui::state::{App, Run, Slot, Status};
 use crate::tui::theme::Role;
@@ -16,7 +16,7 @@ pub struct Shown<'a> {
     /// Mesh and steps, once they are known.
     pub setting: Option<&'a Setting>,
     /// The fields.
-    pub picture: Option<&'a Picture>,
+    pub picture: Option<&'a RunSnapshot>,
     /// The scalars of the time that is looked at.
     pub report: Option<&'a Report>,
     /// The anchoring of that time.

@@ -9,10 +9,10 @@ use super::super::state::{
     Save, Screen, Slot, Status,
 };
 use super::{leave, overlays, remark, saving};
-use crate::record::Brief;
+use crate::record::ShortNumber;
 use crate::scene::AnchoringKind;
 use crate::simulation::{Command, RunId, step_count};
-use crate::study::Suggestion;
+use crate::study::Recommendation;
 
 /// The frame rates that the keys go through.
 const FRAME_RATES: [u32; 7] = [1, 2, 5, 10, 15, 20, 30];
@@ -79,7 +79,7 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
 fn improve(app: &mut App) {
     let suggestion = app.active_slot().and_then(|slot| {
         let run = slot.run.as_ref()?;
-        let suggestion = Suggestion::of(&slot.scene, &run.report.budget)?;
+        let suggestion = Recommendation::of(&slot.scene, &run.report.budget)?;
         let mut improved = Slot::new(
             format!("{}-improved", slot.name),
             None,
@@ -250,13 +250,13 @@ fn go_beyond(app: &mut App, beyond: Beyond, effects: &mut Vec<Effect>) {
         effects.push(Effect::Tell(run.id, Command::Anchor(kind)));
     }
     effects.push(Effect::Tell(run.id, Command::Until(end)));
-    run.reins.reopen();
-    run.reins.wanted = true;
+    run.control.reopen();
+    run.control.wanted = true;
     if beyond == Beyond::Step {
-        let command = run.reins.step();
+        let command = run.control.step();
         effects.push(Effect::Tell(run.id, command));
     }
-    remark(app, format!("the run goes on to t = {}", Brief(end)));
+    remark(app, format!("the run goes on to t = {}", ShortNumber(end)));
 }
 
 /// Whether the run that a key is for has reached its end.
@@ -276,7 +276,7 @@ fn pause_or_resume(app: &mut App, effects: &mut Vec<Effect>) {
     };
     for slot in app.slots.get_mut(slots).unwrap_or_default() {
         if let Some(run) = &mut slot.run {
-            run.reins.wanted = wanted;
+            run.control.wanted = wanted;
         }
     }
 }
@@ -289,7 +289,7 @@ fn step(app: &mut App, effects: &mut Vec<Effect>) {
     // A step is taken from the present, and looked at.
     look_back(app, None);
     if let Some(run) = app.active_run_mut() {
-        let command = run.reins.step();
+        let command = run.control.step();
         effects.push(Effect::Tell(run.id, command));
     }
 }

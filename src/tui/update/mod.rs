@@ -1,13 +1,13 @@
 //! What happens to the state: one pure function.
 
 mod actions;
-mod expecting;
-mod news;
+mod estimates;
 mod overlays;
 mod saving;
-mod stage;
+mod scheduling;
 #[cfg(test)]
 mod tests;
+mod worker_events;
 
 use crossterm::event::{KeyEvent, KeyEventKind};
 
@@ -15,9 +15,9 @@ use super::keys::{self, Place};
 use super::message::{Effect, Message};
 use super::state::{App, Ending};
 
-pub use expecting::wanted as expectation_wanted;
+pub use estimates::wanted as expectation_wanted;
 pub use overlays::offered;
-pub(super) use stage::SNAPSHOTS;
+pub(super) use scheduling::SNAPSHOTS;
 
 /// Takes a message into the state; what is to be done about it is the caller's.
 ///
@@ -35,10 +35,10 @@ pub fn update(app: &mut App, message: Message) -> Vec<Effect> {
             app.size = (columns, rows);
         }
         Message::Continued => app.stale = true,
-        Message::Solver(message) => news::hear(app, message),
-        Message::Fields(picture) => news::show(app, picture),
+        Message::Solver(message) => worker_events::hear(app, message),
+        Message::Fields(picture) => worker_events::show(app, picture),
         Message::Computing(run, computing) => {
-            if let Some((index, run)) = news::run_of(app, run)
+            if let Some((index, run)) = worker_events::run_of(app, run)
                 && run.pace.computing != computing
             {
                 run.pace.computing = computing;
@@ -46,7 +46,7 @@ pub fn update(app: &mut App, message: Message) -> Vec<Effect> {
             }
         }
         Message::Kept(run, keeping) => {
-            if let Some((index, run)) = news::run_of(app, run) {
+            if let Some((index, run)) = worker_events::run_of(app, run) {
                 run.keeping = keeping;
                 app.stale |= app.shows(index) || app.overlay.is_some();
             }
@@ -54,18 +54,18 @@ pub fn update(app: &mut App, message: Message) -> Vec<Effect> {
         Message::Loaded(Ok(slot)) => overlays::loaded(app, slot, &mut effects),
         Message::Loaded(Err(reason)) => overlays::not_loaded(app, reason),
         Message::Prices(text) => overlays::priced(app, text),
-        Message::Expected(name, words) => expecting::expected(app, name, words),
+        Message::Expected(name, words) => estimates::expected(app, name, words),
         Message::Saved(outcome) => saving::saved(app, outcome, &mut effects),
         // What was computed is kept without asking.
         Message::Signal(number) => leave(app, Ending::Signal(number), &mut effects),
         Message::HungUp => leave(app, Ending::HungUp, &mut effects),
-        Message::FreeMemory(free) => news::find_room(app, free),
+        Message::FreeMemory(free) => worker_events::find_room(app, free),
         Message::Remark(text) => remark(app, text),
         Message::Tick => {}
     }
     if app.ending.is_none() {
-        expecting::follow(app, &mut effects);
-        stage::direct(app, &mut effects);
+        estimates::follow(app, &mut effects);
+        scheduling::direct(app, &mut effects);
     }
     effects
 }

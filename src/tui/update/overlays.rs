@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
 
-use super::super::keeping::Kept;
+use super::super::autosave::Kept;
 use super::super::keys::{self, Action};
 use super::super::message::Effect;
 use super::super::state::{App, Ending, Overlay, Question, Slot};
@@ -219,9 +219,9 @@ fn is_unchanged(slot: &Slot, loaded: &Slot) -> bool {
 }
 
 /// Takes what effects cost, if that is still looked at.
-pub(super) fn priced(app: &mut App, news: String) {
+pub(super) fn priced(app: &mut App, event: String) {
     if let Some(Overlay::Prices { text }) = &mut app.overlay {
-        *text = news;
+        *text = event;
         app.stale = true;
     }
 }

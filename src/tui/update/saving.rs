@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::super::message::Effect;
 use super::super::state::{App, Save, Saving};
-use super::{news, remark};
+use super::{remark, worker_events};
 
 /// Has something saved, now or after what is being saved.
 pub(super) fn save(app: &mut App, save: Save, effects: &mut Vec<Effect>) {
@@ -29,7 +29,7 @@ pub(super) fn saved(app: &mut App, outcome: Result<PathBuf, String>, effects: &m
     match outcome {
         Ok(path) => {
             if let Some(Save::Set { run, step, .. }) = done
-                && let Some((_, run)) = news::run_of(app, run)
+                && let Some((_, run)) = worker_events::run_of(app, run)
             {
                 run.saved = Some(step);
                 run.unsaved &= run.report.step != step;

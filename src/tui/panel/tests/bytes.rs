@@ -10,7 +10,7 @@ use ratatui::{Terminal, TerminalOptions, Viewport};
 
 use super::made_up;
 use crate::fem::Mesh;
-use crate::simulation::Picture;
+use crate::simulation::RunSnapshot;
 use crate::tui::canvas::Canvas;
 use crate::tui::panel::draw;
 use crate::tui::theme::{ColorTier, Theme};
@@ -64,7 +64,7 @@ fn frames(theme: &Theme) -> Vec<usize> {
         let triangles = mesh.triangles().to_vec();
         let shifted = Mesh::new(nodes, triangles).expect("as fair as before");
         state.phi = made_up::state(&shifted, time).phi;
-        run.picture = Some(Arc::new(Picture {
+        run.picture = Some(Arc::new(RunSnapshot {
             run: run.id,
             anchoring: run.anchoring,
             report: run.report.clone(),

@@ -8,7 +8,7 @@ use crate::fem::{Mesh, OutlineMeasure};
 use crate::physics::NamedValue;
 use crate::scene::{AnchoringKind, Scene, find_preset};
 use crate::scheme::{Phase, State};
-use crate::simulation::{Costs, Picture, Report, RunId, Setting};
+use crate::simulation::{Costs, Report, RunId, RunSnapshot, Setting};
 use crate::tui::state::{App, Notice, Run, Severity, Slot, Status};
 
 /// Steps of the made-up run, of 10,000.
@@ -110,7 +110,7 @@ pub fn slot(name: &str, mesh: &Arc<Mesh>) -> Slot {
         run.pace.take(&report, 10_000);
         if step.is_multiple_of(100) {
             let state = state(mesh, step as f64 / STEPS as f64);
-            let picture = Arc::new(Picture {
+            let picture = Arc::new(RunSnapshot {
                 run: run.id,
                 anchoring: run.anchoring,
                 report: report.clone(),

@@ -10,7 +10,7 @@ use super::{THEMES, characters, drawn, with_styles};
 use crate::fem::Mesh;
 use crate::record::KeptAt;
 use crate::scene::AnchoringKind;
-use crate::simulation::Picture;
+use crate::simulation::RunSnapshot;
 use crate::tui::colour_map::COLOUR_MAPS;
 use crate::tui::layout::divide;
 use crate::tui::state::{
@@ -338,7 +338,7 @@ fn a_circle_looks_round() {
     let circle = |[x, y]: &[f64; 2]| (0.3 - (x - 0.5).hypot(y - 0.5)) / 0.05;
     state.phi = mesh.nodes().iter().map(circle).map(f64::tanh).collect();
     let run = made_up::run(&mut app);
-    run.picture = Some(Arc::new(Picture {
+    run.picture = Some(Arc::new(RunSnapshot {
         run: run.id,
         anchoring: None,
         report: run.report.clone(),

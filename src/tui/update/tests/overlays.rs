@@ -5,14 +5,14 @@ use std::sync::Arc;
 
 use crossterm::event::{KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 
-use super::super::super::keeping::Kept;
+use super::super::super::autosave::Kept;
 use super::super::super::message::{Effect, Message};
 use super::super::super::panel::{kept_words, quit_words};
 use super::super::super::state::{Ending, Keeping, Overlay, Question, Slot, Status};
 use super::super::offered;
 use super::rig::{Rig, scene, slot};
 use crate::record::KeptAt;
-use crate::simulation::{ErrorBudget, Message as WorkerMessage, News, Underway};
+use crate::simulation::{ErrorEstimates, Message as WorkerMessage, StepProgress, WorkerEvent};
 
 fn typed(rig: &Rig) -> (&str, Option<usize>, Option<&str>) {
     let Some(Overlay::Open {
@@ -378,7 +378,7 @@ fn a_run_within_a_hard_step_is_said_to_be_there() {
     let mut rig = Rig::new();
     rig.settle();
     let run = rig.run(2).id;
-    let news = News::Underway(Underway {
+    let event = WorkerEvent::StepProgress(StepProgress {
         step: 1,
         t: 3e-7,
         end: 1e-6,
@@ -386,7 +386,7 @@ fn a_run_within_a_hard_step_is_said_to_be_there() {
         parts: 3,
         refused: 2,
     });
-    rig.tell(Message::Solver(WorkerMessage { run, news }));
+    rig.tell(Message::Solver(WorkerMessage { run, event }));
     rig.keys("q");
     let words = quit_words(&rig.app);
     assert!(words.contains("case3 (within step 1, t = 3e-7)"), "{words}");
@@ -496,7 +496,7 @@ fn what_the_errors_suggest_begins_as_another_run() {
     );
     rig.work(3);
     let run = rig.app.slots[2].run.as_mut().expect("it runs");
-    run.report.budget = ErrorBudget {
+    run.report.budget = ErrorEstimates {
         time: Some(1e-4),
         space: Some(1e-2),
         algebra: Some(1e-9),

@@ -10,7 +10,7 @@ use super::super::super::keys::BINDINGS;
 use super::super::super::message::{Effect, Message};
 use super::super::super::state::{App, Field, Screen, Slot, Status};
 use super::rig::{Rig, scene, slot};
-use crate::simulation::{Message as WorkerMessage, News, RunId};
+use crate::simulation::{Message as WorkerMessage, RunId, WorkerEvent};
 
 const MESSAGES: usize = 10_000;
 
@@ -97,8 +97,8 @@ fn happen(rig: &mut Rig, random: &mut ChaCha8Rng) {
             // Of a run that has long been ended, or never was.
             let run = RunId(random.random_range(0..1000));
             if !rig.workers.contains_key(&run) {
-                let news = News::Done;
-                rig.tell(Message::Solver(WorkerMessage { run, news }));
+                let event = WorkerEvent::Done;
+                rig.tell(Message::Solver(WorkerMessage { run, event }));
             }
         }
         97 => {

@@ -19,7 +19,7 @@ struct Watched {
     app: App,
     workers: BTreeMap<RunId, Worker>,
     sender: Sender<WorkerMessage>,
-    news: Receiver<WorkerMessage>,
+    event: Receiver<WorkerMessage>,
 }
 
 fn scene(kind: &str) -> Scene {
@@ -45,13 +45,13 @@ impl Watched {
     fn new(slots: Vec<Slot>) -> Self {
         let mut app = App::new(slots, 0, (80, 24), 10);
         app.cores = 2;
-        let (sender, news) = mpsc::channel();
+        let (sender, event) = mpsc::channel();
         let workers = BTreeMap::new();
         let mut watched = Self {
             app,
             workers,
             sender,
-            news,
+            event,
         };
         watched.tell(Message::Tick);
         watched
@@ -83,7 +83,7 @@ impl Watched {
     /// Listens until something holds.
     fn until(&mut self, holds: impl Fn(&App) -> bool) {
         while !holds(&self.app) {
-            let message = self.news.recv_timeout(PATIENCE).unwrap();
+            let message = self.event.recv_timeout(PATIENCE).unwrap();
             self.tell(Message::Solver(message));
         }
     }

@@ -14,14 +14,14 @@ use crate::physics::NamedValue;
 use crate::scene::{AnchoringKind, Scene};
 use crate::scheme::State;
 use crate::simulation::{
-    Command, Failure, Message as WorkerMessage, News, Orders, Picture, Report, RunId, Setting,
-    step_count,
+    Command, Failure, Message as WorkerMessage, Report, RunId, RunSnapshot, Setting, WorkerConfig,
+    WorkerEvent, step_count,
 };
 
 /// A worker that is played.
 #[derive(Debug)]
 pub(super) struct Played {
-    orders: Orders,
+    orders: WorkerConfig,
     scene: Scene,
     ready: bool,
     going: bool,
@@ -36,7 +36,7 @@ pub(super) struct Played {
 }
 
 impl Played {
-    fn new(orders: Orders, scene: &Scene) -> Self {
+    fn new(orders: WorkerConfig, scene: &Scene) -> Self {
         let mut played = Self {
             going: !orders.paused,
             orders,
@@ -92,41 +92,41 @@ impl Played {
         busy && !self.failed
     }
 
-    fn take_step(&mut self, news: &mut Vec<News>) {
+    fn take_step(&mut self, event: &mut Vec<WorkerEvent>) {
         self.report.step += 1;
         self.report.t = self.report.step as f64 * self.scene.time.step;
         self.measure();
-        news.push(News::Reports(vec![self.report.clone()]));
+        event.push(WorkerEvent::Reports(vec![self.report.clone()]));
     }
 
     /// One turn of the worker's loop: a command or a step. Returns what it tells.
-    fn turn(&mut self) -> Vec<News> {
-        let mut news = Vec::new();
+    fn turn(&mut self) -> Vec<WorkerEvent> {
+        let mut event = Vec::new();
         if self.failed {
-            return news;
+            return event;
         }
         if !self.ready {
             self.ready = true;
-            news.push(News::Ready(Arc::new(Setting {
+            event.push(WorkerEvent::Ready(Arc::new(Setting {
                 scene: self.scene.clone(),
                 mesh: Arc::new(Mesh::structured(2, 0.0, 1).unwrap()),
                 steps: Some(self.steps()),
                 warnings: Vec::new(),
             })));
-            news.push(News::Reports(vec![self.report.clone()]));
+            event.push(WorkerEvent::Reports(vec![self.report.clone()]));
         }
         let rest = self.rest();
         if rest != self.told {
             self.told = rest;
-            news.push(match rest {
-                Some("done") => News::Done,
-                Some("paused") => News::Paused,
-                Some(_) => News::AtHorizon,
-                None => News::Resumed,
+            event.push(match rest {
+                Some("done") => WorkerEvent::Done,
+                Some("paused") => WorkerEvent::Paused,
+                Some(_) => WorkerEvent::AtHorizon,
+                None => WorkerEvent::Resumed,
             });
         }
         match self.commands.pop_front() {
-            None if rest.is_none() => self.take_step(&mut news),
+            None if rest.is_none() => self.take_step(&mut event),
             Some(Command::Resume) => self.going = true,
             Some(Command::Horizon(horizon)) => self.orders.horizon = horizon,
             Some(Command::Until(end)) => {
@@ -137,18 +137,18 @@ impl Played {
                 self.anchoring = kind;
                 self.measure();
                 let report = Box::new(self.report.clone());
-                news.push(News::Anchored { kind, report });
+                event.push(WorkerEvent::Anchored { kind, report });
             }
             Some(command @ (Command::Pause | Command::Step)) if rest != Some("done") => {
                 if command == Command::Step {
-                    self.take_step(&mut news);
+                    self.take_step(&mut event);
                 }
                 self.going = false;
                 self.told = None;
             }
             _ => {}
         }
-        news
+        event
     }
 
     /// Whether there is anything to be done or told but the next step.
@@ -156,9 +156,9 @@ impl Played {
         !self.failed && (!self.ready || !self.commands.is_empty() || self.told != self.rest())
     }
 
-    fn picture(&self) -> Arc<Picture> {
+    fn picture(&self) -> Arc<RunSnapshot> {
         let field = vec![self.report.step as f64; 9];
-        Arc::new(Picture {
+        Arc::new(RunSnapshot {
             run: self.orders.run,
             anchoring: Some(self.anchoring),
             report: self.report.clone(),
@@ -270,9 +270,9 @@ impl Rig {
     /// One turn of a worker; what it tells is on the way then.
     pub(super) fn turn(&mut self, run: RunId) {
         if let Some(worker) = self.workers.get_mut(&run) {
-            let news = worker.turn().into_iter();
+            let event = worker.turn().into_iter();
             self.on_the_way
-                .extend(news.map(|news| WorkerMessage { run, news }));
+                .extend(event.map(|event| WorkerMessage { run, event }));
         }
     }
 
@@ -283,11 +283,11 @@ impl Rig {
             && worker.told != Some("done")
         {
             worker.failed = true;
-            let news = News::Failed(Failure {
+            let event = WorkerEvent::Failed(Failure {
                 words: "it did not converge".to_owned(),
                 is_of_scene: false,
             });
-            self.on_the_way.push_back(WorkerMessage { run, news });
+            self.on_the_way.push_back(WorkerMessage { run, event });
         }
     }
 

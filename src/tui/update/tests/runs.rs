@@ -8,13 +8,13 @@ use super::rig::{Rig, scene, slot};
 use crate::physics::NamedValue;
 use crate::scene::{AnchoringKind, Warning};
 use crate::simulation::{
-    Event, EventKind, Message as WorkerMessage, News, Report, RunId, Underway,
+    Event, EventKind, Message as WorkerMessage, Report, RunId, StepProgress, WorkerEvent,
 };
 
 /// A worker of the active run says this.
-fn say(rig: &mut Rig, news: News) {
+fn say(rig: &mut Rig, event: WorkerEvent) {
     let run = rig.app.active_run().map(|run| run.id).unwrap();
-    rig.tell(Message::Solver(WorkerMessage { run, news }));
+    rig.tell(Message::Solver(WorkerMessage { run, event }));
 }
 
 fn status(rig: &Rig, slot: usize) -> Status {
@@ -69,12 +69,12 @@ fn a_hard_first_step_is_shown_and_asked_about() {
     rig.turn(run);
     while let Some(message) = rig.on_the_way.pop_front() {
         // Set up, and at no step.
-        if matches!(message.news, News::Ready(_)) {
+        if matches!(message.event, WorkerEvent::Ready(_)) {
             rig.tell(Message::Solver(message));
         }
     }
     assert!(!rig.run(2).unsaved);
-    let underway = Underway {
+    let underway = StepProgress {
         step: 1,
         t: 2.6e-8,
         end: 1e-6,
@@ -82,7 +82,7 @@ fn a_hard_first_step_is_shown_and_asked_about() {
         parts: 84,
         refused: 14,
     };
-    say(&mut rig, News::Underway(underway));
+    say(&mut rig, WorkerEvent::StepProgress(underway));
     assert_eq!(rig.run(2).underway, Some(underway));
     let told = underway.to_string();
     for words in [
@@ -100,7 +100,7 @@ fn a_hard_first_step_is_shown_and_asked_about() {
         step: 1,
         ..Report::default()
     };
-    say(&mut rig, News::Reports(vec![report]));
+    say(&mut rig, WorkerEvent::Reports(vec![report]));
     assert_eq!(rig.run(2).underway, None);
 }
 
@@ -394,7 +394,7 @@ fn what_rounding_does_to_the_energy_is_no_rise() {
         }];
         say(
             &mut rig,
-            News::Reports(vec![Report {
+            WorkerEvent::Reports(vec![Report {
                 step,
                 total_energy: energy,
                 energies,
@@ -462,7 +462,7 @@ fn warnings_and_events_become_notices() {
     let kind = EventKind::ReachedWall;
     say(
         &mut rig,
-        News::Event(Event {
+        WorkerEvent::Event(Event {
             step: 2,
             t: 2e-6,
             kind,
@@ -475,7 +475,7 @@ fn warnings_and_events_become_notices() {
     let kind = EventKind::AnchoringSwitched { kind };
     say(
         &mut rig,
-        News::Event(Event {
+        WorkerEvent::Event(Event {
             step: 2,
             t: 2e-6,
             kind,
@@ -494,7 +494,7 @@ fn a_target_out_of_reach_is_said_at_the_start() {
         bound: 0.69,
     }];
     rig.keys("ry");
-    say(&mut rig, News::Ready(setting.into()));
+    say(&mut rig, WorkerEvent::Ready(setting.into()));
     let notice = &rig.run(2).notices[0];
     assert_eq!((notice.step, notice.severity), (0, Severity::Warning));
     assert!(notice.text.contains("0.5625"), "{}", notice.text);

@@ -1,0 +1,207 @@
+//! Everything that later steps depend on, copied out of a scheme and put back: a step can be taken
+//! back, and a run go on from a file, bit for bit as if nothing had happened.
+//!
+//! What depends on the scene and the mesh alone is not in it: β, the matrices, the transform.
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::director::Increments;
+use super::extrapolation::PredictorErrors;
+use super::membrane::LinearCheckpoint;
+use super::predictor::Predictor;
+use super::solvers::selection::{FallbackPeriod, SlowSolveDetector};
+use super::{Scheme, State};
+use crate::linalg::LinalgError;
+use crate::physics::{Interval, NamedValue};
+use crate::scene::{Anchoring, AnchoringKind};
+
+/// What [`Scheme::save`] has copied. It keeps its buffers: remembering again allocates nothing.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub struct SchemeCheckpoint {
+    phi: Vec<f64>,
+    omega: Vec<f64>,
+    mu: Vec<f64>,
+    director: Option<[Vec<f64>; 2]>,
+    /// The anchoring may be another than the scene's.
+    anchoring: Option<Anchoring>,
+    /// The time of the last step, as the effects were told it.
+    interval: Option<Interval>,
+    /// Of the effects that have one, in their order. The energy law of the next step starts from them.
+    energies: Vec<f64>,
+    total_energy: f64,
+    phase_integral: f64,
+    surface_area: f64,
+    /// The clock of the history.
+    t: f64,
+    /// Where the guesses of the next step come from.
+    history: Predictor,
+    increments: Option<Increments>,
+    linear: LinearCheckpoint,
+    fallback: Option<FallbackPeriod>,
+    newton_fallback: Option<FallbackPeriod>,
+    slow_solves: SlowSolveDetector,
+    /// Of steps that are taken in several ways.
+    predictor_errors: Option<PredictorErrors>,
+}
+
+/// Why a memory cannot be put into a scheme.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum RestoreError {
+    /// It is of another scene.
+    #[error("it is of another scene: {0}")]
+    Foreign(&'static str),
+    /// The sparse factor cannot be made again.
+    #[error("the sparse factor cannot be made again: {0}")]
+    Factor(#[from] LinalgError),
+}
+
+impl SchemeCheckpoint {
+    /// The anchoring that was in use.
+    pub fn anchoring(&self) -> Option<Anchoring> {
+        self.anchoring
+    }
+
+    /// Whether a scheme can take it over.
+    fn check(&self, scheme: &Scheme) -> Result<(), RestoreError> {
+        let nodes = scheme.space.nodes();
+        let fields = [&self.phi, &self.omega, &self.mu];
+        if fields.iter().any(|field| field.len() != nodes) {
+            return Err(RestoreError::Foreign(
+                "its mesh has another number of nodes",
+            ));
+        }
+        match (&self.director, &self.increments, &scheme.director) {
+            (None, None, None) => {}
+            (Some(director), Some(increments), Some(_))
+                if director.iter().all(|field| field.len() == nodes)
+                    && increments.fits(2 * nodes) => {}
+            _ => return Err(RestoreError::Foreign("its director does not fit")),
+        }
+        let anchors = |anchoring: &Option<Anchoring>| {
+            usize::from(anchoring.is_some_and(|anchoring| anchoring.kind != AnchoringKind::None))
+        };
+        let with_energy = scheme.effects.iter().filter(|effect| effect.has_energy());
+        let others = with_energy.count() - anchors(&scheme.anchoring);
+        if self.energies.len() != others + anchors(&self.anchoring) {
+            return Err(RestoreError::Foreign("it has other effects"));
+        }
+        if let Some(predictor_errors) = &self.predictor_errors
+            && !predictor_errors.fits(&scheme.state)
+        {
+            return Err(RestoreError::Foreign("its extrapolation does not fit"));
+        }
+        if !self.history.fits(&scheme.history, nodes) {
+            return Err(RestoreError::Foreign("its history does not fit"));
+        }
+        if !scheme.membrane.can_restore(&self.linear) {
+            return Err(RestoreError::Foreign(
+                "its linear systems were solved by the fast path, which cannot be used here",
+            ));
+        }
+        Ok(())
+    }
+}
+
+impl Scheme {
+    /// Copies out everything that later steps depend on.
+    pub fn save(&self, checkpoint: &mut SchemeCheckpoint) {
+        checkpoint.phi.clone_from(&self.state.phi);
+        checkpoint.omega.clone_from(&self.state.omega);
+        checkpoint.mu.clone_from(&self.state.mu);
+        copy_director(&mut checkpoint.director, &self.state);
+        checkpoint.anchoring = self.anchoring;
+        checkpoint.interval = self.interval;
+        let energies = self.report.energies.iter().map(|energy| energy.value);
+        checkpoint.energies.clear();
+        checkpoint.energies.extend(energies);
+        checkpoint.total_energy = self.report.total_energy;
+        checkpoint.phase_integral = self.report.phase_integral;
+        checkpoint.surface_area = self.report.surface_area;
+        checkpoint.t = self.t;
+        checkpoint.history.copy(&self.history);
+        match &self.director {
+            Some(director) => director.save(checkpoint.increments.get_or_insert_default()),
+            None => checkpoint.increments = None,
+        }
+        self.membrane.save(&mut checkpoint.linear);
+        checkpoint.fallback = self.fallback;
+        checkpoint.newton_fallback = self.newton_fallback;
+        checkpoint.slow_solves = self.slow_solves;
+        self.save_predictor_errors(&mut checkpoint.predictor_errors);
+    }
+
+    /// Puts it back, also into another scheme of the same scene: what follows is bit for bit what it
+    /// was. The report has the energies and no ledger, for no step was taken.
+    ///
+    /// # Errors
+    /// [`RestoreError`]: the memory is of another scene. The state is then what it was.
+    pub fn restore(&mut self, checkpoint: &SchemeCheckpoint) -> Result<(), RestoreError> {
+        checkpoint.check(self)?;
+        self.membrane.restore(&self.space, &checkpoint.linear)?;
+        self.state.phi.copy_from_slice(&checkpoint.phi);
+        self.state.omega.copy_from_slice(&checkpoint.omega);
+        self.state.mu.copy_from_slice(&checkpoint.mu);
+        if let (Some(to), Some(from)) = (&mut self.state.director, &checkpoint.director) {
+            for (to, from) in to.iter_mut().zip(from) {
+                to.copy_from_slice(from);
+            }
+        }
+        if self.anchoring != checkpoint.anchoring {
+            self.anchoring = checkpoint.anchoring;
+            self.effects
+                .set_anchoring(checkpoint.anchoring.as_ref(), &self.space);
+        }
+        self.interval = checkpoint.interval;
+        // The energies that belong to it are in the memory. Before the first step: the moment 0.
+        self.effects
+            .set_interval(checkpoint.interval.unwrap_or_default());
+        let report = &mut self.report;
+        report.energies.clear();
+        let with_energy = self.effects.iter().filter(|effect| effect.has_energy());
+        let energies = with_energy.zip(&checkpoint.energies);
+        report
+            .energies
+            .extend(energies.map(|(effect, &value)| NamedValue {
+                name: effect.name(),
+                value,
+            }));
+        report.total_energy = checkpoint.total_energy;
+        report.phase_integral = checkpoint.phase_integral;
+        report.surface_area = checkpoint.surface_area;
+        report.ledger.clear();
+        report.law_residual = 0.0;
+        (report.newton, report.krylov, report.director_iterations) = (0, 0, 0);
+        report.fallback = None;
+        report.newton_took_over = None;
+        (report.refused_ways, report.damping) = (0, 1.0);
+        report.switched = None;
+        report.algebraic_error = 0.0;
+        self.t = checkpoint.t;
+        self.switched = None;
+        self.history.copy(&checkpoint.history);
+        if let (Some(director), Some(increments)) = (&mut self.director, &checkpoint.increments) {
+            director.restore(increments);
+        }
+        self.fallback = checkpoint.fallback;
+        self.newton_fallback = checkpoint.newton_fallback;
+        self.slow_solves = checkpoint.slow_solves;
+        self.restore_predictor_errors(checkpoint.predictor_errors.as_ref());
+        Ok(())
+    }
+}
+
+fn copy_director(target: &mut Option<[Vec<f64>; 2]>, state: &State) {
+    match &state.director {
+        Some(source) => {
+            let target = target.get_or_insert_default();
+            for (target, source) in target.iter_mut().zip(source) {
+                target.clone_from(source);
+            }
+        }
+        None => *target = None,
+    }
+}
+
+#[cfg(test)]
+mod tests;
