@@ -57,12 +57,6 @@ impl Bending {
     pub(crate) fn set_secant(&mut self, secant: fn(f64, f64, f64) -> f64) {
         self.wrong_secant = Some(secant);
     }
-
-    /// ε.
-    pub fn interface_width(&self) -> f64 {
-        self.interface_width
-    }
-
     /// Calls f(point, ε k, out) for every point of a patch.
     #[inline(always)]
     fn at_points(

@@ -118,12 +118,9 @@ impl Phases {
     /// The system is singular.
     pub fn refactor(&mut self) -> Result<(), LinalgError> {
         let Scheme {
-            space,
-            membrane,
-            effects,
-            ..
+            space, membrane, ..
         } = &mut self.scheme;
-        membrane.refactor(space, self.dt, effects.bending.interface_width())
+        membrane.refactor(space, self.dt)
     }
 
     fn at_guess<R>(

@@ -10,7 +10,7 @@ use super::director::Increments;
 use super::extrapolation::PredictorErrors;
 use super::membrane::LinearCheckpoint;
 use super::predictor::Predictor;
-use super::solvers::selection::{FallbackPeriod, SlowSolveDetector};
+use super::solvers::selection::Selection;
 use super::{Scheme, State};
 use crate::linalg::LinalgError;
 use crate::physics::{Interval, NamedValue};
@@ -38,9 +38,7 @@ pub struct SchemeCheckpoint {
     history: Predictor,
     increments: Option<Increments>,
     linear: LinearCheckpoint,
-    fallback: Option<FallbackPeriod>,
-    newton_fallback: Option<FallbackPeriod>,
-    slow_solves: SlowSolveDetector,
+    selection: Selection,
     /// Of steps that are taken in several ways.
     predictor_errors: Option<PredictorErrors>,
 }
@@ -125,9 +123,7 @@ impl Scheme {
             None => checkpoint.increments = None,
         }
         self.membrane.save(&mut checkpoint.linear);
-        checkpoint.fallback = self.fallback;
-        checkpoint.newton_fallback = self.newton_fallback;
-        checkpoint.slow_solves = self.slow_solves;
+        checkpoint.selection = self.selection;
         self.save_predictor_errors(&mut checkpoint.predictor_errors);
     }
 
@@ -183,9 +179,7 @@ impl Scheme {
         if let (Some(director), Some(increments)) = (&mut self.director, &checkpoint.increments) {
             director.restore(increments);
         }
-        self.fallback = checkpoint.fallback;
-        self.newton_fallback = checkpoint.newton_fallback;
-        self.slow_solves = checkpoint.slow_solves;
+        self.selection = checkpoint.selection;
         self.restore_predictor_errors(checkpoint.predictor_errors.as_ref());
         Ok(())
     }

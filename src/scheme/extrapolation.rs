@@ -35,7 +35,8 @@
 //! all parts of it: else the results would belong to different equations. The work of noise may raise
 //! the energy; the combination is then compared with E(yⁿ) and that work.
 
-use super::{Phase, Scheme, State, StepError, StepReport, StoppingCriterion, evaluate_energies};
+use super::energy_law::evaluate_energies;
+use super::{Phase, Scheme, State, StepError, StepReport, StoppingCriterion};
 use crate::linalg::vector;
 use crate::physics::{NamedValue, potentials};
 use serde::{Deserialize, Serialize};
@@ -496,7 +497,7 @@ impl Scheme {
         report.clone_from(finest);
         let states = [&*combined, &*combined];
         evaluate_energies(
-            &self.space,
+            (&self.space, self.membrane.interface_width()),
             &mut self.effects,
             &mut self.scratch,
             states,

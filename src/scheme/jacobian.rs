@@ -49,10 +49,11 @@ impl Jacobian {
         effects: &mut Effects,
         [old, new]: [&mut PatchFields; 2],
         [phi_old, phi, omega]: [&[f64]; 3],
+        interface_width: f64,
         iteration: Iteration,
     ) {
         let stiffness = &space.stiffness().values;
-        let width = effects.bending.interface_width();
+        let width = interface_width;
         self.tangent.values.copy_from_slice(stiffness);
         for (entry, k) in self.secant.values.iter_mut().zip(stiffness) {
             *entry = width * k;

@@ -35,6 +35,8 @@ const MASS_ACCURACY: f64 = 1e-4;
 pub(super) struct MembraneStep {
     /// γ_ben.
     mobility: f64,
+    /// ε.
+    interface_width: f64,
     /// What ω, μ and the energy are at least where they say something.
     least: Least,
     /// Relative accuracy of the solves with the mass matrix.
@@ -126,6 +128,7 @@ impl MembraneStep {
         let linear = LinearSolver::of(space, method, clamped, &fixed)?;
         Ok(Self {
             mobility: membrane.mobility,
+            interface_width: membrane.interface_width,
             least: Least::new(space, membrane.interface_width, law_tolerance),
             mass_tolerance: (MASS_ACCURACY * law_tolerance).clamp(1e-15, 1e-10),
             clamped,
@@ -153,6 +156,11 @@ impl MembraneStep {
     /// γ_ben.
     pub(super) fn mobility(&self) -> f64 {
         self.mobility
+    }
+
+    /// ε.
+    pub(super) fn interface_width(&self) -> f64 {
+        self.interface_width
     }
 
     /// The least energy that the law can be told of.
@@ -275,6 +283,7 @@ impl MembraneStep {
             effects,
             [&mut scratch.old, &mut scratch.new],
             [&from.phi, &to.phi, &to.omega],
+            self.interface_width,
             iteration,
         );
     }
@@ -293,16 +302,12 @@ impl MembraneStep {
     }
 
     /// A new factor of the linearised equations; nothing on the fast path.
-    pub(super) fn refactor(
-        &mut self,
-        space: &Space,
-        dt: f64,
-        width: f64,
-    ) -> Result<(), LinalgError> {
+    pub(super) fn refactor(&mut self, space: &Space, dt: f64) -> Result<(), LinalgError> {
         if let Path::Factor { preconditioner } = &mut self.linear.path {
             preconditioner.expire();
-            let mobilities = [dt * self.mobility; 2];
-            preconditioner.prepare(space, &self.jacobian, mobilities, width, [1.0; 3])?;
+            let step_mobilities = [dt * self.mobility; 2];
+            let width = self.interface_width;
+            preconditioner.prepare(space, &self.jacobian, step_mobilities, width, [1.0; 3])?;
         }
         Ok(())
     }
@@ -314,7 +319,7 @@ impl MembraneStep {
                 space,
                 jacobian: &self.jacobian,
                 mass_inverse: &mut self.mass_inverse,
-                mobility: dt * self.mobility,
+                step_mobility: dt * self.mobility,
                 root_weights: &self.root_weights,
                 scratch,
             };
@@ -341,13 +346,13 @@ impl MembraneStep {
                 .solve(space, &self.load, mu, self.mass_tolerance);
         }
         fault_injection::tap(fault_injection::Place::Mu, mu);
-        let mobility = context.dt * self.mobility;
+        let step_mobility = context.dt * self.mobility;
         for ((step, phi), old) in self.scratch.iter_mut().zip(&*phi).zip(&context.from.phi) {
             *step = phi - old;
         }
         let [first, second] = &mut self.residual;
         space.mass().multiply(&self.scratch, first);
-        space.stiffness().multiply_add(mobility, mu, first);
+        space.stiffness().multiply_add(step_mobility, mu, first);
         fault_injection::tap(fault_injection::Place::Residual, first);
         self.scratch.copy_from_slice(first);
         if self.clamped {
@@ -363,7 +368,7 @@ impl MembraneStep {
             scaled.for_each(|((load, r), inverse)| *load = r * inverse);
             space
                 .stiffness()
-                .multiply_add(mobility, &self.load, &mut self.scratch);
+                .multiply_add(step_mobility, &self.load, &mut self.scratch);
         }
         let norm =
             vector::weighted_square(&self.scratch, self.mass_inverse.inverse_weights()).sqrt();

@@ -6,6 +6,7 @@ mod active_region;
 pub mod bench_support;
 mod checkpoint;
 mod director;
+mod energy_law;
 mod error;
 mod extrapolation;
 mod fault_injection;
@@ -21,17 +22,16 @@ mod tests;
 
 use std::sync::Arc;
 
-use crate::fem::{Mesh, Patch, QuadratureRule, Space};
+use crate::fem::{Mesh, QuadratureRule, Space};
 use crate::linalg::LinalgError;
-use crate::physics::{Effects, Interval, LedgerTerms, NamedValue, PatchFields, area_integral};
+use crate::physics::{Effects, Interval, LedgerTerms};
 use crate::scene::{self, Boundary, Iteration, LinearMethod, Quadrature, Scene, Solver};
 
 use director::{DirectorStep, SolveOptions};
 use extrapolation::ExtrapolatedStep;
-use fault_injection::Place;
 use membrane::{MembraneStep, NewtonOptions, Scratch, StepContext, StoppingCriterion, Work};
 use predictor::Predictor;
-use solvers::selection::{FallbackPeriod, SlowSolveDetector};
+use solvers::selection::{Selection, Verdict};
 
 pub use checkpoint::{RestoreError, SchemeCheckpoint};
 pub use error::StepError;
@@ -63,11 +63,8 @@ pub struct Scheme {
     director: Option<DirectorStep>,
     membrane: MembraneStep,
     history: Predictor,
-    /// The detour that the linear solver is on or was on last.
-    fallback: Option<FallbackPeriod>,
-    /// The detour over Newton's method that the lagged iteration is on.
-    newton_fallback: Option<FallbackPeriod>,
-    slow_solves: SlowSolveDetector,
+    /// Which linear solver and which iteration run.
+    selection: Selection,
     /// The Δt by which the way to solve is chosen: that of the whole step, where parts of it are taken too.
     length: f64,
     /// In how many parts it is taken at most.
@@ -114,7 +111,7 @@ impl Scheme {
             .nematic
             .as_ref()
             .map(|nematic| DirectorStep::new(&space, nematic.mobility));
-        let slow_solves = SlowSolveDetector::new(membrane.linear_method());
+        let selection = Selection::new(membrane.linear_method());
         let zeros = vec![0.0; space.nodes()];
         let state = State {
             phi,
@@ -134,9 +131,7 @@ impl Scheme {
             director: director_step,
             membrane,
             history: Predictor::new(EXTRAPOLATION),
-            fallback: None,
-            newton_fallback: None,
-            slow_solves,
+            selection,
             length: 0.0,
             parts: 1,
             stopping: StoppingCriterion::LastChange,
@@ -159,8 +154,7 @@ impl Scheme {
     fn begin_with_factor(&mut self) -> Result<(), LinalgError> {
         if self.membrane.is_fast() {
             self.membrane.fall_back(&self.space)?;
-            self.fallback = Some(FallbackPeriod::from_the_start());
-            self.slow_solves = self.slow_solves.suspected();
+            self.selection.begin_with_factor();
         }
         Ok(())
     }
@@ -229,12 +223,6 @@ impl Scheme {
     /// The anchoring that is in use.
     pub fn anchoring(&self) -> Option<scene::Anchoring> {
         self.anchoring
-    }
-
-    /// S without work: the sum of the absolute energies, but at least what the law can be told of.
-    fn energy_scale(&self, energies: &[NamedValue]) -> f64 {
-        let sum: f64 = energies.iter().map(|energy| energy.value.abs()).sum();
-        sum.max(self.membrane.least_energy())
     }
 
     /// The effects.
@@ -433,16 +421,10 @@ impl Scheme {
         watch: &mut dyn FnMut(Phase),
     ) -> Result<Work, StepError> {
         let length = self.length;
-        let is_over = |fallback: Option<FallbackPeriod>| {
-            fallback.is_none_or(|fallback| fallback.is_over(length))
-        };
-        if self.fallback.is_some() && is_over(self.fallback) {
+        if self.selection.retries_fast(length) {
             self.membrane.return_to_fast();
         }
-        let iteration = match self.solver.iteration {
-            Iteration::Lagged if is_over(self.newton_fallback) => Iteration::Lagged,
-            _ => Iteration::Newton,
-        };
+        let iteration = self.selection.iteration(self.solver.iteration, length);
         let (options, newton) = (self.options(iteration), self.options(Iteration::Newton));
         let factor_dt = self.factor_dt();
         let is_faint = self.bends_faintly();
@@ -467,7 +449,7 @@ impl Scheme {
         {
             report.refused_ways += 1;
             report.newton_took_over = Some(reason);
-            self.newton_fallback = Some(FallbackPeriod::new(length, self.newton_fallback));
+            self.selection.lagged_failed(length);
             context.restart();
             outcome = self.membrane.solve(&mut context, newton);
         }
@@ -477,7 +459,7 @@ impl Scheme {
         {
             report.refused_ways += 1;
             report.fallback = Some(reason);
-            self.fallback = Some(FallbackPeriod::new(length, self.fallback));
+            self.selection.fast_failed(length);
             self.membrane
                 .fall_back(context.space)
                 .map_err(|source| StepError::Membrane {
@@ -487,135 +469,24 @@ impl Scheme {
             context.restart();
             outcome = self.membrane.solve(&mut context, newton);
         }
-        if outcome.is_ok() {
-            let on_factor = !self.membrane.is_fast();
-            let detours = [
-                self.fallback.as_mut().filter(|_| on_factor),
-                self.newton_fallback.as_mut(),
-            ];
-            detours
-                .into_iter()
-                .flatten()
-                .for_each(FallbackPeriod::advance);
-        }
-        if let Ok(work) = &outcome
-            && self.solver.linear == LinearMethod::Automatic
-            && self.membrane.is_fast()
-        {
-            if self.slow_solves.is_proved_by(work.newton, work.krylov) {
-                // The step is solved; where there is no memory for the factor, it goes on as it did.
-                if self.membrane.fall_back(&self.space).is_ok() {
-                    self.fallback = Some(FallbackPeriod::from_slowness(length, self.fallback));
+        let Ok(work) = &outcome else {
+            return outcome;
+        };
+        self.selection.solved(!self.membrane.is_fast());
+        if self.solver.linear == LinearMethod::Automatic && self.membrane.is_fast() {
+            match self.selection.judge(work.newton, work.krylov) {
+                // The step is solved; without memory for the factor the fast solver goes on.
+                Verdict::TooSlow => {
+                    if self.membrane.fall_back(&self.space).is_ok() {
+                        self.selection.fast_was_slow(length);
+                    }
                 }
-            } else if self.slow_solves.is_refuted() {
-                // It takes more memory than all the rest.
-                self.membrane.drop_factor();
+                // The factor takes more memory than all the rest.
+                Verdict::Fast => self.membrane.drop_factor(),
+                Verdict::Undecided => {}
             }
         }
         outcome
-    }
-
-    /// The energies of the state as it is.
-    fn evaluate_present_energies(&mut self) {
-        evaluate_energies(
-            &self.space,
-            &mut self.effects,
-            &mut self.scratch,
-            [&self.state, &self.state],
-            &mut self.report,
-            None,
-        );
-    }
-
-    /// The work that effects have done from outside on the director in substep 1.
-    fn work_from_outside(&mut self) -> f64 {
-        if !self.effects.iter().any(|effect| effect.does_work()) {
-            return 0.0;
-        }
-        let Scratch { old, new } = &mut self.scratch;
-        let mut sum = 0.0;
-        for patch in self.space.patches() {
-            fill(old, &patch, &self.state);
-            fill(new, &patch, &self.next);
-            for effect in self.effects.iter_mut().filter(|effect| effect.does_work()) {
-                sum += effect.work(&patch, old, new);
-            }
-        }
-        sum
-    }
-
-    /// The energies of the new state and every term of (3.26), given the work from outside; refuses a step whose
-    /// law is broken.
-    fn check_energy_law(
-        &mut self,
-        dt: f64,
-        work: f64,
-        report: &mut StepReport,
-    ) -> Result<(), StepError> {
-        let State {
-            phi,
-            omega,
-            mu,
-            director,
-        } = &mut self.next;
-        let director = director.iter_mut().flatten();
-        for (number, field) in [phi, omega, mu].into_iter().chain(director).enumerate() {
-            fault_injection::tap(Place::Solved(number), field);
-        }
-        let space = &self.space;
-        self.terms.clear();
-        evaluate_energies(
-            space,
-            &mut self.effects,
-            &mut self.scratch,
-            [&self.state, &self.next],
-            report,
-            Some(&mut self.terms),
-        );
-        report.phase_integral = space.integrate_nodal(&self.next.phi);
-        let scales = [&report.energies, &self.report.energies].map(|it| self.energy_scale(it));
-        let scale = scales[0].max(scales[1]) + work.abs();
-        let ledger = &mut report.ledger;
-        ledger.clear();
-        let change = report.total_energy - self.report.total_energy;
-        ledger.push(NamedValue {
-            name: "dE",
-            value: change,
-        });
-        let value = dt * self.membrane.mobility() * space.stiffness().quadratic_form(&self.next.mu);
-        ledger.push(NamedValue {
-            name: "membrane_mobility",
-            value,
-        });
-        if let Some(director) = &self.director {
-            let value = director.dissipation(space, dt);
-            ledger.push(NamedValue {
-                name: "director_mobility",
-                value,
-            });
-        }
-        ledger.extend_from_slice(self.terms.values());
-        let sum: f64 = ledger.iter().map(|term| term.value).sum();
-        report.law_residual = sum / scale;
-        if let Some(place) = self.next.first_not_finite() {
-            return Err(StepError::NotFinite {
-                place,
-                iteration: report.newton,
-            });
-        }
-        if !report.law_residual.is_finite() {
-            return Err(StepError::NotFinite {
-                place: "the energy law",
-                iteration: report.newton,
-            });
-        }
-        if report.law_residual.abs() > self.solver.law_tolerance {
-            return Err(StepError::LawBroken {
-                residual: report.law_residual,
-                tolerance: self.solver.law_tolerance,
-            });
-        }
-        Ok(())
     }
 }
 
@@ -623,61 +494,4 @@ impl Scheme {
 /// general a small part of the energy, so the energy law misses by far less than its tolerance.
 fn director_tolerance(solver: &Solver) -> f64 {
     solver.law_tolerance.clamp(1e-14, 1e-8)
-}
-
-/// The energies and B of the new state, and the numerical dissipation from the old one to it.
-fn evaluate_energies(
-    space: &Space,
-    effects: &mut Effects,
-    scratch: &mut Scratch,
-    [old_state, new_state]: [&State; 2],
-    report: &mut StepReport,
-    mut terms: Option<&mut LedgerTerms>,
-) {
-    let width = effects.bending.interface_width();
-    report.energies.clear();
-    report.energies.extend(
-        effects
-            .iter()
-            .filter(|effect| effect.has_energy())
-            .map(|effect| NamedValue {
-                name: effect.name(),
-                value: 0.0,
-            }),
-    );
-    report.surface_area = 0.0;
-    for patch in space.patches() {
-        fill(&mut scratch.new, &patch, new_state);
-        report.surface_area += area_integral(&patch, &scratch.new, width);
-        if terms.is_some() {
-            fill(&mut scratch.old, &patch, old_state);
-        }
-        let mut energies = report.energies.iter_mut();
-        for effect in effects.iter_mut() {
-            if effect.has_energy()
-                && let Some(energy) = energies.next()
-            {
-                energy.value += effect.integral(&patch, &scratch.new);
-            }
-            if let Some(terms) = &mut terms {
-                effect.add_dissipation(&patch, &scratch.old, &scratch.new, terms);
-            }
-        }
-    }
-    let effects = effects.iter().filter(|effect| effect.has_energy());
-    for (effect, energy) in effects.zip(&mut report.energies) {
-        energy.value = effect.energy(energy.value);
-        fault_injection::tap(Place::Energy, std::slice::from_mut(&mut energy.value));
-    }
-    report.total_energy = report.energies.iter().map(|energy| energy.value).sum();
-}
-
-/// All fields of a state on a patch.
-fn fill(sample: &mut PatchFields, patch: &Patch<'_>, state: &State) {
-    sample.begin();
-    sample.set_phi(patch, &state.phi);
-    sample.set_omega(patch, &state.omega);
-    if let Some(director) = &state.director {
-        sample.set_director(patch, director);
-    }
 }

@@ -164,7 +164,7 @@ fn also_after_a_switched_anchoring_and_on_and_after_a_detour() {
             .membrane
             .fall_back(&fallback.space)
             .expect("a sparse factor");
-        fallback.fallback = Some(FallbackPeriod::new(0.9e-6, None));
+        fallback.selection.fast_failed(0.9e-6);
         run(&mut fallback, 8);
         assert!(!fallback.uses_transform());
         check(&scene, scheme_like(&scene, &fallback), "on a fallback");

@@ -22,6 +22,7 @@
 use crate::linalg::vector;
 use crate::scene::Iteration;
 
+use super::super::energy_law;
 use super::{MembraneStep, Phase, State, StepContext, StepError, rounding};
 
 /// Which change must be within the tolerance.
@@ -518,15 +519,14 @@ impl MembraneStep {
         Some(krylov)
     }
 
-    /// (r₁ᵀμ + r₂ᵀ(φ − φⁿ))/S: by how much the energy law will miss.
+    /// By how much the energy law will miss: see [`energy_law::expected_residual`].
     fn law_defect(&self, context: &StepContext<'_>) -> f64 {
-        let [first, second] = &self.residual;
-        let mut defect = vector::dot(first, &context.to.mu);
-        if self.clamped {
-            let steps = context.to.phi.iter().zip(&context.from.phi).zip(second);
-            defect += steps.map(|((new, old), r)| (new - old) * r).sum::<f64>();
-        }
-        defect / context.energy_scale
+        energy_law::expected_residual(
+            &self.residual,
+            [context.from, context.to],
+            self.clamped,
+            context.energy_scale,
+        )
     }
 
     fn not_converged(

@@ -44,13 +44,18 @@ pub(super) enum Bulk {
 }
 
 impl Bulk {
-    fn prepare(&mut self, space: &Space, mobility: f64, width: f64) -> Result<(), LinalgError> {
+    fn prepare(
+        &mut self,
+        space: &Space,
+        step_mobility: f64,
+        width: f64,
+    ) -> Result<(), LinalgError> {
         match self {
             Self::Transform(transform) => {
-                transform.prepare(mobility, width);
+                transform.prepare(step_mobility, width);
                 Ok(())
             }
-            Self::Shifted(shifted) => shifted.prepare(space, mobility, width),
+            Self::Shifted(shifted) => shifted.prepare(space, step_mobility, width),
         }
     }
 
@@ -309,8 +314,8 @@ impl MembraneStep {
         goal: f64,
     ) -> Result<u32, LinalgError> {
         let space = context.space;
-        let mobility = context.dt * self.mobility;
-        let width = context.effects.bending.interface_width();
+        let step_mobility = context.dt * self.mobility;
+        let width = self.interface_width;
         let size = space.nodes();
         let floor = self.rounding_floor(context);
         let (r1, rest) = self.linear.right_side.split_at_mut(size);
@@ -321,12 +326,12 @@ impl MembraneStep {
                 preconditioner,
                 scratch,
             } => {
-                preconditioner.prepare(space, mobility, width)?;
+                preconditioner.prepare(space, step_mobility, width)?;
                 let mut operator = ReducedOperator {
                     space,
                     jacobian: &self.jacobian,
                     mass_inverse: &mut self.mass_inverse,
-                    mobility,
+                    step_mobility,
                     root_weights: &self.root_weights,
                     scratch,
                 };
@@ -367,7 +372,7 @@ impl MembraneStep {
                 let mut operator = ThreeFieldOperator {
                     space,
                     jacobian: &self.jacobian,
-                    mobility,
+                    step_mobility,
                     width,
                     fixed: &self.fixed,
                     row_scales,
@@ -375,11 +380,16 @@ impl MembraneStep {
                 };
                 let (b, x) = (&self.linear.right_side, &mut self.linear.increment);
                 let goal = goal.min(1e-2 * vector::norm(b));
-                let mobilities = [mobility, context.factor_dt * self.mobility];
+                let step_mobilities = [step_mobility, context.factor_dt * self.mobility];
                 loop {
                     let jacobian = &self.jacobian;
-                    let fresh =
-                        preconditioner.prepare(space, jacobian, mobilities, width, row_scales)?;
+                    let fresh = preconditioner.prepare(
+                        space,
+                        jacobian,
+                        step_mobilities,
+                        width,
+                        row_scales,
+                    )?;
                     let outcome = self.linear.gmres.solve(
                         &mut operator,
                         &mut **preconditioner,
@@ -444,7 +454,7 @@ impl MembraneStep {
     /// About what rounding makes of r₁: three products with the stiffness matrix lie between φ and it.
     pub(super) fn rounding_floor(&self, context: &StepContext<'_>) -> f64 {
         let space = context.space;
-        let bulk = context.dt * self.mobility * context.effects.bending.interface_width();
+        let bulk = context.dt * self.mobility * self.interface_width;
         let weights = space.nodal_weights();
         let phi = vector::weighted_square(&context.to.phi, weights).sqrt();
         10.0 * f64::EPSILON * (1.0 + bulk * self.largest_eigenvalue.powi(3)) * phi

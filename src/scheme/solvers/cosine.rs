@@ -31,7 +31,7 @@ pub(in crate::scheme) struct ReducedOperator<'a> {
     pub(in crate::scheme) jacobian: &'a Jacobian,
     pub(in crate::scheme) mass_inverse: &'a mut MassInverse,
     /// Δt γ_ben.
-    pub(in crate::scheme) mobility: f64,
+    pub(in crate::scheme) step_mobility: f64,
     pub(in crate::scheme) root_weights: &'a [f64],
     pub(in crate::scheme) scratch: &'a mut [Vec<f64>; 4],
 }
@@ -58,14 +58,14 @@ impl LinearOperator for ReducedOperator<'_> {
                 stiffness.multiply(mu, y);
                 let rows = y.iter_mut().zip(diagonal).zip(x).zip(self.root_weights);
                 for (((y, m), x), root) in rows {
-                    *y = (m * x + self.mobility * *y) / root;
+                    *y = (m * x + self.step_mobility * *y) / root;
                 }
             }
             MassForm::Sparse(mass) => {
                 space.assembly().pattern.multiply_sum(
                     &mass.values,
                     x,
-                    self.mobility,
+                    self.step_mobility,
                     &stiffness.values,
                     mu,
                     y,
@@ -114,11 +114,11 @@ impl BulkPreconditioner {
     }
 
     /// Makes the multiplier for Δtγ_ben and ε, if it is not that already.
-    pub(in crate::scheme) fn prepare(&mut self, mobility: f64, width: f64) {
-        if self.made_for == [mobility, width] {
+    pub(in crate::scheme) fn prepare(&mut self, step_mobility: f64, width: f64) {
+        if self.made_for == [step_mobility, width] {
             return;
         }
-        self.made_for = [mobility, width];
+        self.made_for = [step_mobility, width];
         let n = self.grid.cells as f64;
         let (transform, rule) = (&self.transform, self.rule);
         let multiplier = &mut self.multiplier;
@@ -130,7 +130,7 @@ impl BulkPreconditioner {
                 QuadratureRule::Consistent => 0.5 + (a + b + a * b) / 6.0,
             };
             let bulk = kappa / mass + 2.0 / (width * width);
-            let eigenvalue = mass + mobility * width * kappa / mass * bulk * bulk;
+            let eigenvalue = mass + step_mobility * width * kappa / mass * bulk * bulk;
             (eigenvalue * transform.squared_norm(k) * transform.squared_norm(l) / (n * n)).recip()
         });
     }

@@ -87,8 +87,9 @@ struct RefactorPolicy {
 }
 
 impl RefactorPolicy {
-    fn must_refresh(&self, mobility: f64) -> bool {
-        let fits = |made_for: f64| (made_for / mobility).max(mobility / made_for) <= RANGE;
+    fn must_refresh(&self, step_mobility: f64) -> bool {
+        let fits =
+            |made_for: f64| (made_for / step_mobility).max(step_mobility / made_for) <= RANGE;
         !self.made_for.is_some_and(fits) || self.last_iterations > STALE_AFTER
     }
 }
@@ -147,12 +148,12 @@ impl FactoredPreconditioner {
         &mut self,
         space: &Space,
         jacobian: &Jacobian,
-        [mobility, made_for]: [f64; 2],
+        [step_mobility, made_for]: [f64; 2],
         width: f64,
         row_scales: [f64; 3],
     ) -> Result<bool, LinalgError> {
         self.row_scales = row_scales;
-        if !self.age.must_refresh(mobility) {
+        if !self.age.must_refresh(step_mobility) {
             return Ok(false);
         }
         self.fill(space, jacobian, made_for, width);
@@ -217,7 +218,7 @@ impl FactoredPreconditioner {
         self.age.made_for = None;
     }
 
-    fn fill(&mut self, space: &Space, jacobian: &Jacobian, mobility: f64, width: f64) {
+    fn fill(&mut self, space: &Space, jacobian: &Jacobian, step_mobility: f64, width: f64) {
         let nodes = &space.assembly().pattern;
         let stiffness = &space.stiffness().values;
         let mass = |entry: usize, row: usize, column: usize| match space.mass() {
@@ -243,7 +244,7 @@ impl FactoredPreconditioner {
                     local,
                     masked(row_free, mean),
                     masked(column_free, mean),
-                    -mobility * stiffness[entry],
+                    -step_mobility * stiffness[entry],
                     masked(row_free, -mass),
                     masked(column_free, -mass),
                     -width * mass,
@@ -290,7 +291,7 @@ impl LinearOperator for FactoredPreconditioner {
 pub(in crate::scheme) struct ThreeFieldOperator<'a> {
     pub(in crate::scheme) space: &'a Space,
     pub(in crate::scheme) jacobian: &'a Jacobian,
-    pub(in crate::scheme) mobility: f64,
+    pub(in crate::scheme) step_mobility: f64,
     pub(in crate::scheme) width: f64,
     pub(in crate::scheme) fixed: &'a [bool],
     pub(in crate::scheme) row_scales: [f64; 3],
@@ -314,7 +315,7 @@ impl LinearOperator for ThreeFieldOperator<'_> {
         // The matrices are too large for a near cache: all in one evaluate_energies.
         let mut write = |row: usize, [k_mu, c_phi, a_omega, t_phi]: [f64; 4], mass: [f64; 3]| {
             let inverse_root = self.root_weights[row].recip();
-            y1[row] = s1 * inverse_root * (mass[0] + self.mobility * k_mu);
+            y1[row] = s1 * inverse_root * (mass[0] + self.step_mobility * k_mu);
             y2[row] = if self.fixed[row] {
                 0.0
             } else {
@@ -391,11 +392,11 @@ mod tests {
             let mut fixed = vec![false; size];
             fixed[1] = true;
             let root_weights: Vec<f64> = space.nodal_weights().iter().map(|w| w.sqrt()).collect();
-            let (mobility, width, row_scales) = (0.3, 0.2, [1.0, 0.7, 0.9]);
+            let (step_mobility, width, row_scales) = (0.3, 0.2, [1.0, 0.7, 0.9]);
             let mut operator = ThreeFieldOperator {
                 space: &space,
                 jacobian: &jacobian,
-                mobility,
+                step_mobility,
                 width,
                 fixed: &fixed,
                 row_scales,
@@ -409,7 +410,7 @@ mod tests {
             space.mass().multiply(&phi, &mut expected[0]);
             space
                 .stiffness()
-                .multiply_add(mobility, &mu, &mut expected[0]);
+                .multiply_add(step_mobility, &mu, &mut expected[0]);
             jacobian.local.multiply(&phi, &mut expected[1]);
             jacobian.secant.multiply_add(1.0, &omega, &mut expected[1]);
             space.mass().multiply_add(-1.0, &mu, &mut expected[1]);
@@ -436,7 +437,7 @@ mod tests {
         let mesh = Mesh::structured(16, 0.3, 7).expect("a fair mesh");
         let space = Space::new(Arc::new(mesh), QuadratureRule::Consistent);
         let size = space.nodes();
-        let (mobility, width) = (1e-8, 0.1);
+        let (step_mobility, width) = (1e-8, 0.1);
         // S = (A + εT)/2 is exact.
         let mut jacobian = Jacobian::new(&space);
         let stiffness = &space.stiffness().values;
@@ -449,12 +450,12 @@ mod tests {
         let mut preconditioner =
             FactoredPreconditioner::new(&space, fixed.clone()).expect("a small pattern");
         preconditioner
-            .prepare(&space, &jacobian, [mobility; 2], width, row_scales)
+            .prepare(&space, &jacobian, [step_mobility; 2], width, row_scales)
             .expect("a factor");
         let mut operator = ThreeFieldOperator {
             space: &space,
             jacobian: &jacobian,
-            mobility,
+            step_mobility,
             width,
             fixed: &fixed,
             row_scales,

@@ -67,19 +67,19 @@ impl ShiftedPreconditioner {
     pub(in crate::scheme) fn prepare(
         &mut self,
         space: &Space,
-        mobility: f64,
+        step_mobility: f64,
         width: f64,
     ) -> Result<(), LinalgError> {
-        if self.made_for == [mobility, width] {
+        if self.made_for == [step_mobility, width] {
             return Ok(());
         }
         self.made_for = [f64::NAN; 2];
-        self.shifts = shifts(mobility * width, 2.0 / (width * width)).map(rounded);
+        self.shifts = shifts(step_mobility * width, 2.0 / (width * width)).map(rounded);
         for shift in self.shifts {
             self.factors
                 .prepare(shift, &space.stiffness().values, &self.mass_values)?;
         }
-        self.made_for = [mobility, width];
+        self.made_for = [step_mobility, width];
         Ok(())
     }
 }
