@@ -1,8 +1,45 @@
-//! vesica: a vesicle (a closed membrane) with a nematic liquid crystal inside, simulated by the
-//! unconditionally energy-stable P1 finite-element scheme of "Nematic order on a deformable
-//! vesicle with anchoring effects: phase field modelling and an unconditionally energy-stable
-//! scheme" (Results in Applied Mathematics, 2020, doi 10.1016/j.rinam.2020.100102), called
-//! *the paper* throughout. Equation numbers are the paper's; all quantities are dimensionless.
+//! vesica simulates a vesicle (a closed membrane) with a nematic liquid crystal inside, by the unconditionally
+//! energy-stable P1 finite-element scheme of "Nematic order on a deformable vesicle with anchoring effects: phase field
+//! modelling and an unconditionally energy-stable scheme" (Results in Applied Mathematics, 2020, doi
+//! 10.1016/j.rinam.2020.100102), called *the paper* throughout. Equation numbers are the paper's; all quantities are
+//! dimensionless.
+//!
+//! A run is a [`scene::Scene`] and a [`simulation::Simulation`]:
+//!
+//! ```
+//! use vesica::scene::Scene;
+//! use vesica::simulation::Simulation;
+//!
+//! let text = "mesh.cells = 24\nmembrane.interface_width = 0.04\n[area]\ntarget = 1.1";
+//! let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+//! let scene = Scene::parse(text, "my scene", &["time.step=1e-7".to_owned()], &mut no_files)?;
+//! let mut simulation = Simulation::new(&scene)?;
+//! let start = simulation.report().total_energy;
+//! for _ in 0..3 {
+//!     let report = simulation.advance()?;
+//!     assert!(report.law_residual.abs() <= 1e-8, "the energy law holds in every step");
+//! }
+//! assert!(simulation.report().total_energy < start);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Modules import downward only, in this order:
+//!
+//! | module | what is in it |
+//! | --- | --- |
+//! | [`cli`] | the program's subcommands |
+//! | [`tui`] | the terminal app |
+//! | [`figure`] | the pictures of a report |
+//! | [`study`] | runs about runs: accuracy against time, the cost of each effect |
+//! | [`record`] | the files that a run leaves and resumes from |
+//! | [`simulation`] | a run in time, and its background worker |
+//! | [`scheme`] | one time step: the director, the membrane, the energy law |
+//! | [`physics`] | the energies: potentials, and one file an effect |
+//! | [`fem`] | meshes, P1 elements, quadrature, assembly, projections |
+//! | [`linalg`] | sparse matrices and factors, Krylov methods, cosine transforms |
+//! | [`scene`] | what to simulate: TOML, presets, every check of a value |
+
+#![warn(missing_docs)]
 
 pub mod cli;
 pub mod fem;

@@ -17,12 +17,12 @@ use common::{SMALL, TIGHT, energy_scale, named, scheme};
 use tension::Tension;
 
 #[test]
-fn the_effect_of_the_readme_keeps_the_energy_law() {
+fn the_effect_of_the_guide_keeps_the_energy_law() {
     for quadrature in ["solver.quadrature=consistent", "solver.quadrature=lumped"] {
         let settings = [&TIGHT[..], &[quadrature]].concat();
         let mut scheme = scheme(&common::scene(SMALL, &settings));
         let without = scheme.report().total_energy;
-        scheme.effects_mut().add(Tension { weight: 3.0 });
+        scheme.add_effect(Tension { weight: 3.0 });
         scheme.set_anchoring(None);
         assert!(scheme.report().total_energy != without);
         for step in 1..=4 {

@@ -24,7 +24,7 @@ use std::sync::Arc;
 
 use crate::fem::{Mesh, QuadratureRule, Space};
 use crate::linalg::LinalgError;
-use crate::physics::{Effects, Interval, LedgerTerms};
+use crate::physics::{Effect, Effects, Interval, LedgerTerms};
 use crate::scene::{self, Boundary, Iteration, LinearMethod, Quadrature, Scene, Solver};
 
 use director::{DirectorStep, SolveOptions};
@@ -223,6 +223,15 @@ impl Scheme {
     /// The anchoring that is in use.
     pub fn anchoring(&self) -> Option<scene::Anchoring> {
         self.anchoring
+    }
+
+    /// Adds an effect for the state as it is. The energies are evaluated again, so that the law of the next step starts
+    /// from those that it ends with.
+    pub fn add_effect(&mut self, effect: impl Effect + 'static) {
+        self.effects.add(effect);
+        self.evaluate_present_energies();
+        self.report.ledger.clear();
+        self.forget();
     }
 
     /// The effects.

@@ -1,0 +1,104 @@
+//! An effect of one's own, added to a scheme: a line tension ½ σ ∫ |∇φ|², whose energy and dissipation then stand in
+//! the report of every step, and with which the energy law closes.
+//!
+//!     cargo run --release --example own_effect
+
+use vesica::fem::{Mesh, Patch};
+use vesica::physics::{
+    DirectorCoupling, Effect, LedgerTerms, MembraneForce, MembraneJacobian, PatchFields,
+};
+use vesica::scene::{Iteration, Scene};
+use vesica::scheme::{Scheme, initial_fields};
+
+#[derive(Debug)]
+struct Tension {
+    /// σ.
+    weight: f64,
+    /// A value a triangle of the present patch; kept, so that a step allocates nothing.
+    squares: Vec<f64>,
+}
+
+impl Effect for Tension {
+    fn name(&self) -> &'static str {
+        "tension"
+    }
+
+    fn integral(&mut self, patch: &Patch<'_>, at: &PatchFields) -> f64 {
+        self.squares.clear();
+        let squares = at.phi_gradient.iter().map(|[x, y]| x * x + y * y);
+        self.squares.extend(squares);
+        0.5 * self.weight * patch.integrate_elements(&self.squares)
+    }
+
+    fn director_coupling(&self) -> Option<DirectorCoupling> {
+        Some(DirectorCoupling::NONE)
+    }
+
+    fn add_membrane_force(
+        &mut self,
+        _patch: &Patch<'_>,
+        _old: &PatchFields,
+        new: &PatchFields,
+        force: &mut MembraneForce,
+    ) {
+        for (flux, gradient) in force.flux.iter_mut().zip(&new.phi_gradient) {
+            flux[0] += self.weight * gradient[0];
+            flux[1] += self.weight * gradient[1];
+        }
+    }
+
+    fn add_membrane_jacobian(
+        &mut self,
+        _patch: &Patch<'_>,
+        _old: &PatchFields,
+        _new: &PatchFields,
+        _iteration: Iteration,
+        jacobian: &mut MembraneJacobian,
+    ) {
+        for [xx, _, yy] in &mut jacobian.tensor {
+            *xx += self.weight;
+            *yy += self.weight;
+        }
+    }
+
+    fn add_dissipation(
+        &mut self,
+        patch: &Patch<'_>,
+        old: &PatchFields,
+        new: &PatchFields,
+        terms: &mut LedgerTerms,
+    ) {
+        self.squares.clear();
+        let gradients = new.phi_gradient.iter().zip(&old.phi_gradient);
+        let squares = gradients.map(|([a, b], [c, d])| (a - c).powi(2) + (b - d).powi(2));
+        self.squares.extend(squares);
+        let loss = patch.integrate_elements(&self.squares);
+        terms.add("ND_tension", 0.5 * self.weight * loss);
+    }
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let text = "mesh.cells = 32\nmembrane.interface_width = 0.03\n[time]\nstep = 1e-7\n[area]";
+    let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+    let scene = Scene::parse(text, "the example", &[], &mut no_files)?;
+    let mesh = Mesh::of(&scene)?;
+    let initial = initial_fields(&scene, &mesh)?;
+    let mut scheme = Scheme::new(&scene, mesh, initial.phi, initial.director)?;
+    scheme.add_effect(Tension {
+        weight: 0.5,
+        squares: Vec::new(),
+    });
+    for step in 1..=10 {
+        let report = scheme.step(1e-7)?;
+        let energies = report.energies.iter();
+        let energies: Vec<String> = energies
+            .map(|energy| format!("{} {:.4}", energy.name, energy.value))
+            .collect();
+        println!(
+            "step {step}: {}; residual of the energy law {:.0e}",
+            energies.join(", "),
+            report.law_residual
+        );
+    }
+    Ok(())
+}

@@ -1,0 +1,33 @@
+//! A picture from Rust: φ, the membrane and the director after some steps, as PNG, SVG, CSV and VTU.
+//!
+//!     cargo run --release --example picture
+
+use std::path::Path;
+
+use vesica::figure::{Field, FigureOptions, View, save_view};
+use vesica::scene::{Scene, find_preset};
+use vesica::simulation::Simulation;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+    let scene = Scene::parse(find_preset("case3-draft")?, "case3-draft", &[], &mut no_files)?;
+    let mut simulation = Simulation::new(&scene)?;
+    for _ in 0..3 {
+        simulation.advance()?;
+    }
+    let view = View {
+        name: "example",
+        scene: &scene,
+        mesh: simulation.mesh(),
+        state: simulation.state(),
+        report: simulation.report(),
+        field: Field::Phase,
+        command: "cargo run --example picture",
+    };
+    let folder = Path::new("figures/example");
+    std::fs::create_dir_all(folder)?;
+    for file in save_view(&view, &FigureOptions::view(), folder)? {
+        println!("{}", file.display());
+    }
+    Ok(())
+}
