@@ -10,7 +10,12 @@ use vesica::simulation::Simulation;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
-    let scene = Scene::parse(find_preset("case3-draft")?, "case3-draft", &[], &mut no_files)?;
+    let scene = Scene::parse(
+        find_preset("case3-draft")?,
+        "case3-draft",
+        &[],
+        &mut no_files,
+    )?;
     let mut simulation = Simulation::new(&scene)?;
     for _ in 0..3 {
         simulation.advance()?;
