@@ -73,7 +73,7 @@ fn parse(text: &str) -> Table {
 fn print(table: &Table) -> String {
     let mut text = String::from(
         "# L2 errors against manufactured solutions; see main.rs. To write them anew:\n\
-         #     VESICA_WRITE_ERRORS=1 cargo test --test manufactured\n",
+         #     VESICA_WRITE_ERRORS=1 cargo test --test numerics manufactured\n",
     );
     text.push_str(&[&KEYS[..], &FIELDS[..]].concat().join(","));
     text.push('\n');

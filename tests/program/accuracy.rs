@@ -1,9 +1,6 @@
 //! `vesica accuracy` with runs that are finished.
 
 #[cfg(unix)]
-#[path = "common/ignored.rs"]
-mod ignored;
-
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -179,7 +176,7 @@ fn a_mesh_that_cannot_be_refined_leaves_its_files_within_bounded_memory() {
 #[test]
 fn ctrl_c_ends_a_study() {
     const SIGINT: i32 = 2;
-    if ignored::is_ignored(SIGINT) {
+    if crate::ignored::is_ignored(SIGINT) {
         return;
     }
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -1,9 +1,7 @@
 //! The two ways to solve the linear systems of substep 2, and the two iterations, are ways to the
 //! same solution; which way is taken is chosen by itself, and told.
 
-mod common;
-
-use common::{SMALL, TIGHT, fields, greatest, greatest_difference, scene, scheme};
+use crate::common::{SMALL, TIGHT, fields, greatest, greatest_difference, scene, scheme};
 use vesica::scene::Scene;
 use vesica::scheme::{Scheme, StepError};
 use vesica::simulation::{EventKind, Simulation};

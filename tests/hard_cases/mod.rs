@@ -5,7 +5,7 @@
 //! tests. The long part makes at least ten times as many steps and writes the table of the worst
 //! values, `tests/hard_cases/results.md`:
 //!
-//!     cargo test --release --test hard_cases -- --ignored
+//!     cargo test --release --test numerics -- hard_cases --ignored
 
 mod cases;
 mod oracle;
@@ -16,8 +16,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::thread;
 
-use cases::{CASES, Case};
-use oracle::Worst;
+use self::cases::{CASES, Case};
+use self::oracle::Worst;
 
 /// Runs all cases, as many at once as there are processors, in their order.
 fn run_all(steps: fn(&Case) -> u64) -> Vec<(&'static Case, Worst)> {

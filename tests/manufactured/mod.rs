@@ -12,9 +12,9 @@ mod reference;
 mod source;
 mod study;
 
-use model::{Flaw, Term};
-use reference::{MARGIN, Refined, check, deviation};
-use study::{Errors, FIELDS, MeshKind, Problem, Run, extrapolated};
+use self::model::{Flaw, Term};
+use self::reference::{MARGIN, Refined, check, deviation};
+use self::study::{Errors, FIELDS, MeshKind, Problem, Run, extrapolated};
 
 /// Of 1/h in a refinement in space. The orders are those of the last two; eight cells are too few
 /// for them.

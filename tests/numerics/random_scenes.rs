@@ -5,7 +5,7 @@
 //!
 //! Some seconds of it run with all tests, more with
 //!
-//!     PROPTEST_CASES=3000 cargo test --release --test random_scenes
+//!     PROPTEST_CASES=3000 cargo test --release --test numerics random_scenes
 
 use std::cell::Cell;
 

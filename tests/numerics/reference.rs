@@ -1,9 +1,7 @@
 //! Another program's numbers: histories that FreeFem++ computed with the same scheme, on the same
 //! mesh, from the same nodal φ⁰. Where they come from is said in tests/reference/README.md.
 
-mod common;
-
-use common::{named, scene, scheme};
+use crate::common::{named, scene, scheme};
 use vesica::scheme::StepReport;
 
 /// A scene, and its history in the other program.
@@ -13,12 +11,12 @@ struct Reference {
 }
 
 const CASE_1_PARALLEL: Reference = Reference {
-    scene: include_str!("reference/case1-parallel-80.toml"),
-    history: include_str!("reference/case1-parallel-80.csv"),
+    scene: include_str!("../reference/case1-parallel-80.toml"),
+    history: include_str!("../reference/case1-parallel-80.csv"),
 };
 const CASE_3_HOMEOTROPIC: Reference = Reference {
-    scene: include_str!("reference/case3-homeotropic-80.toml"),
-    history: include_str!("reference/case3-homeotropic-80.csv"),
+    scene: include_str!("../reference/case3-homeotropic-80.toml"),
+    history: include_str!("../reference/case3-homeotropic-80.csv"),
 };
 
 /// Rows of each history: steps 0, 5, …, 100.
@@ -78,7 +76,7 @@ fn difference(report: &StepReport, row: &Row) -> f64 {
         report.phase_integral / row.phase_integral - 1.0,
         report.surface_area / row.surface_area - 1.0,
     ];
-    common::greatest(&energies).max(common::greatest(&others))
+    crate::common::greatest(&energies).max(crate::common::greatest(&others))
 }
 
 /// Runs the scene with Δt times `stretch`; the largest difference to the first `rows` rows.

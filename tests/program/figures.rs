@@ -1,9 +1,6 @@
 //! `vesica figures`: the real binary, on meshes of seconds.
 
 #[cfg(unix)]
-#[path = "common/ignored.rs"]
-mod ignored;
-
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -286,7 +283,7 @@ fn an_interrupt_saves_what_was_computed() {
 #[cfg(unix)]
 #[test]
 fn ctrl_c_saves_what_was_computed() {
-    if !ignored::is_ignored(2) {
+    if !crate::ignored::is_ignored(2) {
         ended_by("INT", 130);
     }
 }
@@ -346,7 +343,7 @@ fn a_bare_machine_makes_the_same_pictures() {
 ///
 /// ```text
 /// python3 -m venv venv && venv/bin/pip install meshio
-/// PYTHON=venv/bin/python cargo test --test figures meshio -- --ignored
+/// PYTHON=venv/bin/python cargo test --test program meshio -- --ignored
 /// ```
 #[test]
 #[ignore = "needs Python with meshio"]

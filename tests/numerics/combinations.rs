@@ -1,9 +1,7 @@
 //! The energy law with every combination of effects: it is an identity of each one alone, so of any
 //! together.
 
-mod common;
-
-use common::{SMALL, TIGHT, energy_scale, mesh, named, scene, scheme};
+use crate::common::{SMALL, TIGHT, energy_scale, mesh, named, scene, scheme};
 use vesica::scheme::{Scheme, StepReport};
 
 const STEPS: usize = 3;

@@ -1,13 +1,11 @@
 //! Meshes that are no grid: the energy law holds on them, what comes from a file is in that file's
 //! order, and a run on them can be recorded, gone on with and drawn like any other.
 
-mod common;
-
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use common::{TIGHT, energy_scale, scheme};
+use crate::common::{TIGHT, energy_scale, scheme};
 use vesica::record::read_fields;
 use vesica::scene::{Scene, Triangulation, write_mesh};
 use vesica::simulation::Simulation;
@@ -183,9 +181,9 @@ fn values_are_in_the_order_of_the_file() {
     let [one, other] = ["one", "other"].map(|run| fields(run, "final.vtu"));
     for (node, place) in to.iter().enumerate() {
         assert_eq!(one.mesh.nodes()[node], other.mesh.nodes()[*place]);
-        for ((_, a), (_, b)) in common::fields(&one.state)
+        for ((_, a), (_, b)) in crate::common::fields(&one.state)
             .iter()
-            .zip(common::fields(&other.state))
+            .zip(crate::common::fields(&other.state))
         {
             assert_eq!(a[node].to_bits(), b[*place].to_bits());
         }

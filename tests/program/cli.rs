@@ -1,8 +1,5 @@
 //! The real binary: its exit statuses, its messages and the files it leaves.
 
-#[path = "common/ignored.rs"]
-mod ignored;
-
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -610,7 +607,7 @@ mod signals {
             (SIGALRM, "SIGALRM", 1),
             (SIGXCPU, "SIGXCPU", 3),
         ] {
-            if ignored::is_ignored(signal) {
+            if crate::ignored::is_ignored(signal) {
                 continue;
             }
             let folder = folder_with_scene();

@@ -2,11 +2,7 @@
 
 #![cfg(unix)]
 
-#[path = "resume/changed.rs"]
 mod changed;
-#[path = "common/ignored.rs"]
-mod ignored;
-#[path = "resume/whole_or_not.rs"]
 mod whole_or_not;
 
 use std::collections::BTreeMap;
@@ -241,7 +237,7 @@ fn a_run_that_a_signal_ends_goes_on_in_its_folder() {
     let path = folder.path();
     vesica(path, &["run", "small.toml", "--out", "whole"], 0);
     for (signal, status) in [("-INT", 130), ("-TERM", 143), ("-HUP", 129), ("-XCPU", 152)] {
-        if ignored::is_ignored(status - 128) {
+        if crate::ignored::is_ignored(status - 128) {
             continue;
         }
         let run = path.join("runs/small");

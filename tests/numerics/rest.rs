@@ -1,11 +1,9 @@
 //! A state at rest to rounding is left as it is, in every way of solving a step: its fields are zero but for
 //! rounding, and no iteration makes anything of that.
 
-mod common;
-
 use std::f64::consts::PI;
 
-use common::{greatest, mesh, scene};
+use crate::common::{greatest, mesh, scene};
 use vesica::scene::Scene;
 use vesica::scheme::{Scheme, StepError};
 

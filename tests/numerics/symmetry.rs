@@ -1,8 +1,6 @@
 //! Symmetries that the scheme has on the structured mesh: exact but for the order of the sums.
 
-mod common;
-
-use common::{SMALL, TIGHT, greatest_difference, named, scene, scheme};
+use crate::common::{SMALL, TIGHT, greatest_difference, named, scene, scheme};
 use vesica::scene::Scene;
 use vesica::scheme::{Scheme, State};
 
@@ -176,7 +174,7 @@ fn a_run_is_the_same_every_time() {
         let [first, second] = [(); 2].map(|()| after_steps(&scene));
         assert_eq!(first.report(), second.report(), "{settings:?}");
         let bits = |state: &State| -> Vec<u64> {
-            let fields = common::fields(state).into_iter();
+            let fields = crate::common::fields(state).into_iter();
             fields
                 .flat_map(|(_, field)| field.iter().map(|value| value.to_bits()))
                 .collect()

@@ -8,7 +8,7 @@ use vesica::scene::{Scene, find_preset};
 use vesica::simulation::{OutlineMeasure, Simulation};
 
 /// Length and waist of the cases at t = 1e-3 with homeotropic anchoring, from docs/guide/cases.md. Parallel
-/// anchoring gives the same with cases 1 and 2 exchanged, and 3 and 4 (`cargo test --test symmetry`).
+/// anchoring gives the same with cases 1 and 2 exchanged, and 3 and 4 (`cargo test --test numerics symmetry`).
 const CASES: [(&str, f64, f64); 4] = [
     ("case1-draft", 0.5751, 0.2525),
     ("case2-draft", 0.5768, 0.2895),

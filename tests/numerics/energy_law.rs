@@ -2,9 +2,7 @@
 //! combination of effects, quadrature, boundary, mesh and Δt. (That wrong constants and wrong
 //! secants break it is shown in tests/wrong_effects.)
 
-mod common;
-
-use common::{SMALL, TIGHT, energy_scale, named, scene, scheme};
+use crate::common::{SMALL, TIGHT, energy_scale, named, scene, scheme};
 use vesica::scene::Scene;
 use vesica::scheme::{Scheme, StepReport};
 

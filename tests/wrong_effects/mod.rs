@@ -4,15 +4,14 @@
 //! A scheme compares energies from its construction on, so an effect that is put in afterwards is
 //! given the energy of what it replaces (or zero) at the start: a constant, which no force sees.
 
-#[path = "../common/mod.rs"]
-mod common;
 mod nematic;
 mod noise;
 mod well;
 
-use common::{SMALL, TIGHT, energy_scale, named, scene, scheme};
-use nematic::Nematic;
-use noise::Booked;
+use self::nematic::Nematic;
+use self::noise::Booked;
+use self::well::{OfTwo, Well};
+use crate::common::{SMALL, TIGHT, energy_scale, named, scene, scheme};
 use vesica::fem::Space;
 use vesica::physics::potentials::{
     double_well_derivative, double_well_secant, double_well_secant_derivative, unit_length_penalty,
@@ -21,7 +20,6 @@ use vesica::physics::potentials::{
 use vesica::physics::{Anchoring, Area, Bending, Effect, Effects, PatchFields, surface_area};
 use vesica::scene::Scene;
 use vesica::scheme::{Scheme, StepError};
-use well::{OfTwo, Well};
 
 /// η_d² P(d) = ¼(|d|² − 1)² for all d.
 fn untruncated([x, y]: [f64; 2]) -> f64 {

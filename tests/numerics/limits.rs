@@ -9,11 +9,9 @@
 //! correction (1 + m ε²/R²), m = π²/6 − 1 = twice the mean of q² under sech⁴ q, and the second none
 //! but exponentially small ones.
 
-mod common;
-
 use std::f64::consts::{PI, SQRT_2};
 
-use common::{named, scene, scheme};
+use crate::common::{named, scene, scheme};
 
 const RADIUS: f64 = 0.25;
 const SHARP_BENDING: f64 = 2.0 * SQRT_2 * PI / (3.0 * RADIUS);

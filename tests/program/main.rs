@@ -1,0 +1,9 @@
+//! The program's commands, as a user calls them: arguments in, files and messages and exit statuses out.
+
+#[path = "../common/ignored.rs"]
+mod ignored;
+
+mod accuracy;
+mod cli;
+mod figures;
+mod resume;
