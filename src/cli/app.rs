@@ -92,7 +92,7 @@ impl Color {
     }
 }
 
-/// Opens the app on a scene. A wrong scene and a missing terminal are told before the terminal is
+/// Opens the app on a scene. A wrong scene and a missing terminal are reported before the terminal is
 /// touched.
 pub(super) fn open(arguments: Arguments) -> Result<(), CliError> {
     let scene = arguments.scene.unwrap_or("case3".into());

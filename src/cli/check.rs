@@ -141,7 +141,7 @@ fn examine(source: &OsStr, overrides: &[String]) -> Result<(Scene, Found), CliEr
     Ok((scene, found))
 }
 
-/// What is told of a scene.
+/// What is reported of a scene.
 struct Found {
     warnings: Vec<Warning>,
     /// How many there are, in words.

@@ -50,7 +50,7 @@ pub(super) enum CliError {
     /// The folder for the run could not be had.
     #[error(transparent)]
     Folder(RecordError),
-    /// A run cannot be taken up again.
+    /// A run cannot be resumed.
     #[error(transparent)]
     Resume(#[from] CheckpointError),
     /// The app has nowhere to be.
@@ -93,7 +93,7 @@ pub(super) enum CliError {
         /// The signal's number.
         number: i32,
     },
-    /// Scenes that were checked are wrong; each was told already.
+    /// Scenes that were checked are wrong; each was reported already.
     #[error("{wrong} of {checked} scenes cannot be run")]
     Check {
         /// How many.
@@ -101,7 +101,7 @@ pub(super) enum CliError {
         /// Of how many.
         checked: usize,
     },
-    /// The first steps of scenes that were checked were not solved in the time; each was told already.
+    /// The first steps of scenes that were checked were not solved in the time; each was reported already.
     #[error("whether {undecided} of {checked} scenes can be run was not found out")]
     Undecided {
         /// How many.
@@ -231,7 +231,7 @@ pub(super) enum CliError {
     /// The figures could not be made.
     #[error(transparent)]
     Figure(#[from] FigureError),
-    /// Some of the runs of a set of figures failed; each was told already.
+    /// Some of the runs of a set of figures failed; each was reported already.
     #[error("{failed} of {all} runs failed; the figures show what there is")]
     RunsFailed {
         /// How many.

@@ -111,7 +111,7 @@ fn refuse(error: &clap::Error) -> ExitCode {
     ExitCode::from(CliError::USAGE)
 }
 
-/// The error for a word that is no command, nor anything else that a first argument may be.
+/// The error for a word that is not a command, nor anything else that a first argument may be.
 fn mistaken_command(argument: &OsStr) -> Option<CliError> {
     let word = argument.to_str()?;
     let program = Arguments::command();

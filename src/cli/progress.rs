@@ -26,7 +26,7 @@ impl Progress {
         let target = if quiet {
             ProgressDrawTarget::hidden()
         } else {
-            // Hidden as well where the standard error is no terminal.
+            // Hidden as well where the standard error is not a terminal.
             ProgressDrawTarget::stderr()
         };
         let length = schedule.steps.unwrap_or(PARTS);

@@ -296,7 +296,7 @@ impl Stop {
 }
 
 /// Makes the steps that are left, recording each, until one of them is the last. That something
-/// cannot be written is told once; it is written later, if it can be.
+/// cannot be written is reported once; it is written later, if it can be.
 pub(super) fn simulate(
     simulation: &mut Simulation,
     recorder: &mut Recorder,
@@ -348,12 +348,12 @@ pub(super) fn simulate(
 /// Tells of a step that takes long, seldom and more seldom.
 struct Patience {
     quiet: bool,
-    /// The step, since when, and after how long it is told.
+    /// The step, since when, and after how long it is reported.
     step: Option<(u64, Instant, Duration)>,
 }
 
 impl Patience {
-    /// After so long a step is told for the first time.
+    /// After so long a step is reported for the first time.
     const FIRST: Duration = Duration::from_secs(10);
 
     fn new(quiet: bool) -> Self {
@@ -425,7 +425,7 @@ fn some_step_before(end_key: &'static str, time: &Time) -> Result<(), CliError> 
     }
 }
 
-/// The folder of a run that is named in place of a scene, to be taken up again.
+/// The folder of a run that is named in place of a scene, to be resumed.
 fn run_folder(arguments: &Arguments) -> Option<&Path> {
     let path = Path::new(&arguments.scene);
     let is_preset = arguments.scene.to_str().and_then(preset).is_some();
@@ -438,7 +438,7 @@ fn taken_folder(arguments: &Arguments) -> Option<PathBuf> {
     named.or(run_folder(arguments)).map(Path::to_owned)
 }
 
-/// The run to take up again: in the folder that is named, or else the latest of the scene.
+/// The run to resume: in the folder that is named, or else the latest of the scene.
 fn find(arguments: &Arguments, scene: &Scene, name: &OsStr) -> Result<Found, CliError> {
     let found = match taken_folder(arguments) {
         Some(path) => Resumption::find(&path, scene),

@@ -97,7 +97,7 @@ impl Display {
     fn new(quiet: bool) -> Self {
         let target = match quiet {
             true => ProgressDrawTarget::hidden(),
-            // Hidden as well where the standard error is no terminal.
+            // Hidden as well where the standard error is not a terminal.
             false => ProgressDrawTarget::stderr(),
         };
         let bar = ProgressBar::with_draw_target(None, target);

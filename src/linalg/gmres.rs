@@ -22,7 +22,7 @@ pub struct Gmres {
     product: Vec<f64>,
 }
 
-/// How a solve ended. That the goal was missed is no error here: the caller knows whether what was
+/// How a solve ended. That the goal was missed is not an error here: the caller knows whether what was
 /// reached is good enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outcome {

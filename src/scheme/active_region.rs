@@ -19,7 +19,7 @@
 //! no other does (`only_a_step_with_a_new_region_allocates` counts them).
 //!
 //! The region is a function of the present state and Δt alone, not of the regions before: a run that is
-//! taken up again has the same one.
+//! resumed has the same one.
 
 use crate::fem::{FemError, Mesh, Space};
 use crate::physics::{DirectorCoupling, potentials::phase_indicator};

@@ -25,7 +25,7 @@ pub struct SchemeCheckpoint {
     director: Option<[Vec<f64>; 2]>,
     /// The anchoring may be another than the scene's.
     anchoring: Option<Anchoring>,
-    /// The time of the last step, as the effects were told it.
+    /// The time of the last step, as it was given to the effects.
     interval: Option<Interval>,
     /// Of the effects that have one, in their order. The energy law of the next step starts from them.
     energies: Vec<f64>,

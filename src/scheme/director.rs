@@ -334,13 +334,13 @@ pub(super) struct SolveOptions {
     /// Δt.
     pub(super) dt: f64,
     /// The Δt of the whole step where this is a part of it: the region is that of the whole step, or it
-    /// would be made anew with every part.
+    /// would be rebuilt with every part.
     pub(super) length: f64,
     /// Relative residual of the solution.
     pub(super) tolerance: f64,
     /// solver.law_tolerance.
     pub(super) law_tolerance: f64,
-    /// Whether the energies are no more than what the energy law can be told of: the director may be at rest.
+    /// Whether the energies are no more than what the energy law can resolve: the director may be at rest.
     pub(super) is_faint: bool,
     /// The sum of the absolute energies.
     pub(super) energy_scale: f64,

@@ -15,7 +15,7 @@ use super::membrane::Scratch;
 use super::{Scheme, State, StepError, StepReport};
 
 impl Scheme {
-    /// S without work: the sum of the absolute energies, but at least what the law can be told of.
+    /// S without work: the sum of the absolute energies, but at least what the law can resolve.
     pub(super) fn energy_scale(&self, energies: &[NamedValue]) -> f64 {
         let sum: f64 = energies.iter().map(|energy| energy.value.abs()).sum();
         sum.max(self.membrane.least_energy())

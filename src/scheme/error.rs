@@ -59,7 +59,7 @@ pub enum StepError {
         /// time.tolerance.
         tolerance: f64,
     },
-    /// What an attempt failed with before the run was taken up again.
+    /// What an attempt failed with before the run was resumed.
     #[error("{0}")]
     Earlier(String),
     /// The step converged but the energy law (3.26) does not close.

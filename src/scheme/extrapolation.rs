@@ -7,7 +7,7 @@
 //!   T_j = S(Δt/j)ʲ y = Y + C₁ Δt²/j + C₂ Δt³/j² + …
 //!
 //! with Y the exact solution and y = (φ, d); ω and μ are no part of the state, for the scheme makes them
-//! anew from φ and d. With the weights w_j = Π_{i≠j} j/(j − i) the combination Σ w_j T_j of k results
+//! again from φ and d. With the weights w_j = Π_{i≠j} j/(j − i) the combination Σ w_j T_j of k results
 //! has an error of the order k over a run (Aitken and Neville; the harmonic sequence):
 //!
 //!   k = 2:  2 T₂ − T₁                      three steps of the scheme in each
@@ -482,7 +482,7 @@ impl Scheme {
             ..
         } = extrapolated;
         // ω and μ of the finest result are the guesses from which those of the combination are solved for:
-        // what earlier steps have left there must not be, for a run that is taken up again has other.
+        // what earlier steps have left there must not be, for a run that is resumed has other.
         if let Some(finest) = results.last() {
             copy(combined, finest);
         }

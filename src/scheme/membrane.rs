@@ -100,7 +100,7 @@ pub(super) struct StepContext<'a> {
 }
 
 impl StepContext<'_> {
-    /// Takes the last state as the guess, in place of an iterate that went astray.
+    /// Takes the last state as the guess, in place of an iterate that diverged.
     pub(super) fn restart(&mut self) {
         self.to.phi.copy_from_slice(&self.from.phi);
         self.to.omega.copy_from_slice(&self.from.omega);
@@ -163,7 +163,7 @@ impl MembraneStep {
         self.interface_width
     }
 
-    /// The least energy that the law can be told of.
+    /// The least energy that the law can resolve.
     pub(super) fn least_energy(&self) -> f64 {
         self.least.energy
     }

@@ -76,7 +76,7 @@ pub struct Scheme {
     next_report: StepReport,
     /// By how much the energy has jumped since the last step that was accepted.
     switched: Option<f64>,
-    /// The time of the last step, as the effects were told it.
+    /// The time of the last step, as it was given to the effects.
     interval: Option<Interval>,
     /// Made with the first step that is taken in several ways.
     extrapolated: Option<Box<ExtrapolatedStep>>,
@@ -209,7 +209,7 @@ impl Scheme {
     }
 
     /// Another anchoring for the state as it is (`None`: none at all). The energies are measured
-    /// anew, so that the law of the next step starts from those that it ends with; the report has
+    /// again, so that the law of the next step starts from those that it ends with; the report has
     /// no ledger, for no step was taken.
     pub fn set_anchoring(&mut self, anchoring: Option<&scene::Anchoring>) {
         self.effects.set_anchoring(anchoring, &self.space);
@@ -306,7 +306,7 @@ impl Scheme {
     }
 
     /// Tells the effects the time of the coming step. Where that makes the energy another one, what the
-    /// law starts from is measured anew, as when the anchoring is switched.
+    /// law starts from is measured again, as when the anchoring is switched.
     fn set_interval(&mut self, dt: f64) {
         let interval = Interval {
             begin: self.t,

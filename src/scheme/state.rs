@@ -68,7 +68,7 @@ pub struct StepReport {
     pub damping: f64,
 }
 
-/// A part of a step, told to whoever watches when it ends.
+/// A part of a step, reported when it ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Phase {
     /// Substep 1.

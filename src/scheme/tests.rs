@@ -1,5 +1,5 @@
 //! Faults on purpose: a value spoiled in every place of a step, in every way. Whatever it is, the step
-//! either fails with an error and leaves the state as it was, or is mended and leads to where it
+//! either fails with an error and leaves the state as it was, or is repaired and leads to where it
 //! would have led without the fault.
 
 mod effects;

@@ -119,7 +119,7 @@ fn without(scene: &Scene, remove: Removal) -> Option<Scene> {
 /// Measures the scene and everything that it is without one of its effects. The runs take turns, step
 /// by step, so that what disturbs the machine disturbs all of them.
 ///
-/// `watch` is told while the runs are set up, after every step and within one that takes long, and says
+/// `watch` is called while the runs are set up, after every step and within one that takes long, and says
 /// whether to go on; `None` where it did not.
 ///
 /// # Errors

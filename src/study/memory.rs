@@ -61,7 +61,7 @@ pub(crate) fn held() -> i64 {
     HELD.with(Cell::get)
 }
 
-/// Has the most that this thread holds counted anew from what it holds now, which is returned.
+/// Has the most that this thread holds counted again from what it holds now, which is returned.
 pub(crate) fn forget_most() -> i64 {
     let now = held();
     MOST.with(|most| most.set(now));

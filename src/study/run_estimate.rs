@@ -1,6 +1,6 @@
 //! What a run will cost, before it is begun.
 //!
-//! The scene's own first steps are made for a second or two. What they do not tell is told by a run on a coarse mesh:
+//! The scene's own first steps are made for a second or two. What they do not show is found by a run on a coarse mesh:
 //! how many iterations later steps take ([`fixed`] steps), and how many steps there will be ([`chosen`] ones). A step
 //! that is hard is left in its midst when the time is over, or whoever asked has gone.
 //!

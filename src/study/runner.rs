@@ -35,7 +35,7 @@ impl Budget {
     pub const MOST: u64 = 1_000_000;
 }
 
-/// What is told of a study on its way.
+/// What is reported of a study on its way.
 #[derive(Debug, Clone, Copy)]
 pub enum StudyNews<'a> {
     /// The first steps on the scene's mesh are tried, for what runs will take.
@@ -143,7 +143,7 @@ const FIRST_PART: u32 = 4;
 /// A budget that is recommended is so many times what the runs are expected to take.
 const MARGIN: f64 = 1.3;
 
-/// Makes the runs of a study, and puts those beside them that are finished. `watch` is told what is being
+/// Makes the runs of a study, and puts those beside them that are finished. `watch` hears what is being
 /// done, and says whether to go on; without it the study ends with what there is.
 ///
 /// # Errors
@@ -610,7 +610,7 @@ mod tests {
             full: false,
         };
         let error = study(&scene, budget, ComparedRuns::default(), &mut |_| true);
-        // By which limit it is left depends on the machine: that it is a step that fails is told in any case.
+        // By which limit it is left depends on the machine: that it is a step that fails is reported in any case.
         let told = error.expect_err("no step can be solved").to_string();
         assert!(
             told.contains("attempts") && !told.contains("raise --budget"),

@@ -84,7 +84,7 @@ fn where_the_mesh_dominates_it_is_the_knob_and_the_other_gains_nothing() {
             .any(|point| point.is_own && point.error().is_some())
     );
     assert!(study.points.iter().any(|point| point.is_pareto));
-    // As advised, and against the advice: measured anew, by a finer run.
+    // As advised, and against the advice: measured again, by a finer run.
     let reference = solve(CALM, 96, 1e-4);
     let before = error(CALM, 24, 1e-3, &reference);
     let finer_mesh = error(CALM, 48, 1e-3, &reference);

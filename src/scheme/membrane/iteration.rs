@@ -1,4 +1,4 @@
-//! The nonlinear iteration of substep 2 and what keeps it from going astray.
+//! The nonlinear iteration of substep 2 and what keeps it from diverging.
 //!
 //! Newton's correction δ at an iterate x is taken whole if the residual falls. Where it does not, the
 //! residual may be the wrong judge: a stiff penalty (η = 1e-8) magnifies by many powers of ten what a
@@ -7,7 +7,7 @@
 //! the residual at the trial x + λδ, must be shorter than δ. Where it is not, λ is made smaller by
 //! what the two corrections say about the curvature between them.
 //!
-//! **When the equations are not linearised anew.** With the derivative that it has, Newton's method makes the
+//! **When the equations are not linearised again.** With the derivative that it has, Newton's method makes the
 //! residual smaller by about the same factor as the last time. Where that factor is small enough for the energy
 //! law to hold after one more iteration, that one is taken with the linearised equations of the last.
 //!

@@ -25,7 +25,7 @@ const KRYLOV_LIMIT: usize = 200;
 const LEAST_OF_A_PART: f64 = 1e-5;
 
 /// What the relative residuals of the equations for μ and ω count in GMRES's norm, over that of the first one.
-/// Both fields are computed anew from the new φ. With μ's part three times smaller Table 1's run with chosen steps
+/// Both fields are computed again from the new φ. With μ's part three times smaller Table 1's run with chosen steps
 /// took 617 corrections in place of 561, for the law of energy is in μ; with one as large as that of φ it took 540,
 /// and 150 iterations more.
 const SHARE_OF_MU: f64 = 0.3;
@@ -239,7 +239,7 @@ impl MembraneStep {
         }
     }
 
-    /// How the linear systems are solved at present. All else is made anew in every step.
+    /// How the linear systems are solved at present. All else is rebuilt in every step.
     pub(in crate::scheme) fn save(&self, checkpoint: &mut LinearCheckpoint) {
         checkpoint.is_fast = self.is_fast();
         let mut solvers = std::iter::once(&self.linear).chain(&self.standby);

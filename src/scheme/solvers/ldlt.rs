@@ -17,7 +17,7 @@ use crate::linalg::{Ldlt, LinalgError, LinearOperator, Pattern, minimum_degree, 
 use super::super::fault_injection::{self, Place};
 use super::super::jacobian::Jacobian;
 
-/// Above this many GMRES iterations in one solve the factor is made anew: a factorisation costs about as much
+/// Above this many GMRES iterations in one solve the factor is rebuilt: a factorisation costs about as much
 /// as twenty solves (`cargo bench --bench step -- factor`). Table 1's run with a tolerance of 1.5e-4 takes 55
 /// factors and 2521 iterations so, 63 and 2489 with 5 in place of 8, and 52 and 2640 with 20.
 const STALE_AFTER: usize = 8;
@@ -142,7 +142,7 @@ impl FactoredPreconditioner {
         })
     }
 
-    /// Makes the factor anew if it is too old for this system, one for the Δtγ_ben `made_for`; returns whether it
+    /// Makes the factor again if it is too old for this system, one for the Δtγ_ben `made_for`; returns whether it
     /// did.
     pub(in crate::scheme) fn prepare(
         &mut self,

@@ -130,7 +130,7 @@ fn an_absent_effect_does_no_work() {
     assert!(scheme.report().director_iterations > 0);
 }
 
-/// And not in every iteration of Newton's method: the last ones go on with what the one before had.
+/// And not in every iteration of Newton's method: the last ones continue what the one before had.
 #[test]
 fn the_jacobian_is_assembled_less_often_than_systems_are_solved() {
     let mut scheme = scheme(&scene(&[QUADRATURES[0], "area=false"]));

@@ -1,4 +1,4 @@
-//! Steps of one length. The later ones are cheaper than the first, for their guesses are better: by how much is told
+//! Steps of one length. The later ones are cheaper than the first, for their guesses are better: by how much is found
 //! by the iterations that steps on a coarse mesh come down to.
 
 use super::{Patience, RunEstimate, coarse, has_factor, is_over, middle};
@@ -17,7 +17,7 @@ const SETTLED_COARSE: u64 = 256;
 /// The last steps of a calibration count.
 const LAST: usize = 8;
 
-/// It has so many steps at least, for the first ones are dearer than the others: up to the 35th of case 3
+/// It has so many steps at least, for the first ones are more expensive than the others: up to the 35th of case 3
 /// takes two iterations of Newton's method, every later one a single one,
 const FEWEST: usize = 48;
 

@@ -1,4 +1,4 @@
-//! Prices: what is counted, and how it is told.
+//! Prices: what is counted, and how it is reported.
 
 use super::chosen::{Further, Step};
 use super::fixed::{Later, TimedStep, Work};
