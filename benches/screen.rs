@@ -77,7 +77,7 @@ fn screen(criterion: &mut Criterion) {
 
 fn raster(criterion: &mut Criterion) {
     let mesh = Mesh::structured(120, 0.2, 1).expect("a fair mesh");
-    let values: Vec<f64> = mesh.nodes().iter().map(|[x, y]| x * y).collect();
+    let values: Vec<f64> = mesh.nodes().iter().map(|at| at.x * at.y).collect();
     let region = Rectangle::around(&mesh);
     for (columns, rows) in [(62, 62), (102, 102)] {
         criterion.bench_function(&format!("raster/build/{columns}x{rows}"), |bencher| {

@@ -38,12 +38,14 @@
 //! | [`fem`] | meshes, P1 elements, quadrature, assembly, projections |
 //! | [`linalg`] | sparse matrices and factors, Krylov methods, cosine transforms |
 //! | [`scene`] | what to simulate: TOML, presets, every check of a value |
+//! | [`geometry`] | points, vectors and symmetric tensors (nalgebra), segments, distances |
 
 #![warn(missing_docs)]
 
 pub mod cli;
 pub mod fem;
 pub mod figure;
+pub mod geometry;
 pub mod linalg;
 pub mod physics;
 pub mod record;

@@ -4,12 +4,12 @@ use std::collections::HashMap;
 use std::f64::consts::TAU;
 
 use super::Mesh;
-use crate::scene::planar::{SegmentGrid, segment_distance};
+use crate::geometry::{Point, Segment, SegmentGrid, segment_distance};
 
 /// The edges of the boundary of a mesh.
 #[derive(Debug, Clone)]
 pub struct Wall {
-    edges: Vec<[[f64; 2]; 2]>,
+    edges: Vec<Segment>,
 }
 
 impl Wall {
@@ -23,12 +23,12 @@ impl Wall {
     }
 
     /// The edges.
-    pub fn edges(&self) -> &[[[f64; 2]; 2]] {
+    pub fn edges(&self) -> &[Segment] {
         &self.edges
     }
 
     /// How far a place is from the wall.
-    pub fn distance(&self, place: [f64; 2]) -> f64 {
+    pub fn distance(&self, place: Point) -> f64 {
         let distances = self.edges.iter().map(|edge| segment_distance(place, *edge));
         distances.fold(f64::INFINITY, f64::min)
     }
@@ -45,12 +45,12 @@ impl Wall {
 
     /// How far a curve keeps from the wall, by its signed distance (positive inside of it): negative
     /// where it reaches across. Taken at eight places of every edge.
-    pub fn clearance(&self, signed_distance: impl Fn([f64; 2]) -> f64) -> f64 {
+    pub fn clearance(&self, signed_distance: impl Fn(Point) -> f64) -> f64 {
         const PARTS: usize = 8;
         let places = self.edges.iter().flat_map(|[from, to]| {
-            (0..PARTS).map(|part| {
+            (0..PARTS).map(move |part| {
                 let share = part as f64 / PARTS as f64;
-                [0, 1].map(|axis: usize| from[axis] + share * (to[axis] - from[axis]))
+                from + share * (to - from)
             })
         });
         places
@@ -85,25 +85,27 @@ pub fn is_in_hole(mesh: &Mesh, [x, y]: [f64; 2]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::length;
 
     #[test]
     fn the_wall_of_the_square_is_its_four_sides() {
         let mesh = Mesh::structured(6, 0.2, 1).expect("a fair mesh");
         let wall = Wall::of(&mesh);
         assert_eq!(wall.edges().len(), 24);
-        for place in [[0.5, 0.25], [0.1, 0.7], [0.95, 0.9]] {
-            let [x, y]: [f64; 2] = place;
+        for place in [[0.5_f64, 0.25], [0.1, 0.7], [0.95, 0.9]] {
+            let ([x, y], place) = (place, Point::from(place));
             let wanted = x.min(1.0 - x).min(y).min(1.0 - y);
             assert!((wall.distance(place) - wanted).abs() < 1e-15);
         }
         // With the domain on the left the sum over the edges is twice the area.
-        let crosses = wall.edges().iter().map(|[a, b]| a[0] * b[1] - a[1] * b[0]);
+        let crosses = wall.edges().iter().map(|[a, b]| a.coords.perp(&b.coords));
         assert!((crosses.sum::<f64>() - 2.0).abs() < 1e-14);
         let near = wall.nodes_within(&mesh, 0.22);
         let brute = (0..49).filter(|n| wall.distance(mesh.nodes()[*n as usize]) <= 0.22);
         assert_eq!(near, brute.collect::<Vec<u32>>());
         // A circle about the middle, and one that reaches out.
-        let circle = |radius: f64| wall.clearance(move |[x, y]| radius - (x - 0.5).hypot(y - 0.5));
+        let center = Point::new(0.5, 0.5);
+        let circle = |radius: f64| wall.clearance(|place| radius - length(place - center));
         assert!((circle(0.3) - 0.2).abs() < 1e-12);
         assert!((circle(0.6) + 0.1).abs() < 1e-12);
     }

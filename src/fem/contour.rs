@@ -1,12 +1,13 @@
 //! The zero set of a P1 function: exact, segment by segment, and what is measured on it.
 
 use super::{Mesh, Wall};
+use crate::geometry::{BoundingBox, Point, Segment, Vector, frame, length};
 
 /// The set φ = 0 of a P1 function and the region φ > 0.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Contour {
     /// One segment for each triangle that the zero set crosses; φ > 0 lies on its left.
-    pub segments: Vec<[[f64; 2]; 2]>,
+    pub segments: Vec<Segment>,
     /// The area of the region φ > 0.
     pub area: f64,
 }
@@ -51,9 +52,7 @@ impl Contour {
             let places = order.map(|corner| mesh.nodes()[triangle[corner] as usize]);
             let [first, second, third] = order.map(|corner| corner_values[corner]);
             let (to_second, to_third) = (first / (first - second), first / (first - third));
-            let along = |other: usize, share: f64| {
-                [0, 1].map(|axis| places[0][axis] + share * (places[other][axis] - places[0][axis]))
-            };
+            let along = |other: usize, share: f64| places[0] + share * (places[other] - places[0]);
             let (near_second, near_third) = (along(1, to_second), along(2, to_third));
             let corner = to_second * to_third * triangle_area;
             if count == 1 {
@@ -69,10 +68,7 @@ impl Contour {
 
     /// The length of the zero set.
     pub fn length(&self) -> f64 {
-        self.segments
-            .iter()
-            .map(|[a, b]| (b[0] - a[0]).hypot(b[1] - a[1]))
-            .sum()
+        self.segments.iter().map(|[a, b]| length(b - a)).sum()
     }
 
     /// 4π·area/length², at most 1 for a closed curve; `None` where the zero set is empty.
@@ -91,42 +87,38 @@ impl Contour {
 
     /// Length, waist and width along an axis, a unit vector, or along the one across it if the
     /// vesicle is longer that way; `None` where the zero set is empty.
-    pub fn measure(&self, axis: [f64; 2]) -> Option<OutlineMeasure> {
-        let [x, y] = axis;
+    pub fn measure(&self, axis: Vector) -> Option<OutlineMeasure> {
         let along = self.measure_along(axis)?;
         if along.width > along.length {
-            self.measure_along([-y, x])
+            self.measure_along(Vector::new(-axis.y, axis.x))
         } else {
             Some(along)
         }
     }
 
-    fn measure_along(&self, [cosine, sine]: [f64; 2]) -> Option<OutlineMeasure> {
-        let turned = |[x, y]: [f64; 2]| [cosine * x + sine * y, cosine * y - sine * x];
-        let mut extent = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
-        for place in self.segments.iter().flatten() {
-            for (range, coordinate) in extent.iter_mut().zip(turned(*place)) {
-                *range = [range[0].min(coordinate), range[1].max(coordinate)];
-            }
-        }
-        let [[start, end], [left, right]] = extent;
-        if start > end {
+    fn measure_along(&self, axis: Vector) -> Option<OutlineMeasure> {
+        if self.segments.is_empty() {
             return None;
         }
-        let middle = 0.5 * (start + end);
+        // In coordinates along the axis (x) and across it (y).
+        let frame = frame(axis);
+        let turned = |place: &Point| frame.inverse_transform_point(place);
+        let places = self.segments.iter().flatten().map(turned);
+        let hull = BoundingBox::around(places);
+        let middle = 0.5 * (hull.lower.x + hull.upper.x);
         let mut waist = [f64::INFINITY, f64::NEG_INFINITY];
         for [a, b] in &self.segments {
-            let ([a_along, a_across], [b_along, b_across]) = (turned(*a), turned(*b));
-            if (a_along <= middle) != (b_along <= middle) {
-                let share = (middle - a_along) / (b_along - a_along);
-                let across = a_across + share * (b_across - a_across);
+            let (a, b) = (turned(a), turned(b));
+            if (a.x <= middle) != (b.x <= middle) {
+                let share = (middle - a.x) / (b.x - a.x);
+                let across = a.y + share * (b.y - a.y);
                 waist = [waist[0].min(across), waist[1].max(across)];
             }
         }
         Some(OutlineMeasure {
-            length: end - start,
+            length: hull.extent().x,
             waist: (waist[1] - waist[0]).max(0.0),
-            width: right - left,
+            width: hull.extent().y,
         })
     }
 }
@@ -138,7 +130,7 @@ mod tests {
 
     /// Positive inside the ellipse of half axes a (along x) and b about the centre of the square.
     fn ellipse(mesh: &Mesh, a: f64, b: f64) -> Vec<f64> {
-        let value = |[x, y]: &[f64; 2]| 1.0 - ((x - 0.5) / a).hypot((y - 0.5) / b);
+        let value = |at: &Point| 1.0 - ((at.x - 0.5) / a).hypot((at.y - 0.5) / b);
         mesh.nodes().iter().map(value).collect()
     }
 
@@ -158,7 +150,7 @@ mod tests {
         let enclosed: f64 = contour
             .segments
             .iter()
-            .map(|[a, b]| 0.5 * (a[0] * b[1] - a[1] * b[0]))
+            .map(|[a, b]| 0.5 * a.coords.perp(&b.coords))
             .sum();
         assert!(
             (enclosed - contour.area).abs() < 1e-13,
@@ -173,7 +165,7 @@ mod tests {
         for half_axes in [[0.2, 0.4], [0.4, 0.2]] {
             let [a, b] = half_axes;
             let contour = Contour::new(&mesh, &ellipse(&mesh, a, b));
-            for axis in [[0.0, 1.0], [1.0, 0.0]] {
+            for axis in [Vector::y(), Vector::x()] {
                 let measure = contour.measure(axis).expect("an outline");
                 for (value, exact) in [
                     (measure.length, 0.8),
@@ -185,7 +177,7 @@ mod tests {
             }
         }
         assert_eq!(
-            Contour::new(&mesh, &vec![-1.0; mesh.nodes().len()]).measure([1.0, 0.0]),
+            Contour::new(&mesh, &vec![-1.0; mesh.nodes().len()]).measure(Vector::x()),
             None
         );
     }

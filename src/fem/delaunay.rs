@@ -9,14 +9,15 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use spade::{
-    AngleLimit, ConstrainedDelaunayTriangulation, DelaunayTriangulation, Point2,
-    RefinementParameters, Triangulation as _,
+    AngleLimit, ConstrainedDelaunayTriangulation, DelaunayTriangulation, RefinementParameters,
+    Triangulation as _,
 };
 
 use super::hilbert::along_curve;
 use super::mesh::sort_by_nodes;
 use super::quadtree::Quadtree;
 use super::{FemError, Mesh};
+use crate::geometry::{Point, Vector, doubled_area};
 use crate::scene::MeshSize;
 
 /// The radius of the scattered nodes over the wanted length of an edge: with it the mean length comes
@@ -86,7 +87,8 @@ impl<'a> Table<'a> {
     fn new(size: &'a MeshSize) -> Self {
         let places = |count: usize, shift: f64| {
             let at = move |index: usize| (index as f64 + shift) / TABLE as f64;
-            (0..count).flat_map(move |row| (0..count).map(move |column| [column, row].map(at)))
+            (0..count)
+                .flat_map(move |row| (0..count).map(move |column| Point::new(at(column), at(row))))
         };
         let corners = places(TABLE + 1, 0.0);
         let centers = places(TABLE, 0.5);
@@ -99,8 +101,8 @@ impl<'a> Table<'a> {
         }
     }
 
-    fn at(&self, place: [f64; 2]) -> f64 {
-        let [(column, right), (row, up)] = place.map(|at| {
+    fn at(&self, place: Point) -> f64 {
+        let [(column, right), (row, up)] = [place.x, place.y].map(|at| {
             let cells = (at * TABLE as f64).clamp(0.0, TABLE as f64);
             let cell = (cells as usize).min(TABLE - 1);
             (cell, cells - cell as f64)
@@ -116,19 +118,19 @@ impl<'a> Table<'a> {
 }
 
 /// The nodes along the wall, one after the other from the origin, counter-clockwise.
-fn wall(table: &Table) -> Vec<[f64; 2]> {
+fn wall(table: &Table) -> Vec<Point> {
     let mut nodes = Vec::new();
     for (from, along) in [
-        ([0.0, 0.0], [1.0, 0.0]),
-        ([1.0, 0.0], [0.0, 1.0]),
-        ([1.0, 1.0], [-1.0, 0.0]),
-        ([0.0, 1.0], [0.0, -1.0]),
+        (Point::new(0.0, 0.0), Vector::x()),
+        (Point::new(1.0, 0.0), Vector::y()),
+        (Point::new(1.0, 1.0), -Vector::x()),
+        (Point::new(0.0, 1.0), -Vector::y()),
     ] {
         // As many edges as lengths fit, each where its share of the side is reached.
         let steps = (8.0 / table.size.smallest()).ceil() as usize;
         let place = |step: usize, half: f64| {
             let share = (step as f64 + half) / steps as f64;
-            [0, 1].map(|axis: usize| from[axis] + share * along[axis])
+            from + share * along
         };
         let lengths: Vec<f64> = (0..steps)
             .map(|step| 1.0 / (steps as f64 * table.at(place(step, 0.5))))
@@ -153,7 +155,7 @@ fn wall(table: &Table) -> Vec<[f64; 2]> {
 fn scatter(
     table: &Table,
     seed: u64,
-    nodes: &mut Vec<[f64; 2]>,
+    nodes: &mut Vec<Point>,
     leave: &mut dyn FnMut() -> bool,
 ) -> Result<(), FemError> {
     let mut generator = ChaCha8Rng::seed_from_u64(seed);
@@ -174,7 +176,7 @@ fn scatter(
             let angle = std::f64::consts::TAU * generator.random::<f64>();
             let distance = RADIUS * own * (1.0 + generator.random::<f64>());
             let (sine, cosine) = angle.sin_cos();
-            let at = [about[0] + distance * cosine, about[1] + distance * sine];
+            let at = about + distance * Vector::new(cosine, sine);
             let wanted = table.at(at);
             let margin = FROM_WALL * wanted;
             if !at.iter().all(|x| (margin..=1.0 - margin).contains(x)) {
@@ -195,14 +197,18 @@ fn scatter(
     Ok(())
 }
 
-fn points(nodes: &[[f64; 2]]) -> Vec<Point2<f64>> {
-    nodes.iter().map(|[x, y]| Point2::new(*x, *y)).collect()
+fn points(nodes: &[Point]) -> Vec<spade::Point2<f64>> {
+    nodes
+        .iter()
+        .map(|node| spade::Point2::new(node.x, node.y))
+        .collect()
 }
 
 /// The Delaunay triangles of nodes, counter-clockwise.
-fn triangulate(nodes: &[[f64; 2]]) -> Result<Vec<[usize; 3]>, FemError> {
-    let triangulation = DelaunayTriangulation::<Point2<f64>>::bulk_load_stable(points(nodes))
-        .map_err(|error| refused(nodes.len(), &error))?;
+fn triangulate(nodes: &[Point]) -> Result<Vec<[usize; 3]>, FemError> {
+    let triangulation =
+        DelaunayTriangulation::<spade::Point2<f64>>::bulk_load_stable(points(nodes))
+            .map_err(|error| refused(nodes.len(), &error))?;
     let faces = triangulation.inner_faces();
     Ok(faces
         .map(|face| face.vertices().map(|vertex| vertex.fix().index()))
@@ -218,37 +224,35 @@ fn refused(nodes: usize, error: &dyn std::fmt::Display) -> FemError {
 
 /// Moves each node to the centroid of the triangles about it, those weighted more where edges are to be
 /// shorter.
-fn relax(table: &Table, triangles: &[[usize; 3]], nodes: &mut [[f64; 2]], fixed: usize) {
-    let mut sums = vec![[0.0; 3]; nodes.len()];
+fn relax(table: &Table, triangles: &[[usize; 3]], nodes: &mut [Point], fixed: usize) {
+    let mut sums = vec![(Vector::zeros(), 0.0); nodes.len()];
     for triangle in triangles {
         let [a, b, c] = triangle.map(|node| nodes[node]);
-        let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-        let middle = [0, 1].map(|axis| (a[axis] + b[axis] + c[axis]) / 3.0);
+        let middle = (a.coords + b.coords + c.coords) / 3.0;
         // The density whose centroidal cells have the wanted size, in the plane.
-        let weight = area / table.at(middle).powi(4);
+        let weight = doubled_area([a, b, c]) / table.at(middle.into()).powi(4);
         for &node in triangle {
-            let [x, y, sum] = &mut sums[node];
-            *x += weight * middle[0];
-            *y += weight * middle[1];
-            *sum += weight;
+            let (moment, mass) = &mut sums[node];
+            *moment += weight * middle;
+            *mass += weight;
         }
     }
-    for (node, [x, y, sum]) in nodes.iter_mut().zip(sums).skip(fixed) {
-        if sum > 0.0 {
-            *node = [x / sum, y / sum];
+    for (node, (moment, mass)) in nodes.iter_mut().zip(sums).skip(fixed) {
+        if mass > 0.0 {
+            *node = (moment / mass).into();
         }
     }
 }
 
 /// Nodes and triangles.
-type Plain = (Vec<[f64; 2]>, Vec<[u32; 3]>);
+type Plain = (Vec<Point>, Vec<[u32; 3]>);
 
 /// Refines what angles are too small, the wall's edges divided where they must be.
-fn refined(nodes: Vec<[f64; 2]>, fixed: usize) -> Result<Plain, FemError> {
+fn refined(nodes: Vec<Point>, fixed: usize) -> Result<Plain, FemError> {
     let count = nodes.len();
     let wall = (0..fixed).map(|node| [node, (node + 1) % fixed]).collect();
     let mut triangulation =
-        ConstrainedDelaunayTriangulation::<Point2<f64>>::bulk_load_cdt(points(&nodes), wall)
+        ConstrainedDelaunayTriangulation::<spade::Point2<f64>>::bulk_load_cdt(points(&nodes), wall)
             .map_err(|error| refused(count, &error))?;
     let parameters = RefinementParameters::<f64>::new()
         .with_angle_limit(AngleLimit::from_deg(LEAST_ANGLE))
@@ -256,7 +260,7 @@ fn refined(nodes: Vec<[f64; 2]>, fixed: usize) -> Result<Plain, FemError> {
     triangulation.refine(parameters);
     let nodes = triangulation.vertices().map(|vertex| {
         let at = vertex.position();
-        [at.x, at.y]
+        Point::new(at.x, at.y)
     });
     let triangles = triangulation
         .inner_faces()
@@ -265,7 +269,7 @@ fn refined(nodes: Vec<[f64; 2]>, fixed: usize) -> Result<Plain, FemError> {
 }
 
 /// The mesh, numbered along a curve.
-fn numbered(nodes: &[[f64; 2]], triangles: &[[u32; 3]]) -> Result<Mesh, FemError> {
+fn numbered(nodes: &[Point], triangles: &[[u32; 3]]) -> Result<Mesh, FemError> {
     let order = along_curve(nodes);
     let mut places = vec![0; nodes.len()];
     for (place, node) in order.iter().enumerate() {
@@ -284,6 +288,7 @@ fn numbered(nodes: &[[f64; 2]], triangles: &[[u32; 3]]) -> Result<Mesh, FemError
 mod tests {
     use super::super::{MeshQuality, Wall};
     use super::*;
+    use crate::geometry::length;
     use crate::scene::{Curve, Outline, Refinement, Shape};
 
     /// The size `largest`, or refined about a circle.
@@ -352,9 +357,8 @@ mod tests {
         for triangle in mesh.triangles() {
             let [a, b, c] = triangle.map(|node| mesh.nodes()[node as usize]);
             for [from, to] in [[a, b], [b, c], [c, a]] {
-                let length = (to[0] - from[0]).hypot(to[1] - from[1]);
-                let middle = [0, 1].map(|axis| 0.5 * (from[axis] + to[axis]));
-                ratios.push(length / wanted.at(middle));
+                let middle = nalgebra::center(&from, &to);
+                ratios.push(length(to - from) / wanted.at(middle));
             }
         }
         let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
@@ -389,8 +393,8 @@ mod tests {
         );
         assert_ne!(one.nodes(), other.nodes());
         // The corners are there, and all of the wall lies on the square's sides.
-        for [x, y] in Wall::of(&one).edges().iter().flatten() {
-            assert!([0.0, 1.0].contains(x) || [0.0, 1.0].contains(y));
+        for at in Wall::of(&one).edges().iter().flatten() {
+            assert!([0.0, 1.0].contains(&at.x) || [0.0, 1.0].contains(&at.y));
         }
     }
 }

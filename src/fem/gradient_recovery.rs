@@ -7,11 +7,12 @@
 //! the midpoints of the edges, estimates the error of interpolation, which is of order h².
 
 use super::Mesh;
+use crate::geometry::Vector;
 
 /// Room for the recovered gradients of a mesh.
 #[derive(Debug, Clone, Default)]
 pub struct GradientRecovery {
-    gradients: Vec<[f64; 2]>,
+    gradients: Vec<Vector>,
     weights: Vec<f64>,
 }
 
@@ -24,13 +25,8 @@ impl GradientRecovery {
         for (triangle, area) in mesh.triangles().iter().zip(mesh.areas()) {
             for edge in 0..3 {
                 let [a, b] = [triangle[edge] as usize, triangle[(edge + 1) % 3] as usize];
-                let (from, to) = (mesh.nodes()[a], mesh.nodes()[b]);
-                let bubble: f64 = (0..2)
-                    .map(|axis| {
-                        let slopes = self.gradients[a][axis] - self.gradients[b][axis];
-                        slopes * (to[axis] - from[axis]) / 8.0
-                    })
-                    .sum();
+                let along = mesh.nodes()[b] - mesh.nodes()[a];
+                let bubble = (self.gradients[a] - self.gradients[b]).dot(&along) / 8.0;
                 sum += area / 3.0 * bubble * bubble;
             }
         }
@@ -40,26 +36,22 @@ impl GradientRecovery {
     fn recover(&mut self, mesh: &Mesh, values: &[f64]) {
         let nodes = mesh.nodes().len();
         self.gradients.clear();
-        self.gradients.resize(nodes, [0.0; 2]);
+        self.gradients.resize(nodes, Vector::zeros());
         self.weights.clear();
         self.weights.resize(nodes, 0.0);
         let triangles = mesh.triangles().iter().zip(mesh.areas());
         for ((triangle, area), basis) in triangles.zip(mesh.gradients()) {
-            let mut gradient = [0.0; 2];
+            let mut gradient = Vector::zeros();
             for (node, slope) in triangle.iter().zip(basis) {
-                for (sum, slope) in gradient.iter_mut().zip(slope) {
-                    *sum += values[*node as usize] * slope;
-                }
+                gradient += values[*node as usize] * slope;
             }
             for node in triangle.map(|node| node as usize) {
                 self.weights[node] += area;
-                for (sum, slope) in self.gradients[node].iter_mut().zip(gradient) {
-                    *sum += area * slope;
-                }
+                self.gradients[node] += *area * gradient;
             }
         }
         for (gradient, weight) in self.gradients.iter_mut().zip(&self.weights) {
-            gradient.iter_mut().for_each(|slope| *slope /= weight);
+            *gradient /= *weight;
         }
     }
 }
@@ -71,7 +63,7 @@ mod tests {
     /// The estimate for a function, and the true error of its interpolation.
     fn both(cells: usize, u: impl Fn(f64, f64) -> f64) -> [f64; 2] {
         let mesh = Mesh::structured(cells, 0.0, 1).expect("a mesh");
-        let values: Vec<f64> = mesh.nodes().iter().map(|[x, y]| u(*x, *y)).collect();
+        let values: Vec<f64> = mesh.nodes().iter().map(|at| u(at.x, at.y)).collect();
         let estimate = GradientRecovery::default().interpolation_error(&mesh, &values);
         // By twelve points a triangle, the midpoints of the edges of its four parts.
         let mut sum = 0.0;

@@ -1,28 +1,23 @@
 //! In which order nodes and triangles are numbered: neighbours close to each other, along a Hilbert
 //! curve, so that products with matrices find what they need in the cache.
 
+use crate::geometry::{BoundingBox, Point};
+
 /// Steps of the curve along each side, as a power of two.
 const ORDER: u32 = 16;
 
 /// The numbers 0, 1, … of places in the order in which a Hilbert curve through the square about them
 /// meets them; of those that it meets at once, in their own order.
-pub(super) fn along_curve(places: &[[f64; 2]]) -> Vec<u32> {
-    let mut lower = [f64::INFINITY; 2];
-    let mut upper = [f64::NEG_INFINITY; 2];
-    for place in places {
-        for axis in 0..2 {
-            lower[axis] = lower[axis].min(place[axis]);
-            upper[axis] = upper[axis].max(place[axis]);
-        }
-    }
-    let extent = (upper[0] - lower[0]).max(upper[1] - lower[1]);
-    let scale = f64::from((1_u32 << ORDER) - 1) / extent.max(f64::MIN_POSITIVE);
+pub(super) fn along_curve(places: &[Point]) -> Vec<u32> {
+    let hull = BoundingBox::around(places);
+    let extent = hull.extent().max().max(f64::MIN_POSITIVE);
+    let scale = f64::from((1_u32 << ORDER) - 1) / extent;
     let mut order: Vec<(u64, u32)> = places
         .iter()
         .enumerate()
         .map(|(number, place)| {
-            let cell = [0, 1].map(|axis| ((place[axis] - lower[axis]) * scale) as u32);
-            (position(cell), number as u32)
+            let cell = (place - hull.lower) * scale;
+            (position([cell.x as u32, cell.y as u32]), number as u32)
         })
         .collect();
     order.sort_unstable();
@@ -58,8 +53,8 @@ mod tests {
 
     #[test]
     fn the_curve_goes_from_neighbour_to_neighbour() {
-        let places: Vec<[f64; 2]> = (0..256)
-            .map(|n| [f64::from(n % 16), f64::from(n / 16)])
+        let places: Vec<Point> = (0..256)
+            .map(|n| Point::new(f64::from(n % 16), f64::from(n / 16)))
             .collect();
         let order = along_curve(&places);
         let mut sorted = order.clone();
@@ -71,8 +66,8 @@ mod tests {
                 .all(|(at, number)| at == *number as usize)
         );
         for pair in order.windows(2) {
-            let [[ax, ay], [bx, by]] = [pair[0], pair[1]].map(|number| places[number as usize]);
-            assert_eq!((bx - ax).abs() + (by - ay).abs(), 1.0, "{pair:?}");
+            let step = places[pair[1] as usize] - places[pair[0] as usize];
+            assert_eq!(step.abs().sum(), 1.0, "{pair:?}");
         }
     }
 }

@@ -8,15 +8,16 @@ use rand_chacha::rand_core::SeedableRng;
 
 use super::FemError;
 use super::hilbert::along_curve;
+use crate::geometry::{Point, Vector, doubled_area};
 use crate::scene::Triangulation;
 
 /// A triangulation. Nothing in it says how it was made, [`Mesh::grid`] apart.
 #[derive(Debug, Clone)]
 pub struct Mesh {
-    nodes: Vec<[f64; 2]>,
+    nodes: Vec<Point>,
     triangles: Vec<[u32; 3]>,
     areas: Vec<f64>,
-    gradients: Vec<[[f64; 2]; 3]>,
+    gradients: Vec<[Vector; 3]>,
     on_boundary: Vec<bool>,
     grid: Option<Grid>,
     /// The number that each node has outside; `None`: its own.
@@ -36,12 +37,12 @@ impl Mesh {
     ///
     /// # Errors
     /// `DegenerateTriangle` where a triangle has no positive area.
-    pub fn new(nodes: Vec<[f64; 2]>, triangles: Vec<[u32; 3]>) -> Result<Self, FemError> {
+    pub fn new(nodes: Vec<Point>, triangles: Vec<[u32; 3]>) -> Result<Self, FemError> {
         let mut areas = Vec::with_capacity(triangles.len());
         let mut gradients = Vec::with_capacity(triangles.len());
         for (triangle, &corners) in triangles.iter().enumerate() {
             let [a, b, c] = corners.map(|node| nodes[node as usize]);
-            let doubled = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+            let doubled = doubled_area([a, b, c]);
             if doubled.is_nan() || doubled <= 0.0 {
                 return Err(FemError::DegenerateTriangle {
                     triangle,
@@ -50,9 +51,8 @@ impl Mesh {
                 });
             }
             // ∇ψ_a is normal to the opposite edge b → c and has the length 1/height.
-            let normal = |from: [f64; 2], to: [f64; 2]| {
-                [(from[1] - to[1]) / doubled, (to[0] - from[0]) / doubled]
-            };
+            let normal =
+                |from: Point, to: Point| Vector::new(from.y - to.y, to.x - from.x) / doubled;
             areas.push(0.5 * doubled);
             gradients.push([normal(b, c), normal(c, a), normal(a, b)]);
         }
@@ -110,16 +110,16 @@ impl Mesh {
         let h = 1.0 / cells as f64;
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
         let mut places = Vec::with_capacity(side * side);
-        let mut moves = vec![[0.0; 2]; side * side];
+        let mut moves = vec![Vector::zeros(); side * side];
         for i in 0..side {
             for j in 0..side {
                 let inside = i > 0 && i < cells && j > 0 && j < cells;
                 if inside && jitter > 0.0 {
-                    for by in &mut moves[places.len()] {
+                    for by in moves[places.len()].iter_mut() {
                         *by = jitter * h * generator.random_range(-1.0..=1.0);
                     }
                 }
-                places.push([j as f64 / cells as f64, i as f64 / cells as f64]);
+                places.push(Point::new(j as f64 / cells as f64, i as f64 / cells as f64));
             }
         }
         let mut triangles = Vec::with_capacity(2 * cells * cells);
@@ -134,8 +134,8 @@ impl Mesh {
             }
         }
         limit_moves(&places, &triangles, &mut moves, THINNEST * 0.5 * h * h);
-        let nodes = moved(&places, &moves);
-        let mut mesh = Self::new(nodes, triangles)?;
+        let nodes = places.iter().zip(&moves).map(|(place, by)| place + by);
+        let mut mesh = Self::new(nodes.collect(), triangles)?;
         mesh.grid = (jitter == 0.0).then_some(Grid { cells });
         Ok(mesh)
     }
@@ -205,7 +205,7 @@ impl Mesh {
     }
 
     /// Where the nodes are.
-    pub fn nodes(&self) -> &[[f64; 2]] {
+    pub fn nodes(&self) -> &[Point] {
         &self.nodes
     }
 
@@ -220,7 +220,7 @@ impl Mesh {
     }
 
     /// The gradients of the three basis functions on each triangle.
-    pub fn gradients(&self) -> &[[[f64; 2]; 3]] {
+    pub fn gradients(&self) -> &[[Vector; 3]] {
         &self.gradients
     }
 
@@ -239,20 +239,12 @@ impl Mesh {
 const THINNEST: f64 = 0.02;
 
 /// Halves the moves at triangles with less than this area, until there are none.
-fn limit_moves(
-    places: &[[f64; 2]],
-    triangles: &[[u32; 3]],
-    moves: &mut [[f64; 2]],
-    least_area: f64,
-) {
+fn limit_moves(places: &[Point], triangles: &[[u32; 3]], moves: &mut [Vector], least_area: f64) {
     let mut too_far = vec![false; moves.len()];
     // Each round halves a move that is too far; after some ten of them hardly anything is left of it.
     for _ in 0..64 {
-        let nodes = moved(places, moves);
-        let thin = |corners: &&[u32; 3]| {
-            let [a, b, c] = corners.map(|node| nodes[node as usize]);
-            0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])) < least_area
-        };
+        let moved = |node: u32| places[node as usize] + moves[node as usize];
+        let thin = |corners: &&[u32; 3]| 0.5 * doubled_area(corners.map(moved)) < least_area;
         for corners in triangles.iter().filter(thin) {
             for node in corners {
                 too_far[*node as usize] = true;
@@ -263,17 +255,10 @@ fn limit_moves(
         }
         for (by, far) in moves.iter_mut().zip(&mut too_far) {
             if std::mem::take(far) {
-                *by = by.map(|by| 0.5 * by);
+                *by *= 0.5;
             }
         }
     }
-}
-
-fn moved(places: &[[f64; 2]], moves: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let pairs = places.iter().zip(moves);
-    pairs
-        .map(|(place, by)| [place[0] + by[0], place[1] + by[1]])
-        .collect()
 }
 
 /// Sorts triangles by their nodes, the least first, so that those that follow each other share some.
@@ -347,21 +332,19 @@ mod tests {
     fn gradients_reproduce_a_linear_function() {
         let mesh = Mesh::structured(5, 0.3, 1).expect("a fair mesh");
         for (triangle, gradients) in mesh.triangles().iter().zip(mesh.gradients()) {
-            let mut gradient = [0.0; 2];
+            let mut gradient = Vector::zeros();
             for (&node, g) in triangle.iter().zip(gradients) {
-                let [x, y] = mesh.nodes()[node as usize];
-                let value = 2.0 * x - 3.0 * y + 1.0;
-                gradient[0] += value * g[0];
-                gradient[1] += value * g[1];
+                let at = mesh.nodes()[node as usize];
+                gradient += (2.0 * at.x - 3.0 * at.y + 1.0) * g;
             }
-            assert!((gradient[0] - 2.0).abs() < 1e-12 && (gradient[1] + 3.0).abs() < 1e-12);
+            assert!((gradient - Vector::new(2.0, -3.0)).abs().max() < 1e-12);
         }
     }
 
     #[test]
     fn a_triangle_turned_round_is_refused() {
-        let nodes = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
-        let error = Mesh::new(nodes, vec![[0, 2, 1]]).expect_err("clockwise");
+        let nodes = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(Point::from);
+        let error = Mesh::new(nodes.to_vec(), vec![[0, 2, 1]]).expect_err("clockwise");
         assert!(
             matches!(error, FemError::DegenerateTriangle { triangle: 0, area, .. } if area < 0.0)
         );

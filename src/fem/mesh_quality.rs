@@ -1,6 +1,7 @@
 //! How good the triangles of a mesh are.
 
 use super::Mesh;
+use crate::geometry;
 
 /// A triangle with an angle below this, in degrees, is a sliver: so is every one with an angle near 180°.
 pub const SLIVER: f64 = 1.0;
@@ -46,11 +47,10 @@ impl MeshQuality {
             for corner in 0..3 {
                 let [from, one, other] =
                     [0, 1, 2].map(|further: usize| corners[(corner + further) % 3]);
-                let [u, v] = [one, other].map(|to| [to[0] - from[0], to[1] - from[1]]);
-                let (cross, dot) = (u[0] * v[1] - u[1] * v[0], u[0] * v[0] + u[1] * v[1]);
-                let angle = cross.atan2(dot).to_degrees();
+                let [u, v] = [one, other].map(|to| to - from);
+                let angle = u.perp(&v).atan2(u.dot(&v)).to_degrees();
                 angles = [angles[0].min(angle), angles[1].max(angle)];
-                let length = u[0].hypot(u[1]);
+                let length = geometry::length(u);
                 sum += length;
                 quality.edges[0] = quality.edges[0].min(length);
                 quality.edges[2] = quality.edges[2].max(length);

@@ -1,6 +1,7 @@
 //! The region φ > 0 of a P1 function: in how many pieces it is, and which way it is long.
 
 use super::Mesh;
+use crate::geometry::{Point, SymmetricTensor, Vector};
 
 /// Counts the pieces of the region φ > 0; what it needs for that is kept from one count to the next.
 #[derive(Debug, Clone, Default)]
@@ -50,8 +51,8 @@ impl Pieces {
 }
 
 /// The direction in which the region φ > 0 is longest, by its second moments; a unit vector.
-pub fn long_axis(mesh: &Mesh, values: &[f64]) -> [f64; 2] {
-    // Of max(φ, 0), lumped: the mean, and about it ∫x², ∫xy, ∫y².
+pub fn long_axis(mesh: &Mesh, values: &[f64]) -> Vector {
+    // Of max(φ, 0), lumped: the mean, and about it ∫ x⊗x.
     let weighted = || {
         let triangles = mesh.triangles().iter().zip(mesh.areas());
         triangles.flat_map(|(corners, area)| {
@@ -61,24 +62,21 @@ pub fn long_axis(mesh: &Mesh, values: &[f64]) -> [f64; 2] {
             })
         })
     };
-    let [mass, x, y] = weighted().fold([0.0; 3], |[mass, x, y], (place, weight)| {
-        [mass + weight, x + weight * place[0], y + weight * place[1]]
+    let (mass, sum) = weighted().fold((0.0, Vector::zeros()), |(mass, sum), (place, weight)| {
+        (mass + weight, sum + weight * place.coords)
     });
-    let center = [x, y].map(|sum| sum / mass);
-    let [xx, xy, yy] = weighted().fold([0.0; 3], |[xx, xy, yy], (place, weight)| {
-        let [x, y] = [place[0] - center[0], place[1] - center[1]];
-        [
-            xx + weight * x * x,
-            xy + weight * x * y,
-            yy + weight * y * y,
-        ]
-    });
+    let center = Point::from(sum / mass);
+    let mut moments = SymmetricTensor::default();
+    for (place, weight) in weighted() {
+        moments += SymmetricTensor::outer(weight, place - center);
+    }
+    let [xx, xy, yy] = moments.entries();
     let angle = 0.5 * (2.0 * xy).atan2(xx - yy);
     // Of no region there is none: any will do.
     if angle.is_finite() {
-        [angle.cos(), angle.sin()]
+        Vector::new(angle.cos(), angle.sin())
     } else {
-        [1.0, 0.0]
+        Vector::x()
     }
 }
 
@@ -87,7 +85,7 @@ mod tests {
     use super::*;
 
     fn values(mesh: &Mesh, phi: impl Fn(f64, f64) -> f64) -> Vec<f64> {
-        mesh.nodes().iter().map(|&[x, y]| phi(x, y)).collect()
+        mesh.nodes().iter().map(|at| phi(at.x, at.y)).collect()
     }
 
     #[test]
@@ -118,10 +116,10 @@ mod tests {
                 let [along, across] = [cosine * x + sine * y, cosine * y - sine * x];
                 1.0 - (along / 0.35).hypot(across / 0.2)
             };
-            let [x, y] = long_axis(&mesh, &values(&mesh, ellipse));
+            let [x, y] = long_axis(&mesh, &values(&mesh, ellipse)).into();
             let aligned = (x * cosine + y * sine).abs();
             assert!(aligned > 1.0 - 1e-4, "{degrees}: [{x}, {y}]");
         }
-        assert_eq!(long_axis(&mesh, &vec![-1.0; 61 * 61]), [1.0, 0.0]);
+        assert_eq!(long_axis(&mesh, &vec![-1.0; 61 * 61]), Vector::x());
     }
 }

@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use super::{FemError, MassForm, Mesh, QuadratureRule, Space};
+use crate::geometry::{Point, Vector};
 use crate::linalg::{ConjugateGradients, LinearOperator, SparseMatrix};
 
 /// Relative residual to which the systems of the projections are solved: rounding, with a margin.
@@ -12,11 +13,11 @@ const TOLERANCE: f64 = 1e-13;
 /// A function on Ω with its gradient.
 pub trait GivenFunction {
     /// The value and the gradient at a place.
-    fn at(&self, place: [f64; 2]) -> (f64, [f64; 2]);
+    fn at(&self, place: Point) -> (f64, Vector);
 }
 
-impl<F: Fn([f64; 2]) -> (f64, [f64; 2])> GivenFunction for F {
-    fn at(&self, place: [f64; 2]) -> (f64, [f64; 2]) {
+impl<F: Fn(Point) -> (f64, Vector)> GivenFunction for F {
+    fn at(&self, place: Point) -> (f64, Vector) {
         self(place)
     }
 }
@@ -78,7 +79,7 @@ fn mean_gradients(space: &Space, given: &impl GivenFunction) -> Vec<[f64; 2]> {
         .point_positions()
         .into_iter()
         .map(|place| given.at(place).1)
-        .map(|[x, y]| (x, y))
+        .map(|gradient| (gradient.x, gradient.y))
         .unzip();
     let [x, y] = [along_x, along_y].map(|component| {
         let mut means = vec![0.0; space.elements()];
@@ -164,8 +165,8 @@ mod tests {
         Arc::new(Mesh::structured(12, 0.2, 5).expect("a fair mesh"))
     }
 
-    fn linear([x, y]: [f64; 2]) -> (f64, [f64; 2]) {
-        (1.5 * x - 0.25 * y + 3.0, [1.5, -0.25])
+    fn linear(at: Point) -> (f64, Vector) {
+        (1.5 * at.x - 0.25 * at.y + 3.0, Vector::new(1.5, -0.25))
     }
 
     #[test]
@@ -188,9 +189,10 @@ mod tests {
     #[test]
     fn a_wall_value_is_taken_exactly_and_the_rest_is_orthogonal() {
         let mesh = mesh();
-        let bump = |[x, y]: [f64; 2]| {
-            let (p, q) = (x * (1.0 - x), y * (1.0 - y));
-            (p * q - 1.0, [(1.0 - 2.0 * x) * q, p * (1.0 - 2.0 * y)])
+        let bump = |at: Point| {
+            let [p, q] = [at.x, at.y].map(|x| x * (1.0 - x));
+            let gradient = Vector::new((1.0 - 2.0 * at.x) * q, p * (1.0 - 2.0 * at.y));
+            (p * q - 1.0, gradient)
         };
         let projected = ritz_projection(&mesh, &bump, Some(-1.0)).expect("solvable");
         let space = Space::new(mesh.clone(), QuadratureRule::Consistent);
@@ -213,11 +215,9 @@ mod tests {
     #[test]
     fn ritz_keeps_the_mean() {
         let mesh = mesh();
-        let wave = |[x, y]: [f64; 2]| {
-            (
-                (5.0 * x).sin() * y,
-                [5.0 * (5.0 * x).cos() * y, (5.0 * x).sin()],
-            )
+        let wave = |at: Point| {
+            let (sine, cosine) = (5.0 * at.x).sin_cos();
+            (sine * at.y, Vector::new(5.0 * cosine * at.y, sine))
         };
         let projected = ritz_projection(&mesh, &wave, None).expect("solvable");
         let space = Space::new(mesh.clone(), QuadratureRule::Consistent);

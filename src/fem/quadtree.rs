@@ -1,6 +1,8 @@
 //! Points of the unit square in a tree of squares: whether one is near a place is found at once,
 //! however different the distances between the points are.
 
+use crate::geometry::{Point, Vector, length};
+
 /// A square of more points than this is divided.
 const CAPACITY: usize = 8;
 
@@ -16,7 +18,7 @@ pub(super) struct Quadtree {
 
 #[derive(Debug)]
 enum Square {
-    Whole(Vec<[f64; 2]>),
+    Whole(Vec<Point>),
     /// Its quarters follow each other from here: lower left, lower right, upper left, upper right.
     Divided(usize),
 }
@@ -24,38 +26,34 @@ enum Square {
 /// Where a square lies.
 #[derive(Debug, Clone, Copy)]
 struct Extent {
-    center: [f64; 2],
+    center: Point,
     half: f64,
 }
 
 impl Extent {
     const UNIT: Self = Self {
-        center: [0.5; 2],
+        center: Point::new(0.5, 0.5),
         half: 0.5,
     };
 
     /// The number of the quarter in which a place lies.
-    fn quarter_of(&self, [x, y]: [f64; 2]) -> usize {
-        usize::from(x >= self.center[0]) + 2 * usize::from(y >= self.center[1])
+    fn quarter_of(&self, place: Point) -> usize {
+        usize::from(place.x >= self.center.x) + 2 * usize::from(place.y >= self.center.y)
     }
 
     fn quarter(&self, number: usize) -> Self {
         let half = 0.5 * self.half;
         let shift = |is_upper: bool| if is_upper { half } else { -half };
         Self {
-            center: [
-                self.center[0] + shift(number & 1 == 1),
-                self.center[1] + shift(number & 2 == 2),
-            ],
+            center: self.center + Vector::new(shift(number & 1 == 1), shift(number & 2 == 2)),
             half,
         }
     }
 
     /// Whether it may have points nearer than `radius`; to rounding, on the safe side.
-    fn reaches(&self, place: [f64; 2], radius: f64) -> bool {
-        let [x, y] = [0, 1]
-            .map(|axis: usize| ((place[axis] - self.center[axis]).abs() - self.half).max(0.0));
-        x * x + y * y <= 1.000_001 * radius * radius
+    fn reaches(&self, place: Point, radius: f64) -> bool {
+        let outside = (place - self.center).map(|offset| (offset.abs() - self.half).max(0.0));
+        outside.norm_squared() <= 1.000_001 * radius * radius
     }
 }
 
@@ -67,7 +65,7 @@ impl Quadtree {
     }
 
     /// Enters a point.
-    pub(super) fn insert(&mut self, point: [f64; 2]) {
+    pub(super) fn insert(&mut self, point: Point) {
         let mut number = 0;
         let mut extent = Extent::UNIT;
         let mut depth = 0;
@@ -96,15 +94,13 @@ impl Quadtree {
     }
 
     /// Whether a point is nearer to a place than `radius`.
-    pub(super) fn is_near(&self, place: [f64; 2], radius: f64) -> bool {
+    pub(super) fn is_near(&self, place: Point, radius: f64) -> bool {
         self.is_near_in(0, Extent::UNIT, place, radius)
     }
 
-    fn is_near_in(&self, number: usize, extent: Extent, place: [f64; 2], radius: f64) -> bool {
+    fn is_near_in(&self, number: usize, extent: Extent, place: Point, radius: f64) -> bool {
         match &self.squares[number] {
-            Square::Whole(points) => points
-                .iter()
-                .any(|[x, y]| (x - place[0]).hypot(y - place[1]) < radius),
+            Square::Whole(points) => points.iter().any(|point| length(point - place) < radius),
             Square::Divided(first) => {
                 // The quarter of the place itself first: it is the likeliest.
                 let own = extent.quarter_of(place);
@@ -130,31 +126,30 @@ mod tests {
         let mut generator = ChaCha8Rng::seed_from_u64(1);
         let mut random = move || generator.random::<f64>();
         // Ever denser towards the origin, and some points many times.
-        let mut points: Vec<[f64; 2]> = (0..400)
+        let mut points: Vec<Point> = (0..400)
             .map(|_| {
                 let shrink = 1e-6_f64.powf(random());
-                [shrink * random(), shrink * random()]
+                Point::new(shrink * random(), shrink * random())
             })
             .collect();
-        points.extend([[0.5, 0.5]; 20]);
-        points.extend([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]);
+        points.extend([Point::new(0.5, 0.5); 20]);
+        points.extend([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(Point::from));
         let mut tree = Quadtree::new();
         for point in &points {
             tree.insert(*point);
         }
         for _ in 0..2000 {
             let shrink = 1e-6_f64.powf(random());
-            let place = [shrink * random(), shrink * random()];
+            let place = Point::new(shrink * random(), shrink * random());
             let radius = 1e-6_f64.powf(random());
-            let is_near = points
-                .iter()
-                .any(|[x, y]| (x - place[0]).hypot(y - place[1]) < radius);
+            let is_near = points.iter().any(|point| length(point - place) < radius);
             assert_eq!(tree.is_near(place, radius), is_near, "{place:?} {radius}");
         }
         // At the distance itself a point is not nearer.
         let mut tree = Quadtree::new();
-        tree.insert([1.0, 0.0]);
-        assert!(!tree.is_near([1.0, 0.5], 0.5) && tree.is_near([1.0, 0.5], 0.500_001));
+        tree.insert(Point::new(1.0, 0.0));
+        let place = Point::new(1.0, 0.5);
+        assert!(!tree.is_near(place, 0.5) && tree.is_near(place, 0.500_001));
     }
 
     /// Points of four scales take as much as their number asks for.
@@ -164,7 +159,8 @@ mod tests {
             let mut tree = Quadtree::new();
             for row in 0..100 {
                 for column in 0..100 {
-                    tree.insert([row, column].map(|at| scale * f64::from(at) / 100.0));
+                    let at = [row, column].map(|at| scale * f64::from(at) / 100.0);
+                    tree.insert(at.into());
                 }
             }
             let squares = tree.squares.len();

@@ -6,6 +6,7 @@
 //! proportional to triangles plus samples, whatever the triangulation.
 
 use super::Mesh;
+use crate::geometry::Point;
 
 /// How far outside a triangle (in barycentric coordinates) a sample may lie and still be taken as
 /// inside: far more than rounding, far less than what shows.
@@ -97,9 +98,10 @@ impl Raster {
                         continue;
                     }
                     let x = region.x[0] + (column as f64 + 0.5) * across;
+                    let at = Point::new(x, y);
                     let weights = [0, 1, 2].map(|corner| {
-                        let ([gx, gy], [ax, ay]) = (gradients[corner], corners[corner]);
-                        1.0 + gx * (x - ax) + gy * (y - ay)
+                        let (gradient, offset) = (gradients[corner], at - corners[corner]);
+                        1.0 + gradient.x * offset.x + gradient.y * offset.y
                     });
                     if weights.iter().all(|weight| *weight >= -SLACK) {
                         *place = Some(Place {
@@ -171,7 +173,7 @@ mod tests {
     };
 
     fn nodal(mesh: &Mesh, f: impl Fn(f64, f64) -> f64) -> Vec<f64> {
-        mesh.nodes().iter().map(|[x, y]| f(*x, *y)).collect()
+        mesh.nodes().iter().map(|at| f(at.x, at.y)).collect()
     }
 
     #[test]
@@ -236,8 +238,8 @@ mod tests {
     #[test]
     fn a_domain_that_is_no_rectangle_leaves_its_complement_out() {
         // One triangle: the lower right half of the unit square.
-        let nodes = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]];
-        let mesh = Mesh::new(nodes, vec![[0, 1, 2]]).expect("counter-clockwise");
+        let nodes = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]].map(Point::from);
+        let mesh = Mesh::new(nodes.to_vec(), vec![[0, 1, 2]]).expect("counter-clockwise");
         assert_eq!(Rectangle::around(&mesh), UNIT);
         let raster = Raster::new(&mesh, UNIT, 4, 4);
         for row in 0..4 {

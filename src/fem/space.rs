@@ -14,6 +14,7 @@ use std::sync::Arc;
 
 use super::quadrature::{POINTS, seven_points};
 use super::{Assembly, FemError, MassForm, Mesh, Patch, QuadratureRule};
+use crate::geometry::{Point, Vector};
 use crate::linalg::SparseMatrix;
 use crate::linalg::vector;
 
@@ -84,7 +85,7 @@ impl Space {
         let mut slopes = vec![[[0.0; LANES]; 4]; mesh.triangles().len().div_ceil(LANES)];
         for (triangle, [a, b, _]) in mesh.gradients().iter().enumerate() {
             let group = &mut slopes[triangle / LANES];
-            for (slope, entry) in group.iter_mut().zip([a[0], a[1], b[0], b[1]]) {
+            for (slope, entry) in group.iter_mut().zip([a.x, a.y, b.x, b.y]) {
                 slope[triangle % LANES] = entry;
             }
         }
@@ -232,7 +233,7 @@ impl Space {
 
     /// Where the quadrature points are (those of weight zero that fill the last group: at the place of
     /// the last triangle's).
-    pub fn point_positions(&self) -> Vec<[f64; 2]> {
+    pub fn point_positions(&self) -> Vec<Point> {
         let (nodes, triangles) = (self.mesh.nodes(), self.mesh.triangles());
         if self.rule == QuadratureRule::Lumped {
             return nodes.to_vec();
@@ -241,18 +242,15 @@ impl Space {
             let triangle = index / GROUP * LANES + index % LANES;
             let corners = triangles[triangle.min(triangles.len() - 1)];
             let weights = self.coordinates[index % GROUP / LANES];
-            [0, 1].map(|axis| {
-                let corners = corners.iter().zip(weights);
-                corners
-                    .map(|(&node, weight)| weight * nodes[node as usize][axis])
-                    .sum()
-            })
+            let corners = corners.iter().zip(weights);
+            let parts = corners.map(|(&node, weight)| weight * nodes[node as usize].coords);
+            Point::from(parts.sum::<Vector>())
         };
         (0..self.points()).map(place).collect()
     }
 
     /// The values at the points of a function of the place.
-    pub fn sample(&self, f: impl Fn([f64; 2]) -> f64) -> Vec<f64> {
+    pub fn sample(&self, f: impl Fn(Point) -> f64) -> Vec<f64> {
         self.point_positions().into_iter().map(f).collect()
     }
 

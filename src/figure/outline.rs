@@ -14,7 +14,7 @@ pub(super) fn chain(contour: &Contour) -> Vec<Vec<[f64; 2]>> {
     let segments: Vec<[usize; 2]> = contour
         .segments
         .iter()
-        .map(|segment| segment.map(|end| ends.number(end)))
+        .map(|segment| segment.map(|end| ends.number(end.into())))
         .filter(|[from, to]| from != to)
         .collect();
     // A segment has φ > 0 on its left, so the next one begins where it ends.
@@ -100,6 +100,7 @@ impl Ends {
 mod tests {
     use super::*;
     use crate::fem::Mesh;
+    use crate::geometry::Point;
     use std::f64::consts::PI;
 
     fn length(curve: &[[f64; 2]]) -> f64 {
@@ -109,7 +110,7 @@ mod tests {
 
     fn curves(cells: usize, phi: impl Fn(f64, f64) -> f64) -> Vec<Vec<[f64; 2]>> {
         let mesh = Mesh::structured(cells, 0.0, 1).expect("a fair mesh");
-        let values: Vec<f64> = mesh.nodes().iter().map(|&[x, y]| phi(x, y)).collect();
+        let values: Vec<f64> = mesh.nodes().iter().map(|p| phi(p.x, p.y)).collect();
         chain(&Contour::new(&mesh, &values))
     }
 
@@ -135,9 +136,9 @@ mod tests {
         for size in [1e-9, 1e-5, 1e5, 1e13] {
             let nodes = unit.nodes().iter().map(|node| node.map(|it| size * it));
             let mesh = Mesh::new(nodes.collect(), unit.triangles().to_vec()).expect("fair too");
-            let place = |node: &[f64; 2]| node.map(|it| it / size - 0.5);
+            let place = |node: &Point| node.map(|it| it / size - 0.5);
             let nodes = mesh.nodes().iter().map(place);
-            let values: Vec<f64> = nodes.map(|[x, y]| 0.3 - x.hypot(y)).collect();
+            let values: Vec<f64> = nodes.map(|p| 0.3 - p.x.hypot(p.y)).collect();
             let curves = chain(&Contour::new(&mesh, &values));
             assert_eq!(curves.len(), 1, "{size:e}");
             let ratio = length(&curves[0]) / (2.0 * PI * 0.3 * size);

@@ -48,7 +48,7 @@ pub(super) fn sample_each<const N: usize>(
     for (corners, gradients) in mesh.triangles().iter().zip(mesh.gradients()) {
         let places = corners.map(|node| mesh.nodes()[node as usize]);
         let nodal = corners.map(|node| fields.map(|field| field[node as usize]));
-        let shares = places.map(|place| frame.share(place));
+        let shares = places.map(|place| frame.share(place.into()));
         let across = cells_between(shares.map(|[x, _]| x), columns);
         let up = cells_between(shares.map(|[_, y]| y), rows);
         for from_below in up {
@@ -58,7 +58,8 @@ pub(super) fn sample_each<const N: usize>(
                 let x = frame.corner[0] + frame.side * center(column, columns);
                 // ψ_a(x) = 1 + ∇ψ_a·(x − x_a).
                 let shares = [0, 1, 2].map(|a: usize| {
-                    let ([gx, gy], [px, py]) = (gradients[a], places[a]);
+                    let ([gx, gy], [px, py]): ([f64; 2], [f64; 2]) =
+                        (gradients[a].into(), places[a].into());
                     1.0 + gx * (x - px) + gy * (y - py)
                 });
                 if shares.iter().any(|share| *share < -SLACK) {
@@ -106,7 +107,7 @@ mod tests {
         for jitter in [0.0, 0.2] {
             let mesh = Mesh::structured(7, jitter, 3).expect("a fair mesh");
             let affine = |x: f64, y: f64| 2.0 * x - 3.0 * y + 0.25;
-            let values: Vec<f64> = mesh.nodes().iter().map(|&[x, y]| affine(x, y)).collect();
+            let values: Vec<f64> = mesh.nodes().iter().map(|p| affine(p.x, p.y)).collect();
             let ones = vec![1.0; values.len()];
             let (columns, rows) = (31, 14);
             let sampled = sample(&mesh, [&values, &ones], columns, rows);
@@ -125,8 +126,8 @@ mod tests {
         let corner = [0.0, 0.0];
         assert_eq!(Frame::around(&unit), Frame { corner, side: 1.0 });
         // A triangle, twice as wide as high.
-        let nodes = vec![[-3.0, 1.0], [1.0, 1.0], [1.0, 3.0]];
-        let wide = Mesh::new(nodes, vec![[0, 1, 2]]).expect("counter-clockwise");
+        let nodes = [[-3.0, 1.0], [1.0, 1.0], [1.0, 3.0]].map(Into::into);
+        let wide = Mesh::new(nodes.to_vec(), vec![[0, 1, 2]]).expect("counter-clockwise");
         let frame = Frame::around(&wide);
         assert_eq!((frame.corner, frame.side), ([-3.0, 0.0], 4.0));
         let x = [-3.0, 1.0, 1.0];

@@ -67,7 +67,7 @@ pub(super) fn write_state(
     ];
     let mut table = Table::new(&columns.map(str::to_owned));
     for node in mesh.outer_order() {
-        let [x, y] = mesh.nodes()[node];
+        let [x, y] = mesh.nodes()[node].into();
         let [dx, dy] = director_at(state, node);
         let [phi, omega, mu] = [&state.phi, &state.omega, &state.mu].map(|field| Some(field[node]));
         let place = [Some(step as f64), Some(t), Some(x), Some(y)];
@@ -91,7 +91,7 @@ pub(super) fn write_strips<'a>(
         for snapshot in snapshots {
             let state = &snapshot.state;
             for node in mesh.outer_order() {
-                let [x, y] = mesh.nodes()[node];
+                let [x, y] = mesh.nodes()[node].into();
                 let place = [
                     Some(snapshot.step as f64),
                     Some(snapshot.t),

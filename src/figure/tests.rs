@@ -7,6 +7,7 @@ use super::strip::Strip;
 use super::text::Label;
 use super::*;
 use crate::fem::Mesh;
+use crate::geometry::Point;
 use crate::record::Columns;
 use crate::scene::{Anchoring, AnchoringKind, Area, Scene};
 use crate::scheme::State;
@@ -33,9 +34,9 @@ fn scene(name: &str) -> Scene {
 
 /// A circle of this radius with a director that turns.
 fn state(mesh: &Mesh, radius: f64) -> State {
-    let phi = |&[x, y]: &[f64; 2]| ((radius - (x - 0.5).hypot(y - 0.5)) / 0.06).tanh();
+    let phi = |p: &Point| ((radius - (p.x - 0.5).hypot(p.y - 0.5)) / 0.06).tanh();
     let phi: Vec<f64> = mesh.nodes().iter().map(phi).collect();
-    let angle = |&[x, y]: &[f64; 2]| 3.0 * x - 2.0 * y;
+    let angle = |p: &Point| 3.0 * p.x - 2.0 * p.y;
     let part = |turn: fn(f64) -> f64| mesh.nodes().iter().map(|p| turn(angle(p))).collect();
     State {
         omega: phi.iter().map(|phi| 400.0 * phi).collect(),

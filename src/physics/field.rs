@@ -36,6 +36,7 @@ use super::{
     MembraneJacobian, PatchFields,
 };
 use crate::fem::{Patch, Space};
+use crate::geometry::Vector;
 use crate::scene::{self, Iteration};
 
 /// The effect, where the scene has it.
@@ -50,7 +51,7 @@ pub struct Field {
     /// χ.
     weight: f64,
     /// H.
-    vector: [f64; 2],
+    vector: Vector,
     from: f64,
     until: f64,
     /// Whether it is switched on.
@@ -80,7 +81,7 @@ impl Field {
 
     /// elements ← ⟨½ (v·H)²⟩ for a vector field v at the points.
     fn fill_squares(&mut self, patch: &Patch<'_>, values: impl Iterator<Item = (f64, f64)>) {
-        let [along, across] = self.vector;
+        let [along, across] = self.vector.into();
         self.points.clear();
         self.points.extend(values.map(|(x, y)| {
             let component = along * x + across * y;
@@ -135,7 +136,7 @@ impl Effect for Field {
 
     /// |χ| H² I(φ): the field turns the director only inside.
     fn director_coupling(&self) -> Option<DirectorCoupling> {
-        let [x, y] = self.vector;
+        let [x, y]: [f64; 2] = self.vector.into();
         let inside = if self.on {
             self.weight.abs() * (x * x + y * y)
         } else {
@@ -157,7 +158,7 @@ impl Effect for Field {
             return;
         };
         self.fill_indicator(patch, &old.phi);
-        let [along, across] = self.vector;
+        let [along, across] = self.vector.into();
         if self.weight < 0.0 {
             let [xx, xy, yy] = &mut form.tensor;
             let entries = xx.iter_mut().zip(xy).zip(yy).zip(&self.weights);

@@ -84,7 +84,7 @@ impl PatchFields {
 pub(super) fn at_points(field: &ScalarField, space: &Space) -> Vec<f64> {
     match field {
         ScalarField::Constant(value) => vec![*value; space.points()],
-        ScalarField::Expression(formula) => space.sample(|[x, y]| formula.evaluate(x, y)),
+        ScalarField::Expression(formula) => space.sample(|at| formula.evaluate(at.x, at.y)),
         ScalarField::File(file) => {
             let mut values = vec![0.0; space.points()];
             let nodal = space.mesh().inward(file.values.to_vec());

@@ -6,12 +6,14 @@ use std::sync::Arc;
 
 use super::*;
 use crate::fem::{MassInverse, Mesh, QuadratureRule};
+use crate::geometry::Point;
 use crate::scene::{self, Iteration, ScalarField};
 
 /// Smooth, unrelated nodal fields with values on both sides of the wells.
 fn wave(space: &Space, seed: f64, size: f64) -> Vec<f64> {
     let mesh = space.mesh();
-    let value = |[x, y]: &[f64; 2]| {
+    let value = |at: &Point| {
+        let (x, y) = (at.x, at.y);
         size * ((7.0 * x + seed).sin() * (5.0 * y - 2.0 * seed).cos()
             + 0.3 * (23.0 * x * y + seed).sin())
     };

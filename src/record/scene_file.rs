@@ -73,7 +73,7 @@ pub(super) fn identity(scene: &Scene) -> String {
         file.path = format!("{INPUTS}/{MESH_NAME}");
         let mesh = &file.triangulation;
         let mut checksum = crc32fast::Hasher::new();
-        for value in mesh.nodes.iter().flatten() {
+        for value in mesh.nodes.iter().flat_map(|node| node.iter()) {
             checksum.update(&value.to_le_bytes());
         }
         for node in mesh.triangles.iter().flatten() {

@@ -90,7 +90,7 @@ fn fields(file: &mut dyn Write, mesh: &Mesh, state: &State, t: f64) -> io::Resul
 
     writeln!(file, "<Points>")?;
     let places = mesh.outward(mesh.nodes());
-    let points = places.iter().flat_map(|&[x, y]| [x, y, 0.0]);
+    let points = places.iter().flat_map(|place| [place.x, place.y, 0.0]);
     array(file, r#"Name="points" NumberOfComponents="3""#, points)?;
     writeln!(file, "</Points>")?;
 

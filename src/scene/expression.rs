@@ -19,6 +19,8 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
+use crate::geometry::Point;
+
 use super::error::Quoted;
 use super::suggest::nearest;
 
@@ -287,16 +289,17 @@ impl Expression {
     pub(super) fn check_finite(&self, cells: usize) -> Result<(), ExpressionError> {
         let coordinate = |index: usize| index as f64 / cells as f64;
         let nodes = (0..=cells).flat_map(|j| (0..=cells).map(move |i| (j, i)));
-        self.try_at(nodes.map(|(j, i)| [coordinate(i), coordinate(j)]))
+        self.try_at(nodes.map(|(j, i)| Point::new(coordinate(i), coordinate(j))))
     }
 
     /// Checks that the formula is finite at these places.
-    pub(super) fn check_finite_at(&self, places: &[[f64; 2]]) -> Result<(), ExpressionError> {
+    pub(super) fn check_finite_at(&self, places: &[Point]) -> Result<(), ExpressionError> {
         self.try_at(places.iter().copied())
     }
 
-    fn try_at(&self, places: impl Iterator<Item = [f64; 2]>) -> Result<(), ExpressionError> {
-        for [x, y] in places {
+    fn try_at(&self, places: impl Iterator<Item = Point>) -> Result<(), ExpressionError> {
+        for place in places {
+            let [x, y] = place.into();
             let value = self.evaluate(x, y);
             if !value.is_finite() {
                 let problem = ExpressionProblem::NotFinite { value, x, y };

@@ -2,12 +2,13 @@
 
 use std::f64::consts::TAU;
 
+use nalgebra::UnitComplex;
 use rand::distr::Open01;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::angle::direction;
 use super::model::{Defect, InitialDirector};
+use crate::geometry::{Point, Vector, direction, length};
 
 /// A node closer than this to a defect's centre is at it: coordinates of nodes carry rounding.
 const CORE_RADIUS: f64 = 1e-12;
@@ -16,7 +17,7 @@ const CORE_RADIUS: f64 = 1e-12;
 ///
 /// Values from a file are copied; that there are two of them a node is the reader's to check.
 /// The random director depends on its seed and on the number of a node only.
-pub fn initial_director(initial: &InitialDirector, nodes: &[[f64; 2]]) -> [Vec<f64>; 2] {
+pub fn initial_director(initial: &InitialDirector, nodes: &[Point]) -> [Vec<f64>; 2] {
     let (x, y) = match initial {
         InitialDirector::Uniform([x, y]) => (vec![*x; nodes.len()], vec![*y; nodes.len()]),
         InitialDirector::Defects { at, angle } => {
@@ -24,6 +25,7 @@ pub fn initial_director(initial: &InitialDirector, nodes: &[[f64; 2]]) -> [Vec<f
             nodes
                 .iter()
                 .map(|&node| around_defects(at, turn, node))
+                .map(|d| (d.x, d.y))
                 .unzip()
         }
         InitialDirector::Random { seed, length } => {
@@ -47,20 +49,16 @@ pub fn initial_director(initial: &InitialDirector, nodes: &[[f64; 2]]) -> [Vec<f
 
 /// The unit vector at the angle Σ winding·atan2(y − y_c, x − x_c), turned by `turn`; zero at a
 /// defect's centre, where no direction is the right one.
-fn around_defects(defects: &[Defect], turn: [f64; 2], node: [f64; 2]) -> (f64, f64) {
+fn around_defects(defects: &[Defect], turn: Vector, node: Point) -> Vector {
     let mut angle = 0.0;
     for Defect { center, winding } in defects {
-        let [x, y] = [node[0] - center[0], node[1] - center[1]];
-        if x.hypot(y) < CORE_RADIUS {
-            return (0.0, 0.0);
+        let offset = node - Point::from(*center);
+        if length(offset) < CORE_RADIUS {
+            return Vector::zeros();
         }
-        angle += winding * y.atan2(x);
+        angle += winding * offset.y.atan2(offset.x);
     }
-    let (sine, cosine) = angle.sin_cos();
-    (
-        cosine * turn[0] - sine * turn[1],
-        cosine * turn[1] + sine * turn[0],
-    )
+    UnitComplex::new(angle) * turn
 }
 
 /// Independent values, uniform in the open interval (−amplitude, amplitude); the same for the
@@ -79,7 +77,12 @@ mod tests {
     use super::super::model::NodalValues;
     use super::*;
 
-    const NODES: [[f64; 2]; 4] = [[0.5, 0.5], [0.75, 0.5], [0.5, 0.75], [0.25, 0.25]];
+    const NODES: [Point; 4] = [
+        Point::new(0.5, 0.5),
+        Point::new(0.75, 0.5),
+        Point::new(0.5, 0.75),
+        Point::new(0.25, 0.25),
+    ];
 
     fn assert_close(actual: &[f64], expected: &[f64]) {
         assert_eq!(actual.len(), expected.len());
@@ -147,15 +150,15 @@ mod tests {
             center: [0.3, 0.3],
             winding: 1.0,
         }];
-        let node = [3.0 * 0.1, 0.3];
-        assert_ne!(node[0], 0.3);
+        let node = Point::new(3.0 * 0.1, 0.3);
+        assert_ne!(node.x, 0.3);
         let [x, y] = initial_director(&InitialDirector::Defects { at, angle: 0.0 }, &[node]);
         assert_eq!((x[0], y[0]), (0.0, 0.0));
     }
 
     #[test]
     fn a_random_director_has_its_length_and_repeats() {
-        let nodes = vec![[0.0; 2]; 4000];
+        let nodes = vec![Point::origin(); 4000];
         let field = |seed| initial_director(&InitialDirector::Random { seed, length: 0.7 }, &nodes);
         let [x, y] = field(1);
         for (x, y) in x.iter().zip(&y) {

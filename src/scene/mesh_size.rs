@@ -2,6 +2,7 @@
 
 use super::model::{Refinement, Shape};
 use super::outline::{OutlineDistance, union_distance};
+use crate::geometry::{Point, Vector};
 
 /// By how much the size may grow over a unit of length: neighbours then differ by less than a third, and
 /// the angles suffer little.
@@ -43,7 +44,7 @@ impl MeshSize {
     }
 
     /// At a place: within the band about the membrane the smaller one, from there on growing.
-    pub fn at(&self, place: [f64; 2]) -> f64 {
+    pub fn at(&self, place: Point) -> f64 {
         match &self.refined {
             Some((refinement, outlines)) => {
                 let distance = union_distance(outlines, place).value.abs();
@@ -60,7 +61,7 @@ impl MeshSize {
 
     /// Whether values a `side` apart tell all of the square about `center` with that side: it is small
     /// beside the edges there, or they are to be equal in all of it.
-    pub fn is_even(&self, center: [f64; 2], side: f64) -> bool {
+    pub fn is_even(&self, center: Point, side: f64) -> bool {
         let Some((refinement, outlines)) = &self.refined else {
             return true;
         };
@@ -85,21 +86,19 @@ impl MeshSize {
         let center = |index: usize| (index as f64 + 0.5) * side;
         let squares = (0..SQUARES).flat_map(|row| (0..SQUARES).map(move |column| [column, row]));
         let inside: f64 = squares
-            .map(|square| self.nodes_in(square.map(center), side))
+            .map(|square| self.nodes_in(Point::from(square.map(center)), side))
             .sum();
         inside + wall
     }
 
     /// About how many nodes there are in a square.
-    fn nodes_in(&self, center: [f64; 2], side: f64) -> f64 {
+    fn nodes_in(&self, center: Point, side: f64) -> f64 {
         if self.is_even(center, side) {
             return DENSITY * (side / self.at(center)).powi(2);
         }
         let half = 0.5 * side;
         [[-0.5, -0.5], [0.5, -0.5], [-0.5, 0.5], [0.5, 0.5]]
-            .map(|[right, up]| {
-                self.nodes_in([center[0] + right * half, center[1] + up * half], half)
-            })
+            .map(|[right, up]| self.nodes_in(center + half * Vector::new(right, up), half))
             .iter()
             .sum()
     }

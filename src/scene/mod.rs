@@ -11,7 +11,6 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod angle;
 mod defaults;
 mod document;
 mod error;
@@ -26,7 +25,6 @@ mod nodal_file;
 mod nodal_files;
 mod outline;
 mod overrides;
-pub mod planar;
 mod presets;
 mod reader;
 mod schema;
@@ -47,9 +45,7 @@ pub use mesh_file::{
 pub use mesh_size::MeshSize;
 pub use model::*;
 pub use nodal_files::NodalKey;
-pub use outline::{
-    BoundingBox, OutlineDistance, SignedDistance, phase_profile, union_distance, wall_distance,
-};
+pub use outline::{OutlineDistance, SignedDistance, phase_profile, union_distance, wall_distance};
 pub use presets::{UnknownPreset, find_preset, preset, preset_description, preset_names};
 pub use significant::significant;
 pub use warning::{Warning, warnings};

@@ -7,9 +7,9 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::angle::direction;
 use super::expression::Expression;
 use super::mesh_file::MeshFile;
+use crate::geometry::{Vector, direction};
 
 /// One simulation, complete.
 #[derive(Debug, Clone, PartialEq)]
@@ -140,13 +140,13 @@ pub struct Outline {
 
 impl Outline {
     /// The direction of its long axis, a unit vector.
-    pub fn long_axis(&self) -> [f64; 2] {
-        let [x, y] = direction(self.angle);
+    pub fn long_axis(&self) -> Vector {
+        let axis = direction(self.angle);
         match self.curve {
             Curve::Ellipse {
                 half_axes: [first, second],
-            } if first < second => [-y, x],
-            _ => [x, y],
+            } if first < second => Vector::new(-axis.y, axis.x),
+            _ => axis,
         }
     }
 }
@@ -382,8 +382,8 @@ pub struct Field {
 
 impl Field {
     /// H.
-    pub fn vector(&self) -> [f64; 2] {
-        direction(self.angle).map(|entry| self.strength * entry)
+    pub fn vector(&self) -> Vector {
+        self.strength * direction(self.angle)
     }
 }
 

@@ -187,10 +187,9 @@ fn mark(
     blocks.extend(triangles.zip(gradients).map(|(triangles, gradients)| {
         triangles.iter().zip(gradients).any(|(corners, gradients)| {
             let [a, b, c] = corners.map(|node| phi[node as usize]);
-            let slope =
-                [0, 1].map(|axis| (a - c) * gradients[0][axis] + (b - c) * gradients[1][axis]);
-            let square = slope[0] * slope[0] + slope[1] * slope[1];
-            let force = of_inside * phase_indicator(a.max(b).max(c)) + of_slope * square;
+            let slope = (a - c) * gradients[0] + (b - c) * gradients[1];
+            let force =
+                of_inside * phase_indicator(a.max(b).max(c)) + of_slope * slope.norm_squared();
             // A NaN is somebody else's to find; it matters.
             force > limit || force.is_nan()
         })

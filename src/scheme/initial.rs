@@ -5,6 +5,7 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use crate::fem::{FemError, Mesh, l2_projection, ritz_projection};
+use crate::geometry::Point;
 use crate::scene::{
     Boundary, InitialDirector, OutlineDistance, Projection, Scene, Shape, initial_director,
     phase_profile, random_phase, union_distance,
@@ -52,7 +53,7 @@ pub fn initial_fields(scene: &Scene, mesh: &Arc<Mesh>) -> Result<InitialFields, 
             let distances: Vec<OutlineDistance> =
                 outlines.iter().map(OutlineDistance::new).collect();
             let width = scene.membrane.interface_width;
-            let given = |place: [f64; 2]| phase_profile(union_distance(&distances, place), width);
+            let given = |place: Point| phase_profile(union_distance(&distances, place), width);
             match scene.vesicle.projection {
                 Projection::Ritz => ritz_projection(mesh, &given, wall)?,
                 Projection::L2 => l2_projection(mesh, &given, wall)?,

@@ -27,6 +27,7 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 
 use crate::fem::{Contour, GradientRecovery, Mesh, MeshQuality, Pieces, long_axis};
+use crate::geometry::Vector;
 use crate::scene::{AnchoringKind, Iteration, Order, Scene, Shape, Time, Warning};
 use crate::scheme::{Scheme, StepError, StepReport, initial_fields};
 
@@ -123,7 +124,7 @@ pub struct Simulation {
     pieces: Pieces,
     recovery: GradientRecovery,
     /// The long axis of the vesicle at the start, a unit vector.
-    axis: [f64; 2],
+    axis: Vector,
     near_wall: NearWall,
     pacing: Pacing,
     /// What was done of a step that was left before its end.
@@ -167,7 +168,7 @@ fn measure_vesicle(
     mesh: &Mesh,
     phi: &[f64],
     (pieces, contour): (&mut Pieces, &mut Contour),
-    axis: [f64; 2],
+    axis: Vector,
 ) {
     let vesicles = pieces.count(mesh, phi);
     report.vesicles = Some(vesicles);

@@ -6,6 +6,7 @@ use thiserror::Error;
 
 use super::SimulationError;
 use crate::fem::{Mesh, Rectangle, Wall, is_in_hole};
+use crate::geometry::{Point, doubled_area};
 use crate::scene::{self, OutlineDistance, Scene, Shape, significant, union_distance};
 
 /// Cells of the grid that stands for a generated mesh where that need not be made.
@@ -18,16 +19,16 @@ pub enum NoVesicle {
     #[error(
         "{which} lies outside of the domain, which reaches from {} to {}: move it into the domain \
          (center), or make it larger",
-        Point(*lower),
-        Point(*upper)
+        Coordinates(*lower),
+        Coordinates(*upper)
     )]
     Outside {
         /// Which vesicle.
         which: Part,
         /// The least coordinates of the domain.
-        lower: [f64; 2],
+        lower: Point,
         /// The greatest ones.
-        upper: [f64; 2],
+        upper: Point,
     },
     /// An outline is where there are no triangles, though not beyond all of them.
     #[error(
@@ -47,14 +48,14 @@ pub enum NoVesicle {
     #[error(
         "no vesicle in the domain: the outline is around all of it, from {} to {}, so there is no membrane; \
          make it smaller",
-        Point(*lower),
-        Point(*upper)
+        Coordinates(*lower),
+        Coordinates(*upper)
     )]
     Covers {
         /// The least coordinates of the domain.
-        lower: [f64; 2],
+        lower: Point,
         /// The greatest ones.
-        upper: [f64; 2],
+        upper: Point,
     },
     /// The outline is between the nodes.
     #[error(
@@ -96,11 +97,11 @@ impl fmt::Display for Part {
 }
 
 /// A point in words.
-struct Point([f64; 2]);
+struct Coordinates(Point);
 
-impl fmt::Display for Point {
+impl fmt::Display for Coordinates {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [x, y] = self.0.map(|coordinate| significant(coordinate, 3));
+        let [x, y] = [self.0.x, self.0.y].map(|coordinate| significant(coordinate, 3));
         write!(f, "({x}, {y})")
     }
 }
@@ -155,13 +156,13 @@ fn outlines_in(scene: &Scene, mesh: &Mesh) -> Result<(), NoVesicle> {
     };
     let distances: Vec<_> = outlines.iter().map(OutlineDistance::new).collect();
     let region = Rectangle::around(mesh);
-    let (lower, upper) = ([region.x[0], region.y[0]], [region.x[1], region.y[1]]);
+    let [lower, upper] = [0, 1].map(|end| Point::new(region.x[end], region.y[end]));
     let wall = Wall::of(mesh);
     for (number, (outline, distance)) in outlines.iter().zip(&distances).enumerate() {
         let one = std::slice::from_ref(distance);
         let reaches = is_at_node(mesh, one)
             || wall.clearance(|place| distance.signed_distance(place).value) < 0.0
-            || covers(mesh, outline.center);
+            || covers(mesh, outline.center.into());
         if !reaches {
             let which = match outlines.len() {
                 1 => Part::Only,
@@ -185,7 +186,7 @@ fn outlines_in(scene: &Scene, mesh: &Mesh) -> Result<(), NoVesicle> {
             });
         }
     }
-    let is_inside = |place: &[f64; 2]| union_distance(&distances, *place).value > 0.0;
+    let is_inside = |place: &Point| union_distance(&distances, *place).value > 0.0;
     if mesh.nodes().iter().all(is_inside) {
         return Err(NoVesicle::Covers { lower, upper });
     }
@@ -194,18 +195,16 @@ fn outlines_in(scene: &Scene, mesh: &Mesh) -> Result<(), NoVesicle> {
 
 /// Whether a node lies within the outlines.
 fn is_at_node(mesh: &Mesh, outlines: &[OutlineDistance]) -> bool {
-    let is_inside = |place: &[f64; 2]| union_distance(outlines, *place).value > 0.0;
+    let is_inside = |place: &Point| union_distance(outlines, *place).value > 0.0;
     mesh.nodes().iter().any(is_inside)
 }
 
 /// Whether a place lies in a triangle.
-fn covers(mesh: &Mesh, [x, y]: [f64; 2]) -> bool {
+fn covers(mesh: &Mesh, place: Point) -> bool {
     mesh.triangles().iter().any(|corners| {
         let corners = corners.map(|node| mesh.nodes()[node as usize]);
-        (0..3).all(|corner| {
-            let ([ax, ay], [bx, by]) = (corners[corner], corners[(corner + 1) % 3]);
-            (bx - ax) * (y - ay) - (by - ay) * (x - ax) >= 0.0
-        })
+        (0..3)
+            .all(|corner| doubled_area([corners[corner], corners[(corner + 1) % 3], place]) >= 0.0)
     })
 }
 

@@ -2,6 +2,7 @@
 
 use super::presence::sign;
 use crate::fem::{Contour, Mesh, MeshQuality, SLIVER, Wall};
+use crate::geometry::{Segment, length};
 use crate::scene::{self, OutlineDistance, Scene, Shape, Warning, union_distance, wall_distance};
 
 /// The interface of a vesicle reaches this many ε beyond φ = 0: tanh(2√2) = 0.993.
@@ -68,7 +69,7 @@ fn slivers(scene: &Scene, quality: &MeshQuality) -> Option<Warning> {
 /// The mean length of an edge of the triangles that φ = 0 crosses, where each triangle counts by the
 /// length of φ = 0 in it: many small ones do not outvote a few large ones. `None` where there are none.
 fn edge_at_membrane(mesh: &Mesh, phi: &[f64], contour: &Contour) -> Option<f64> {
-    let length = |[from, to]: [[f64; 2]; 2]| (to[0] - from[0]).hypot(to[1] - from[1]);
+    let length = |[from, to]: Segment| length(to - from);
     let crossed = mesh.triangles().iter().filter(|corners| {
         let inside = corners.map(|node| phi[node as usize] > 0.0);
         inside.contains(&true) && inside.contains(&false)

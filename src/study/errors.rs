@@ -10,6 +10,7 @@
 
 use super::error_size::ErrorSize;
 use crate::fem::{Contour, Mesh, Raster, Rectangle};
+use crate::geometry::{Segment, length, segment_offset};
 use crate::physics::potentials;
 use crate::scheme::State;
 use crate::simulation::Simulation;
@@ -29,7 +30,7 @@ pub(super) struct Solution {
     mesh: Arc<Mesh>,
     phase: Vec<f64>,
     director: Option<[Vec<f64>; 2]>,
-    membrane: Vec<[[f64; 2]; 2]>,
+    membrane: Vec<Segment>,
     energy: f64,
     surface_area: f64,
 }
@@ -146,7 +147,7 @@ impl Solution {
 }
 
 /// The larger of the two mean distances; none if either is empty.
-fn membrane_distance(one: &[[[f64; 2]; 2]], other: &[[[f64; 2]; 2]]) -> Option<ErrorSize> {
+fn membrane_distance(one: &[Segment], other: &[Segment]) -> Option<ErrorSize> {
     if one.is_empty() || other.is_empty() {
         return None;
     }
@@ -154,43 +155,35 @@ fn membrane_distance(one: &[[[f64; 2]; 2]], other: &[[[f64; 2]; 2]]) -> Option<E
 }
 
 /// The mean distance of the points of a curve to another curve, by the middles of its segments.
-fn mean_distance(from: &[[[f64; 2]; 2]], to: &[[[f64; 2]; 2]]) -> f64 {
-    let (mut sum, mut length) = (0.0, 0.0);
+fn mean_distance(from: &[Segment], to: &[Segment]) -> f64 {
+    let (mut sum, mut total) = (0.0, 0.0);
     for [a, b] in from {
-        let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
-        let weight = (b[0] - a[0]).hypot(b[1] - a[1]);
+        let middle = nalgebra::center(a, b);
+        let weight = length(b - a);
         let nearest = to
             .iter()
-            .map(|segment| square_distance(middle, segment))
+            .map(|segment| segment_offset(middle, *segment).norm_squared())
             .fold(f64::INFINITY, f64::min);
         sum += weight * nearest.sqrt();
-        length += weight;
+        total += weight;
     }
-    sum / length.max(f64::MIN_POSITIVE)
-}
-
-fn square_distance(point: [f64; 2], [a, b]: &[[f64; 2]; 2]) -> f64 {
-    let along = [b[0] - a[0], b[1] - a[1]];
-    let square = along[0] * along[0] + along[1] * along[1];
-    let offset = [point[0] - a[0], point[1] - a[1]];
-    let share = (offset[0] * along[0] + offset[1] * along[1]) / square.max(f64::MIN_POSITIVE);
-    let share = share.clamp(0.0, 1.0);
-    let miss = [0, 1].map(|axis| offset[axis] - share * along[axis]);
-    miss[0] * miss[0] + miss[1] * miss[1]
+    sum / total.max(f64::MIN_POSITIVE)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Point;
 
     /// φ = tanh((r − |x − c|)/0.1) on a mesh.
     fn circle(cells: usize, radius: f64) -> Solution {
         let mesh = Mesh::structured(cells, 0.0, 1).expect("a mesh");
-        let distance = |[x, y]: [f64; 2]| radius - (x - 0.5).hypot(y - 0.5);
+        let center = Point::new(0.5, 0.5);
+        let distance = |at: Point| radius - length(at - center);
         solution(mesh, |place| (distance(place) / 0.1).tanh())
     }
 
-    fn solution(mesh: Mesh, phase: impl Fn([f64; 2]) -> f64) -> Solution {
+    fn solution(mesh: Mesh, phase: impl Fn(Point) -> f64) -> Solution {
         let nodes = mesh.nodes().iter();
         let state = State {
             phi: nodes.map(|node| phase(*node)).collect(),
@@ -229,17 +222,17 @@ mod tests {
     }
 
     /// Squares of width `h`, each of two triangles, wherever `is_there` has it at the square's middle.
-    fn squares(h: f64, across: usize, up: usize, is_there: impl Fn([f64; 2]) -> bool) -> Mesh {
+    fn squares(h: f64, across: usize, up: usize, is_there: impl Fn(Point) -> bool) -> Mesh {
         let (mut nodes, mut triangles) = (Vec::new(), Vec::new());
         let mut numbers = std::collections::HashMap::new();
         for (column, row) in (0..up).flat_map(|row| (0..across).map(move |column| (column, row))) {
-            if !is_there([column, row].map(|cell| h * (cell as f64 + 0.5))) {
+            if !is_there([column, row].map(|cell| h * (cell as f64 + 0.5)).into()) {
                 continue;
             }
             let [a, b, c, d] = [[0, 0], [1, 0], [1, 1], [0, 1]].map(|[right, above]| {
                 let corner = [column + right, row + above];
                 *numbers.entry(corner).or_insert_with(|| {
-                    nodes.push(corner.map(|cells| h * cells as f64));
+                    nodes.push(corner.map(|cells| h * cells as f64).into());
                     nodes.len() as u32 - 1
                 })
             });
@@ -255,7 +248,7 @@ mod tests {
             let radius = inner + (outer - inner) * layer as f64 / layers as f64;
             nodes.extend((0..sides).map(|side| {
                 let angle = std::f64::consts::TAU * side as f64 / sides as f64;
-                [radius * angle.cos(), radius * angle.sin()]
+                Point::new(radius * angle.cos(), radius * angle.sin())
             }));
         }
         let number = |layer: usize, side: usize| (layer * sides + side % sides) as u32;
@@ -278,7 +271,7 @@ mod tests {
         let domains: [(&str, &dyn Fn(usize) -> Mesh); 5] = [
             ("an L", &|n| {
                 let h = 1.0 / n as f64;
-                squares(h, 2 * n, 2 * n, |[x, y]| x < 1.0 || y < 1.0)
+                squares(h, 2 * n, 2 * n, |at| at.x < 1.0 || at.y < 1.0)
             }),
             ("a channel", &|n| {
                 squares(0.1 / n as f64, 100 * n, n, |_| true)
@@ -291,7 +284,7 @@ mod tests {
         ];
         for (name, mesh) in domains {
             let area: f64 = mesh(4).areas().iter().sum();
-            let line = |[x, y]: [f64; 2]| 2.0 * x - y;
+            let line = |at: Point| 2.0 * at.x - at.y;
             let shifted = |place| line(place) + 0.1;
             let errors = solution(mesh(4), shifted).errors(&solution(mesh(6), line));
             let (error, expected) = (errors.phase.expect(name).get(), 0.1 * area.sqrt());
@@ -308,7 +301,7 @@ mod tests {
         let errors = solution(coarse, |_| 0.3).errors(&solution(fine, |_| 0.1));
         let error = errors.phase.expect("an error").get();
         assert!((error / (0.2 * area.sqrt()) - 1.0).abs() < 5e-3, "{error}");
-        let elsewhere = squares(1.0, 2, 1, |[x, _]| x > 1.0);
+        let elsewhere = squares(1.0, 2, 1, |at| at.x > 1.0);
         let apart = squares(1.0, 1, 1, |_| true);
         let errors = solution(elsewhere, |_| 0.3).errors(&solution(apart, |_| 0.1));
         assert_eq!(errors.phase, None);

@@ -124,14 +124,15 @@ pub fn names(field: Field, theme: &Theme) -> (&'static str, &'static str) {
 mod tests {
     use super::*;
     use crate::fem::{Mesh, Rectangle};
+    use crate::geometry::Point;
 
     fn sampled(field: Field, director: Option<[Vec<f64>; 2]>) -> FieldImage {
         let mesh = Mesh::structured(8, 0.0, 0).expect("a regular mesh");
         let nodes = mesh.nodes();
         let state = State {
-            phi: nodes.iter().map(|[x, _]| 4.0 * x - 2.0).collect(),
-            omega: nodes.iter().map(|[_, y]| 30.0 * y - 10.0).collect(),
-            mu: nodes.iter().map(|[x, y]| -(x + y)).collect(),
+            phi: nodes.iter().map(|at| 4.0 * at.x - 2.0).collect(),
+            omega: nodes.iter().map(|at| 30.0 * at.y - 10.0).collect(),
+            mu: nodes.iter().map(|at| -(at.x + at.y)).collect(),
             director,
         };
         let raster = Raster::new(&mesh, Rectangle::around(&mesh), 8, 8);
@@ -162,7 +163,7 @@ mod tests {
     #[test]
     fn the_strength_of_the_director_is_measured_from_one_inside_the_vesicle() {
         let mesh = Mesh::structured(8, 0.0, 0).expect("a regular mesh");
-        let left = |[x, _]: &[f64; 2]| if *x < 0.5 { 7.0 } else { 0.8 };
+        let left = |at: &Point| if at.x < 0.5 { 7.0 } else { 0.8 };
         let x: Vec<f64> = mesh.nodes().iter().map(left).collect();
         let y = vec![0.6; x.len()];
         let length = sampled(Field::DirectorLength, Some([x, y]));

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use vesica::fem::{Contour, Mesh};
+use vesica::geometry::{Point, length};
 use vesica::physics::NamedValue;
 use vesica::scene::{AnchoringKind, Scene, Shape};
 use vesica::scheme::{Scheme, State, initial_fields};
@@ -236,10 +237,10 @@ fn shift_of_circle(scene: &Scene, mesh: &Mesh, phi: &[f64]) -> f64 {
     let vesica::scene::Curve::Circle { radius } = outlines[0].curve else {
         return f64::NAN;
     };
-    let [x, y] = outlines[0].center;
+    let center = Point::from(outlines[0].center);
     let segments = Contour::new(mesh, phi).segments;
     let distances = segments.iter().flatten();
-    let off = distances.map(|place| ((place[0] - x).hypot(place[1] - y) - radius).abs());
+    let off = distances.map(|place| (length(place - center) - radius).abs());
     off.fold(0.0, f64::max) * cells as f64
 }
 

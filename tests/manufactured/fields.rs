@@ -3,17 +3,19 @@
 
 use std::f64::consts::PI;
 
+use vesica::geometry::{Point, Vector};
+
 /// φ and what the equations need of it, at one place and time.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Phase {
     /// φ.
     pub value: f64,
     /// ∇φ.
-    pub gradient: [f64; 2],
+    pub gradient: Vector,
     /// Δφ.
     pub laplacian: f64,
     /// ∇Δφ.
-    pub laplacian_gradient: [f64; 2],
+    pub laplacian_gradient: Vector,
     /// γ_ben μ, where γ_ben Δμ = ∂φ/∂t: the first equation of (3.21) needs no source.
     pub scaled_potential: f64,
 }
@@ -38,7 +40,8 @@ pub struct PhaseField {
 
 impl PhaseField {
     /// Everything at a place and a time.
-    pub fn at(&self, [x, y]: [f64; 2], t: f64) -> Phase {
+    pub fn at(&self, place: Point, t: f64) -> Phase {
+        let (x, y) = (place.x, place.y);
         let mut sum = Phase::default();
         for mode in self.modes {
             let [p, q] = mode.waves.map(|wave| PI * f64::from(wave));
@@ -47,16 +50,11 @@ impl PhaseField {
             let rate = -mode.fading * (-t).exp();
             let eigenvalue = -(p * p + q * q);
             let value = amplitude * cos_x * cos_y;
-            let gradient = [
-                -amplitude * p * sin_x * cos_y,
-                -amplitude * q * cos_x * sin_y,
-            ];
+            let gradient = -amplitude * Vector::new(p * sin_x * cos_y, q * cos_x * sin_y);
             sum.value += value;
+            sum.gradient += gradient;
             sum.laplacian += eigenvalue * value;
-            for (axis, entry) in gradient.into_iter().enumerate() {
-                sum.gradient[axis] += entry;
-                sum.laplacian_gradient[axis] += eigenvalue * entry;
-            }
+            sum.laplacian_gradient += eigenvalue * gradient;
             if eigenvalue < 0.0 {
                 sum.scaled_potential += rate / eigenvalue * cos_x * cos_y;
             }
@@ -69,11 +67,11 @@ impl PhaseField {
 #[derive(Debug, Clone, Copy)]
 pub struct Director {
     /// d.
-    pub value: [f64; 2],
+    pub value: Vector,
     /// ∇d_x and ∇d_y.
-    pub gradient: [[f64; 2]; 2],
+    pub gradient: [Vector; 2],
     /// ∂d/∂t.
-    pub rate: [f64; 2],
+    pub rate: Vector,
 }
 
 /// d = ρ (cos θ, sin θ) with ρ = 1 + s e^(−t) cos(πx) cos(πy) and θ = 0.3 + x − 2y + t/2: shorter
@@ -87,24 +85,22 @@ pub struct DirectorField {
 
 impl DirectorField {
     /// Everything at a place and a time.
-    pub fn at(&self, [x, y]: [f64; 2], t: f64) -> Director {
+    pub fn at(&self, place: Point, t: f64) -> Director {
+        let (x, y) = (place.x, place.y);
         let [(sin_x, cos_x), (sin_y, cos_y)] = [(PI * x).sin_cos(), (PI * y).sin_cos()];
         let swing = self.swing * (-t).exp();
         let length = 1.0 + swing * cos_x * cos_y;
-        let length_gradient = [-swing * PI * sin_x * cos_y, -swing * PI * cos_x * sin_y];
+        let length_gradient = -swing * PI * Vector::new(sin_x * cos_y, cos_x * sin_y);
         let length_rate = -swing * cos_x * cos_y;
         let (sin, cos) = (0.3 + x - 2.0 * y + 0.5 * t).sin_cos();
-        let (angle_gradient, angle_rate) = ([1.0, -2.0], 0.5);
-        let (along, across) = ([cos, sin], [-sin, cos]);
-        let derivative = |of_length: f64, of_angle: f64| {
-            [0, 1].map(|i| of_length * along[i] + length * of_angle * across[i])
-        };
-        let [by_x, by_y] =
-            [0, 1].map(|axis| derivative(length_gradient[axis], angle_gradient[axis]));
+        let (angle_gradient, angle_rate) = (Vector::new(1.0, -2.0), 0.5);
+        let (along, across) = (Vector::new(cos, sin), Vector::new(-sin, cos));
+        let gradient =
+            [0, 1].map(|i| along[i] * length_gradient + length * across[i] * angle_gradient);
         Director {
-            value: along.map(|entry| length * entry),
-            gradient: [[by_x[0], by_y[0]], [by_x[1], by_y[1]]],
-            rate: derivative(length_rate, angle_rate),
+            value: length * along,
+            gradient,
+            rate: length_rate * along + length * angle_rate * across,
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The continuous equations, written anew from the energies: what an exact solution leaves over in
 //! them is the source. Nothing here comes from the solver's own formulas.
 
+use vesica::geometry::{Point, Vector};
 use vesica::scene::{AnchoringKind, ScalarField, Scene};
 
 use super::fields::{Director, DirectorField, Phase, PhaseField};
@@ -45,7 +46,7 @@ pub enum Term {
 #[derive(Debug, Clone, Copy)]
 pub struct WeakForm {
     /// Tested with ∇ψ.
-    pub flux: [f64; 2],
+    pub flux: Vector,
     /// Tested with ψ.
     pub load: f64,
 }
@@ -67,7 +68,7 @@ pub struct Model {
 pub const CURVATURE: &str = "1.5 + x - 0.5*y";
 
 /// ∇k.
-const CURVATURE_GRADIENT: [f64; 2] = [1.0, -0.5];
+const CURVATURE_GRADIENT: Vector = Vector::new(1.0, -0.5);
 
 impl Model {
     fn factor(&self, term: Term) -> f64 {
@@ -86,31 +87,28 @@ impl Model {
     }
 
     /// k and ∇k.
-    fn curvature(&self, [x, y]: [f64; 2]) -> (f64, [f64; 2]) {
+    fn curvature(&self, place: Point) -> (f64, Vector) {
         let ScalarField::Expression(expression) = &self.scene.membrane.spontaneous_curvature else {
             panic!("the scenes of this test give k as a formula");
         };
         assert_eq!(expression.text(), CURVATURE);
         let factor = self.factor(Term::Curvature);
         (
-            factor * (1.5 + x - 0.5 * y),
-            CURVATURE_GRADIENT.map(|entry| factor * entry),
+            factor * (1.5 + place.x - 0.5 * place.y),
+            factor * CURVATURE_GRADIENT,
         )
     }
 
     /// ω = −Δφ + G(φ)/ε² and ∇ω.
-    pub fn omega(&self, place: [f64; 2], phase: &Phase) -> (f64, [f64; 2]) {
+    pub fn omega(&self, place: Point, phase: &Phase) -> (f64, Vector) {
         let width = self.scene.membrane.interface_width;
         let (k, k_gradient) = self.curvature(place);
         let phi = phase.value;
         let well = phi * phi - 1.0;
         let value = -phase.laplacian + (phi * well - width * k * well) / (width * width);
         let slope = 3.0 * phi * phi - 1.0 - 2.0 * width * k * phi;
-        let gradient = [0, 1].map(|axis| {
-            let of_g = slope * phase.gradient[axis] - width * k_gradient[axis] * well;
-            -phase.laplacian_gradient[axis] + of_g / (width * width)
-        });
-        (value, gradient)
+        let of_g = slope * phase.gradient - width * well * k_gradient;
+        (value, of_g / (width * width) - phase.laplacian_gradient)
     }
 
     /// μ.
@@ -126,10 +124,9 @@ impl Model {
         let mut sum = 0.0;
         for i in 0..POINTS {
             for j in 0..POINTS {
-                let phase = self.phase.at([coordinate(i), coordinate(j)], t);
-                let [x, y] = phase.gradient;
+                let phase = self.phase.at(Point::new(coordinate(i), coordinate(j)), t);
                 let well = phase.value * phase.value - 1.0;
-                sum += 0.5 * width * (x * x + y * y) + 0.25 * well * well / width;
+                sum += 0.5 * width * phase.gradient.norm_squared() + 0.25 * well * well / width;
             }
         }
         sum / (POINTS * POINTS) as f64
@@ -157,7 +154,7 @@ impl Model {
     }
 
     /// δE/δφ − μ, which the source of the second equation of (3.21) is to balance.
-    pub fn membrane_excess(&self, place: [f64; 2], t: f64, tension: f64) -> WeakForm {
+    pub fn membrane_excess(&self, place: Point, t: f64, tension: f64) -> WeakForm {
         let width = self.scene.membrane.interface_width;
         let phase = self.phase.at(place, t);
         let (phi, grad) = (phase.value, phase.gradient);
@@ -168,7 +165,7 @@ impl Model {
             _ => 3.0 * phi * phi - 1.0 - 2.0 * width * k * phi,
         };
         let mut form = WeakForm {
-            flux: [0, 1].map(|axis| width * omega_gradient[axis] + tension * width * grad[axis]),
+            flux: width * omega_gradient + tension * width * grad,
             load: slope * omega / width + tension * (phi * phi * phi - phi) / width
                 - self.mu(&phase),
         };
@@ -186,15 +183,12 @@ impl Model {
             Some(Flaw::PrintedAnchoringSign) => -1.0,
             _ => self.factor(Term::AnchoringFlux),
         };
-        for axis in 0..2 {
-            form.flux[axis] +=
-                sign * (isotropic * dot(d, d) * grad[axis] + along * dot(d, grad) * d[axis]);
-        }
+        form.flux += sign * (isotropic * d.norm_squared() * grad + along * d.dot(&grad) * d);
         form
     }
 
     /// ∂d/∂t / γ_nem + δE/δd for both components, which the source of substep 1 is to balance.
-    pub fn director_excess(&self, place: [f64; 2], t: f64) -> [WeakForm; 2] {
+    pub fn director_excess(&self, place: Point, t: f64) -> [WeakForm; 2] {
         let (Some(nematic), Some(field)) = (&self.scene.nematic, &self.director) else {
             panic!("a scene without a director has no substep 1");
         };
@@ -202,34 +196,30 @@ impl Model {
         let director = field.at(place, t);
         let (d, grad) = (director.value, phase.gradient);
         let inside = nematic.weight * indicator(phase.value);
-        let square = dot(d, d);
+        let square = d.norm_squared();
         let pull = match self.flaw {
             Some(Flaw::UntruncatedPenalty) => square - 1.0,
             _ if square <= 1.0 => square - 1.0,
             _ => 2.0 - 2.0 / square.sqrt(),
         } / (nematic.penalty * nematic.penalty);
         let [isotropic, along] = self.anchoring();
+        let torque = isotropic * grad.norm_squared() * d + along * d.dot(&grad) * grad;
         [0, 1].map(|i| WeakForm {
-            flux: director.gradient[i].map(|entry| self.factor(Term::Elasticity) * inside * entry),
+            flux: self.factor(Term::Elasticity) * inside * director.gradient[i],
             load: self.factor(Term::DirectorRate) * director.rate[i] / nematic.mobility
                 + self.factor(Term::Penalty) * inside * pull * d[i]
-                + self.factor(Term::AnchoringTorque)
-                    * (isotropic * dot(grad, grad) * d[i] + along * dot(d, grad) * grad[i]),
+                + self.factor(Term::AnchoringTorque) * torque[i],
         })
     }
 }
 
-fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
-}
-
 fn square_of_gradient(director: &Director) -> f64 {
-    director.gradient.iter().map(|row| dot(*row, *row)).sum()
+    director.gradient.iter().map(Vector::norm_squared).sum()
 }
 
 /// P(d), truncated.
-fn penalty(d: [f64; 2], width: f64) -> f64 {
-    let square = dot(d, d);
+fn penalty(d: Vector, width: f64) -> f64 {
+    let square = d.norm_squared();
     let scaled = if square <= 1.0 {
         0.25 * (square - 1.0).powi(2)
     } else {

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use vesica::fem::{Patch, QuadratureRule, Space};
+use vesica::geometry::Point;
 use vesica::physics::{DirectorForm, Effect, LedgerTerms, MembraneForce, PatchFields};
 
 use super::model::{Model, WeakForm};
@@ -73,9 +74,9 @@ impl Table {
 /// of each triangle, whose mean is all that a P1 test function sees.
 #[derive(Debug)]
 struct Places {
-    points: Vec<[f64; 2]>,
+    points: Vec<Point>,
     fine: Space,
-    fine_points: Vec<[f64; 2]>,
+    fine_points: Vec<Point>,
 }
 
 impl Places {
@@ -92,7 +93,7 @@ impl Places {
     fn fill<const N: usize>(
         &self,
         tables: [&mut Table; N],
-        forms: impl Fn([f64; 2]) -> [WeakForm; N],
+        forms: impl Fn(Point) -> [WeakForm; N],
     ) {
         let fine: Vec<_> = self.fine_points.iter().map(|place| forms(*place)).collect();
         let own: Vec<_>;

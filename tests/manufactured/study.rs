@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use vesica::fem::{Mesh, QuadratureRule, Space, ritz_projection};
+use vesica::geometry::Point;
 use vesica::scene::{Boundary, Scene};
 use vesica::scheme::{Scheme, State};
 
@@ -232,7 +233,7 @@ impl Run {
 
 /// The Ritz projections of φ, d_x and d_y at t = 0.
 fn initial_values(model: &Model, mesh: &Arc<Mesh>, clamped: bool) -> [Option<Vec<f64>>; 3] {
-    let phase = |place: [f64; 2]| {
+    let phase = |place: Point| {
         let phase = model.phase.at(place, 0.0);
         (phase.value, phase.gradient)
     };
@@ -240,7 +241,7 @@ fn initial_values(model: &Model, mesh: &Arc<Mesh>, clamped: bool) -> [Option<Vec
     let phi = ritz_projection(mesh, &phase, wall).expect("solvable");
     let [d_x, d_y] = [0, 1].map(|i: usize| {
         let field = model.director?;
-        let component = |place: [f64; 2]| {
+        let component = |place: Point| {
             let director = field.at(place, 0.0);
             (director.value[i], director.gradient[i])
         };
@@ -254,7 +255,7 @@ impl Outcome {
     pub fn errors(&self) -> Errors {
         let space = Space::new(self.mesh.clone(), QuadratureRule::Consistent);
         let places = space.point_positions();
-        let distance = |nodal: &[f64], exact: &dyn Fn([f64; 2]) -> f64| {
+        let distance = |nodal: &[f64], exact: &dyn Fn(Point) -> f64| {
             let mut values = vec![0.0; space.points()];
             space.whole().interpolate(nodal, &mut values);
             for (value, place) in values.iter_mut().zip(&places) {
@@ -263,7 +264,7 @@ impl Outcome {
             space.whole().integrate(&values)
         };
         let model = &self.model;
-        let phase = |place: [f64; 2]| model.phase.at(place, END);
+        let phase = |place: Point| model.phase.at(place, END);
         let phi = distance(&self.state.phi, &|place| phase(place).value);
         let omega = distance(&self.state.omega, &|place| {
             model.omega(place, &phase(place)).0

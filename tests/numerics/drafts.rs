@@ -4,6 +4,7 @@
 use std::thread;
 
 use vesica::fem::long_axis;
+use vesica::geometry::Vector;
 use vesica::scene::{Scene, find_preset};
 use vesica::simulation::{OutlineMeasure, Simulation};
 
@@ -17,7 +18,7 @@ const CASES: [(&str, f64, f64); 4] = [
 ];
 
 /// The vesicle at the end of a draft, and the direction in which it is long.
-fn end_of(name: &str) -> (OutlineMeasure, [f64; 2]) {
+fn end_of(name: &str) -> (OutlineMeasure, Vector) {
     let text = find_preset(name).expect("a preset");
     let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
     let scene = Scene::parse(text, name, &[], &mut no_files).expect("a scene");

@@ -9,6 +9,7 @@
 use std::sync::Arc;
 
 use vesica::fem::{Mesh, QuadratureRule, Space};
+use vesica::geometry::Point;
 use vesica::linalg::{ConjugateGradients, LinearOperator, SparseMatrix};
 use vesica::physics::{DirectorForm, Effect, Field, Nematic, PatchFields};
 use vesica::scene;
@@ -92,7 +93,7 @@ fn step(space: &Space, effects: &mut [Box<dyn Effect>], director: &mut [Vec<f64>
     let places = space.mesh().nodes().iter();
     let mut system = System {
         blocks,
-        wall: places.map(|[x, _]| *x == 0.0 || *x == 1.0).collect(),
+        wall: places.map(|at| at.x == 0.0 || at.x == 1.0).collect(),
     };
     system.hold(&mut load);
     let mut change = vec![0.0; 2 * nodes];
@@ -126,7 +127,7 @@ fn growth(space: &Space, susceptibility: f64, dt: f64) -> f64 {
         Box::new(Field::new(&field, space)),
     ];
     let places = space.mesh().nodes();
-    let distortion = |[x, _]: &[f64; 2]| 1e-4 * (std::f64::consts::PI * x).sin();
+    let distortion = |at: &Point| 1e-4 * (std::f64::consts::PI * at.x).sin();
     let mut director = [
         places.iter().map(distortion).collect(),
         places.iter().map(|_| 1.0).collect::<Vec<f64>>(),

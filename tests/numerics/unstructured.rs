@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use crate::common::{TIGHT, energy_scale, scheme};
+use vesica::geometry::Point;
 use vesica::record::read_fields;
 use vesica::scene::{Scene, Triangulation, write_mesh};
 use vesica::simulation::Simulation;
@@ -119,7 +120,7 @@ fn values_are_in_the_order_of_the_file() {
     let bytes = fs::read(meshes().join("square-22.msh")).expect("a mesh");
     let mesh = Triangulation::parse(&bytes).expect("a mesh");
     let (other, to) = shuffled(&mesh);
-    let value = |[x, y]: [f64; 2]| (8.0 * (0.3 - (x - 0.5).hypot(0.8 * (y - 0.5)))).tanh();
+    let value = |at: Point| (8.0 * (0.3 - (at.x - 0.5).hypot(0.8 * (at.y - 0.5)))).tanh();
     let folder = tempfile::tempdir().expect("a folder");
     let text = |mesh: &str| {
         let [_, rest] = EFFECTS
@@ -155,7 +156,7 @@ fn values_are_in_the_order_of_the_file() {
             .map(|at| format!("{:?}\n", value(*at)))
             .collect();
         fs::write(folder.path().join(format!("phi-{name}.txt")), phi).expect("written");
-        let director = |at: &[f64; 2]| format!("{:?} {:?}\n", at[0], 1.0 - at[1]);
+        let director = |at: &Point| format!("{:?} {:?}\n", at.x, 1.0 - at.y);
         let director: String = mesh.nodes.iter().map(director).collect();
         fs::write(folder.path().join(format!("d-{name}.txt")), director).expect("written");
         fs::write(folder.path().join(format!("{name}.toml")), text(name)).expect("written");

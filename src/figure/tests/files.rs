@@ -33,7 +33,7 @@ fn a_pixel_has_the_colour_of_the_value_at_its_centre() {
     let mesh = Mesh::structured(5, 0.0, 1).expect("a fair mesh");
     // φ from −1 at the left to 1 at the right, and above that in y: no contour but x + y/4 = ½.
     let value = |x: f64, y: f64| 2.0 * x - 1.0 + 0.5 * y;
-    let nodal: Vec<f64> = mesh.nodes().iter().map(|&[x, y]| value(x, y)).collect();
+    let nodal: Vec<f64> = mesh.nodes().iter().map(|p| value(p.x, p.y)).collect();
     let state = State {
         omega: nodal.clone(),
         mu: nodal.clone(),

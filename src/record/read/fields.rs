@@ -3,6 +3,7 @@
 use super::super::bounded_read::read_file_text;
 use super::{LARGEST, ReadError, WrongArray};
 use crate::fem::Mesh;
+use crate::geometry::Point;
 use crate::scheme::State;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -38,9 +39,9 @@ pub fn read_fields(path: &Path) -> Result<StoredFields, ReadError> {
         path,
     };
     let points = arrays.doubles("points", None)?;
-    let nodes: Vec<[f64; 2]> = points
+    let nodes: Vec<Point> = points
         .chunks_exact(3)
-        .map(|point| [point[0], point[1]])
+        .map(|point| Point::new(point[0], point[1]))
         .collect();
     let triangles = triangles(&arrays, nodes.len())?;
     let scalar = |name| arrays.doubles(name, Some(nodes.len()));

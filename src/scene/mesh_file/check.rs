@@ -14,7 +14,10 @@ use super::fans::check_fans;
 use super::pieces::{PieceFault, check_pieces};
 use super::plane;
 use super::read::{Content, FileNode, FileTriangle};
-use crate::scene::planar::{SegmentGrid, first_crossing, segment_distance};
+use crate::geometry::{
+    BoundingBox, Point, Segment, SegmentGrid, doubled_area, first_crossing, length,
+    segment_distance,
+};
 
 /// Places nearer to each other than this, over the extent of the mesh, are one place.
 const SAME: f64 = 1e-10;
@@ -37,8 +40,8 @@ pub(super) fn checked(content: Content) -> Result<Triangulation, MeshFileError> 
     once_for_all_groups(&mut file_triangles);
     let (used, places) = number(&file_nodes, &file_triangles)?;
     plane::check(&used)?;
-    let nodes: Vec<[f64; 2]> = used.iter().map(|node| [node.at[0], node.at[1]]).collect();
-    let extent = extent(&nodes);
+    let nodes: Vec<Point> = used.iter().map(|node| node.at.xy()).collect();
+    let extent = BoundingBox::around(&nodes).extent().max();
     let numbers: HashMap<u64, u32> = used
         .iter()
         .enumerate()
@@ -118,18 +121,6 @@ fn number(
     Ok((used, places))
 }
 
-/// The larger one of width and height.
-pub(super) fn extent(nodes: &[[f64; 2]]) -> f64 {
-    let range = |axis: usize| {
-        let values = nodes.iter().map(|node| node[axis]);
-        let range = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| {
-            [low.min(at), high.max(at)]
-        });
-        range[1] - range[0]
-    };
-    range(0).max(range(1))
-}
-
 /// An edge of one triangle only: its nodes, and the triangle.
 struct BoundaryEdge {
     nodes: [u32; 2],
@@ -138,7 +129,7 @@ struct BoundaryEdge {
 
 struct Checked {
     used: Vec<FileNode>,
-    nodes: Vec<[f64; 2]>,
+    nodes: Vec<Point>,
     elements: Vec<FileTriangle>,
     corners: Vec<[u32; 3]>,
     tolerance: f64,
@@ -155,7 +146,7 @@ impl Checked {
 
     fn no_place_twice(&self) -> Result<(), MeshFileError> {
         let size = 2.0 * self.tolerance.max(f64::MIN_POSITIVE);
-        let cell = |[x, y]: [f64; 2]| [(x / size).floor() as i64, (y / size).floor() as i64];
+        let cell = |at: Point| [at.x, at.y].map(|x| (x / size).floor() as i64);
         let mut cells: HashMap<[i64; 2], u32> = HashMap::with_capacity(self.nodes.len());
         for (node, &at) in self.nodes.iter().enumerate() {
             let [column, row] = cell(at);
@@ -165,8 +156,7 @@ impl Checked {
                 let Some(&other) = cells.get(&key) else {
                     continue;
                 };
-                let [x, y] = self.nodes[other as usize];
-                if (x - at[0]).hypot(y - at[1]) <= self.tolerance {
+                if length(self.nodes[other as usize] - at) <= self.tolerance {
                     let (first, second) = (self.number(other), self.number(node as u32));
                     return Err(
                         MeshFileProblem::SamePlace { first, second, at }.at(self.used[node].place)
@@ -183,8 +173,8 @@ impl Checked {
         let mut turned = 0;
         for (triangle, corners) in self.corners.iter_mut().enumerate() {
             let [a, b, c] = corners.map(|node| self.nodes[node as usize]);
-            let doubled = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-            let square = |p: [f64; 2], q: [f64; 2]| (q[0] - p[0]).powi(2) + (q[1] - p[1]).powi(2);
+            let doubled = doubled_area([a, b, c]);
+            let square = |p: Point, q: Point| (q - p).norm_squared();
             let longest = square(a, b).max(square(b, c)).max(square(c, a));
             if doubled.abs() <= FLATTEST * longest {
                 let element = self.elements[triangle];
@@ -246,7 +236,7 @@ impl Checked {
                         first,
                         second,
                         nodes,
-                        at: [0, 1].map(|axis| 0.5 * (a[axis] + b[axis])),
+                        at: nalgebra::center(&a, &b),
                     }
                     .at(self.place(other)));
                 }
@@ -258,7 +248,7 @@ impl Checked {
     /// No node of the boundary lies within an edge of the boundary.
     fn nothing_hangs(&self, boundary: &[BoundaryEdge]) -> Result<(), MeshFileError> {
         let places = |edge: &BoundaryEdge| edge.nodes.map(|node| self.nodes[node as usize]);
-        let segments: Vec<[[f64; 2]; 2]> = boundary.iter().map(places).collect();
+        let segments: Vec<Segment> = boundary.iter().map(places).collect();
         let grid = SegmentGrid::new(segments.clone(), self.tolerance);
         for node in boundary.iter().flat_map(|edge| edge.nodes) {
             let at = self.nodes[node as usize];
@@ -307,7 +297,7 @@ impl Checked {
     /// No two edges of the boundary cross.
     fn nothing_crosses(&self, boundary: &[BoundaryEdge]) -> Result<(), MeshFileError> {
         let places = |edge: &BoundaryEdge| edge.nodes.map(|node| self.nodes[node as usize]);
-        let segments: Vec<[[f64; 2]; 2]> = boundary.iter().map(places).collect();
+        let segments: Vec<Segment> = boundary.iter().map(places).collect();
         let Some((pair, at)) = first_crossing(&segments) else {
             return Ok(());
         };

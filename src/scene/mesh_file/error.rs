@@ -4,6 +4,8 @@ use std::fmt;
 
 use thiserror::Error;
 
+use crate::geometry::Point;
+
 /// Where something stands in a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MeshPlace {
@@ -214,7 +216,7 @@ pub enum MeshFileProblem {
     /// Two nodes at one place.
     #[error(
         "the nodes {first} and {second} are both at ({}, {}): every place must have one node (in Gmsh: Coherence Mesh)",
-        at[0], at[1]
+        at.x, at.y
     )]
     SamePlace {
         /// The one.
@@ -222,7 +224,7 @@ pub enum MeshFileProblem {
         /// The other.
         second: u64,
         /// Where.
-        at: [f64; 2],
+        at: Point,
     },
     /// A triangle that is there twice.
     #[error("the triangles {first} and {second} have the same nodes")]
@@ -235,7 +237,7 @@ pub enum MeshFileProblem {
     /// Two triangles on one side of an edge, or more than two on an edge.
     #[error(
         "the triangles {first} and {second} overlap: both lie on the same side of the edge of the nodes {} and {}, about ({}, {})",
-        nodes[0], nodes[1], at[0], at[1]
+        nodes[0], nodes[1], at.x, at.y
     )]
     Overlap {
         /// The one.
@@ -245,12 +247,12 @@ pub enum MeshFileProblem {
         /// The edge.
         nodes: [u64; 2],
         /// Its middle.
-        at: [f64; 2],
+        at: Point,
     },
     /// Two triangles whose edges cross.
     #[error(
         "the triangles {first} and {second} overlap: their edges cross at ({}, {}) (in Gmsh: BooleanFragments, before it meshes)",
-        at[0], at[1]
+        at.x, at.y
     )]
     Crossing {
         /// The one.
@@ -258,12 +260,12 @@ pub enum MeshFileProblem {
         /// The other.
         second: u64,
         /// Where.
-        at: [f64; 2],
+        at: Point,
     },
     /// Two triangles that overlap about a node.
     #[error(
         "the triangles {first} and {second} overlap at their common node {node}, ({}, {}) (in Gmsh: BooleanFragments, before it meshes)",
-        at[0], at[1]
+        at.x, at.y
     )]
     OverlapAtNode {
         /// The one.
@@ -273,12 +275,12 @@ pub enum MeshFileProblem {
         /// The node.
         node: u64,
         /// Where it is.
-        at: [f64; 2],
+        at: Point,
     },
     /// Two parts of the domain that meet in a corner.
     #[error(
         "the parts of the mesh with the triangles {first} and {second} meet in nothing but the node {node} there, at ({}, {}): they must have an edge in common, or a gap between them",
-        at[0], at[1]
+        at.x, at.y
     )]
     CornerOnly {
         /// A triangle of the one.
@@ -288,7 +290,7 @@ pub enum MeshFileProblem {
         /// The node.
         node: u64,
         /// Where it is.
-        at: [f64; 2],
+        at: Point,
     },
     /// A node in the middle of an edge.
     #[error(

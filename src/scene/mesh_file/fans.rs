@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use crate::geometry::Point;
+
 /// By so much the angles about a node may be more than a full turn, for rounding.
 const ROUNDING: f64 = 1e-9;
 
@@ -29,7 +31,7 @@ struct Sector {
 
 /// The first node whose triangles, all counter-clockwise, are not one fan that goes round once at most.
 pub(super) fn check_fans(
-    nodes: &[[f64; 2]],
+    nodes: &[Point],
     triangles: &[[u32; 3]],
     boundary: &[[u32; 2]],
 ) -> Option<FanFault> {
@@ -57,17 +59,15 @@ pub(super) fn check_fans(
 }
 
 impl Sector {
-    fn new(nodes: &[[f64; 2]], triangle: usize, corners: [u32; 3], corner: usize) -> Self {
+    fn new(nodes: &[Point], triangle: usize, corners: [u32; 3], corner: usize) -> Self {
         let [own, next, last] = [0, 1, 2].map(|further| corners[(corner + further) % 3]);
-        let [x, y] = nodes[own as usize];
-        let to = |node: u32| [nodes[node as usize][0] - x, nodes[node as usize][1] - y];
-        let [u, v] = [next, last].map(to);
+        let [u, v] = [next, last].map(|node| nodes[node as usize] - nodes[own as usize]);
         Self {
             triangle,
             next,
             last,
-            begin: u[1].atan2(u[0]),
-            extent: (u[0] * v[1] - u[1] * v[0]).atan2(u[0] * v[0] + u[1] * v[1]),
+            begin: u.y.atan2(u.x),
+            extent: u.perp(&v).atan2(u.dot(&v)),
         }
     }
 }
@@ -111,17 +111,17 @@ fn fault(node: u32, mut sectors: Vec<Sector>) -> FanFault {
 mod tests {
     use super::*;
 
-    fn ring(count: usize) -> Vec<[f64; 2]> {
+    fn ring(count: usize) -> Vec<Point> {
         let corner = |n: usize| {
             let angle = TAU * n as f64 / 12.0 - 3.0;
-            [angle.cos(), angle.sin()]
+            Point::new(angle.cos(), angle.sin())
         };
         (0..count).map(corner).collect()
     }
 
     /// Triangles about node 0 between neighbours on a ring of twelve places, from one to another.
     fn found(steps: &[[u32; 2]]) -> Option<FanFault> {
-        let nodes: Vec<[f64; 2]> = std::iter::once([0.0, 0.0]).chain(ring(24)).collect();
+        let nodes: Vec<Point> = std::iter::once(Point::origin()).chain(ring(24)).collect();
         let triangles: Vec<[u32; 3]> = steps
             .iter()
             .flat_map(|&[from, to]| from..to)

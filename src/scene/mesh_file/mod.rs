@@ -20,6 +20,8 @@ mod write;
 
 use std::sync::Arc;
 
+use crate::geometry::Point;
+
 pub use error::{MeshFileError, MeshFileProblem, MeshPlace};
 pub use write::write_mesh;
 
@@ -36,7 +38,7 @@ pub struct MeshFile {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Triangulation {
     /// The nodes that triangles use, in the file's order.
-    pub nodes: Vec<[f64; 2]>,
+    pub nodes: Vec<Point>,
     /// The nodes of each triangle, counter-clockwise, by their places in `nodes`.
     pub triangles: Vec<[u32; 3]>,
     /// For each node of the file its place in `nodes`; `None` where no triangle uses it.

@@ -1,5 +1,7 @@
 //! Whether the nodes lie in the plane of x and y.
 
+use nalgebra::{Point3, Vector3};
+
 use super::error::{MeshFileError, MeshFileProblem};
 use super::read::FileNode;
 
@@ -24,8 +26,8 @@ pub(super) fn check(nodes: &[FileNode]) -> Result<(), MeshFileError> {
         return Ok(());
     };
     let extent = (0..3).map(|axis| range(nodes, axis)).fold(0.0, f64::max);
-    let plane = first.at[2];
-    let leaves = |node: &&FileNode| (node.at[2] - plane).abs() > FLAT * extent;
+    let plane = first.at.z;
+    let leaves = |node: &&FileNode| (node.at.z - plane).abs() > FLAT * extent;
     let Some(node) = nodes.iter().find(leaves) else {
         return Ok(());
     };
@@ -35,7 +37,7 @@ pub(super) fn check(nodes: &[FileNode]) -> Result<(), MeshFileError> {
         },
         _ => MeshFileProblem::NotFlat {
             node: node.number,
-            z: node.at[2],
+            z: node.at.z,
             plane,
         },
     };
@@ -50,45 +52,31 @@ fn range(nodes: &[FileNode], axis: usize) -> f64 {
     high - low
 }
 
-fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [0, 1, 2].map(|axis| a[axis] - b[axis])
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (0..3).map(|axis| a[axis] * b[axis]).sum()
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [0, 1, 2].map(|axis| {
-        let [next, last] = [(axis + 1) % 3, (axis + 2) % 3];
-        a[next] * b[last] - a[last] * b[next]
-    })
-}
-
 /// The unit normal of the plane through the first node, the one farthest from it, and the one farthest
 /// from the line through these; `None` where all are on a line.
-fn normal(nodes: &[FileNode]) -> Option<[f64; 3]> {
+fn normal(nodes: &[FileNode]) -> Option<Vector3<f64>> {
     let first = nodes.first()?.at;
-    let longest =
-        |one: &[f64; 3], other: &[f64; 3]| dot(*one, *one).total_cmp(&dot(*other, *other));
-    let offsets = || nodes.iter().map(|node| minus(node.at, first));
+    let longest = |one: &Vector3<f64>, other: &Vector3<f64>| {
+        one.norm_squared().total_cmp(&other.norm_squared())
+    };
+    let offsets = || nodes.iter().map(|node| node.at - first);
     let along = offsets().max_by(longest)?;
     let normal = offsets()
-        .map(|offset| cross(along, offset))
+        .map(|offset| along.cross(&offset))
         .max_by(longest)?;
-    let length = dot(normal, normal).sqrt();
-    (length > 0.0 && length.is_finite()).then(|| normal.map(|component| component / length))
+    let length = normal.norm();
+    (length > 0.0 && length.is_finite()).then(|| normal / length)
 }
 
-fn all_on_plane(nodes: &[FileNode], normal: [f64; 3], extent: f64) -> bool {
-    let first = nodes.first().map_or([0.0; 3], |node| node.at);
+fn all_on_plane(nodes: &[FileNode], normal: Vector3<f64>, extent: f64) -> bool {
+    let first = nodes.first().map_or(Point3::origin(), |node| node.at);
     nodes
         .iter()
-        .all(|node| dot(minus(node.at, first), normal).abs() <= FLAT * extent)
+        .all(|node| (node.at - first).dot(&normal).abs() <= FLAT * extent)
 }
 
 /// A plane in words.
-fn words(normal: [f64; 3], at: [f64; 3]) -> String {
+fn words(normal: Vector3<f64>, at: Point3<f64>) -> String {
     const AXES: [&str; 3] = ["x", "y", "z"];
     let axis = (0..3).find(|axis| normal[*axis].abs() > 1.0 - FLAT);
     match axis {
@@ -102,7 +90,7 @@ fn words(normal: [f64; 3], at: [f64; 3]) -> String {
             format!("of {next} and {last}, {} = {}", AXES[axis], at[axis])
         }
         None => {
-            let [x, y, z] = normal;
+            let [x, y, z] = normal.into();
             format!("with the normal ({x:.3}, {y:.3}, {z:.3})")
         }
     }

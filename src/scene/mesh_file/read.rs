@@ -2,6 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use nalgebra::Point3;
+
 use super::error::{MeshFileError, MeshFileProblem, MeshPlace};
 use super::source::{Encoding, Source};
 use super::{version_2, version_4};
@@ -18,7 +20,7 @@ pub(super) struct Content {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FileNode {
     pub(super) number: u64,
-    pub(super) at: [f64; 3],
+    pub(super) at: Point3<f64>,
     pub(super) place: MeshPlace,
 }
 
@@ -243,9 +245,9 @@ fn read_format(source: &mut Source<'_>) -> Result<Version, MeshFileError> {
     Ok(read)
 }
 
-pub(super) fn read_place(source: &mut Source<'_>) -> Result<[f64; 3], MeshFileError> {
-    let mut at = [0.0; 3];
-    for value in &mut at {
+pub(super) fn read_place(source: &mut Source<'_>) -> Result<Point3<f64>, MeshFileError> {
+    let mut at = Point3::origin();
+    for value in at.iter_mut() {
         *value = source.double("a coordinate")?;
     }
     Ok(at)

@@ -1,5 +1,7 @@
 //! The sections of MSH 4.1.
 
+use nalgebra::Point3;
+
 use super::element::{Element, Kind, NODE};
 use super::error::{MeshFileError, MeshFileProblem};
 use super::read::{FileNode, FileTriangle, Partitions, read_place};
@@ -30,7 +32,7 @@ pub(super) fn nodes(
         let first = nodes.len();
         for _ in 0..size {
             let number = source.size("the number of a node")?;
-            let at = [0.0; 3];
+            let at = Point3::origin();
             let place = source.place();
             nodes.push(FileNode { number, at, place });
         }

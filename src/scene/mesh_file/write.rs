@@ -12,8 +12,8 @@ use super::Triangulation;
 pub fn write_mesh(file: &mut dyn Write, mesh: &Triangulation) -> io::Result<()> {
     writeln!(file, "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes")?;
     writeln!(file, "{}", mesh.nodes.len())?;
-    for (node, [x, y]) in mesh.nodes.iter().enumerate() {
-        writeln!(file, "{} {x:?} {y:?} 0", node + 1)?;
+    for (number, node) in mesh.nodes.iter().enumerate() {
+        writeln!(file, "{} {:?} {:?} 0", number + 1, node.x, node.y)?;
     }
     writeln!(file, "$EndNodes\n$Elements\n{}", mesh.triangles.len())?;
     for (triangle, corners) in mesh.triangles.iter().enumerate() {

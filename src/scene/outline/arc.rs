@@ -14,6 +14,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::quadrature::integrate;
+use crate::geometry::{Point, Vector, length};
 
 /// A Newton step in u this short is the last: convergence is quadratic, what is left is rounding.
 const LAST_STEP: f64 = 1e-10;
@@ -25,31 +26,26 @@ const MOST_ITERATIONS: usize = 100;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ArcPoint {
     /// γ.
-    pub position: [f64; 2],
+    pub position: Point,
     /// γ′.
-    pub first: [f64; 2],
+    pub first: Vector,
     /// γ″.
-    pub second: [f64; 2],
+    pub second: Vector,
 }
 
 impl ArcPoint {
     /// The point at a parameter larger by a `step` of at most [`LAST_STEP`], by Taylor's formula.
     fn moved_by(self, step: f64) -> Self {
-        let taylor =
-            |k: usize| self.position[k] + step * (self.first[k] + 0.5 * step * self.second[k]);
-        let first = |k: usize| self.first[k] + step * self.second[k];
         Self {
-            position: [taylor(0), taylor(1)],
-            first: [first(0), first(1)],
+            position: self.position + step * (self.first + 0.5 * step * self.second),
+            first: self.first + step * self.second,
             ..self
         }
     }
 
     /// The unit normal that points into the curve: the direction of travel turned clockwise.
-    pub(super) fn inward_normal(&self) -> [f64; 2] {
-        let [x, y] = self.first;
-        let speed = x.hypot(y);
-        [y / speed, -x / speed]
+    pub(super) fn inward_normal(&self) -> Vector {
+        Vector::new(self.first.y, -self.first.x) / length(self.first)
     }
 }
 
@@ -65,7 +61,7 @@ pub(super) trait QuarterArc {
     fn at(&self, parameter: f64) -> ArcPoint;
 
     /// Whether a point of the closed first quadrant is inside the curve, by its implicit form.
-    fn encloses(&self, point: [f64; 2]) -> bool;
+    fn encloses(&self, point: Point) -> bool;
 
     /// Parameters from 0 to `end`, increasing, between which the slope g is searched for roots.
     fn breakpoints(&self) -> Vec<f64> {
@@ -76,7 +72,7 @@ pub(super) trait QuarterArc {
 
     /// Whether the evolute of the quarter is near this point of the first quadrant, so that the
     /// distance to the quarter may have several local minima.
-    fn near_evolute(&self, _point: [f64; 2]) -> bool {
+    fn near_evolute(&self, _point: Point) -> bool {
         false
     }
 }
@@ -90,26 +86,23 @@ pub(super) fn evenly_spaced(start: f64, end: f64, count: usize) -> impl Iterator
 /// at infinity in the direction `towards` (`weight` 0).
 #[derive(Debug, Clone, Copy)]
 struct Target {
-    towards: [f64; 2],
+    towards: Vector,
     weight: f64,
 }
 
 impl Target {
     /// g = (γ − p)·γ′, or −n·γ′ at infinity.
-    fn slope(&self, position: [f64; 2], first: [f64; 2]) -> f64 {
-        dot(self.away(position), first)
+    fn slope(&self, position: Point, first: Vector) -> f64 {
+        self.away(position).dot(&first)
     }
 
     /// g′ = γ′·γ′ + (γ − p)·γ″, or −n·γ″ at infinity.
     fn slope_derivative(&self, at: &ArcPoint) -> f64 {
-        self.weight * dot(at.first, at.first) + dot(self.away(at.position), at.second)
+        self.weight * at.first.norm_squared() + self.away(at.position).dot(&at.second)
     }
 
-    fn away(&self, position: [f64; 2]) -> [f64; 2] {
-        [
-            self.weight * position[0] - self.towards[0],
-            self.weight * position[1] - self.towards[1],
-        ]
+    fn away(&self, position: Point) -> Vector {
+        self.weight * position.coords - self.towards
     }
 }
 
@@ -117,8 +110,8 @@ impl Target {
 #[derive(Debug, Clone, Copy)]
 struct Sample {
     parameter: f64,
-    position: [f64; 2],
-    first: [f64; 2],
+    position: Point,
+    first: Vector,
 }
 
 /// A quarter arc with the table that brackets its nearest points.
@@ -147,20 +140,19 @@ impl<Arc: QuarterArc> PreparedArc<Arc> {
         Self { arc, table }
     }
 
-    pub(super) fn encloses(&self, point: [f64; 2]) -> bool {
+    pub(super) fn encloses(&self, point: Point) -> bool {
         self.arc.encloses(point)
     }
 
     /// The distance from a point of the closed first quadrant to the curve, and its nearest point.
-    pub(super) fn nearest(&self, point: [f64; 2]) -> (f64, ArcPoint) {
+    pub(super) fn nearest(&self, point: Point) -> (f64, ArcPoint) {
         let target = Target {
-            towards: point,
+            towards: point.coords,
             weight: 1.0,
         };
         let measured = |cell| {
             let foot = self.root(cell, &target);
-            let [x, y] = target.away(foot.position);
-            (x.hypot(y), foot)
+            (length(target.away(foot.position)), foot)
         };
         let mut best = measured(self.only_cell(&target));
         if self.arc.near_evolute(point) {
@@ -175,22 +167,19 @@ impl<Arc: QuarterArc> PreparedArc<Arc> {
     }
 
     /// max γ·n over the curve, for a direction n in the closed first quadrant.
-    pub(super) fn support(&self, direction: [f64; 2]) -> f64 {
+    pub(super) fn support(&self, direction: Vector) -> f64 {
         let target = Target {
             towards: direction,
             weight: 0.0,
         };
-        dot(
-            self.root(self.only_cell(&target), &target).position,
-            direction,
-        )
+        let reached = self.root(self.only_cell(&target), &target).position;
+        reached.coords.dot(&direction)
     }
 
     /// The length of the whole curve, 4∫|γ′|du.
     pub(super) fn length(&self) -> f64 {
         4.0 * integrate(self.arc.end(), |parameter| {
-            let [x, y] = self.arc.at(parameter).first;
-            x.hypot(y)
+            length(self.arc.at(parameter).first)
         })
     }
 
@@ -198,7 +187,7 @@ impl<Arc: QuarterArc> PreparedArc<Arc> {
     pub(super) fn area(&self) -> f64 {
         4.0 * integrate(self.arc.end(), |parameter| {
             let point = self.arc.at(parameter);
-            point.position[1] * point.first[0]
+            point.position.y * point.first.x
         })
     }
 
@@ -286,20 +275,14 @@ impl<Arc: QuarterArc> PreparedArc<Arc> {
     }
 }
 
-fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
-}
-
 /// The centre of curvature at a parameter, for the tests of the curves.
 #[cfg(test)]
-pub(super) fn center_of_curvature(arc: &impl QuarterArc, parameter: f64) -> [f64; 2] {
+pub(super) fn center_of_curvature(arc: &impl QuarterArc, parameter: f64) -> Point {
     let point = arc.at(parameter);
-    let ([x, y], [second_x, second_y]) = (point.first, point.second);
-    let speed = x.hypot(y);
+    let speed = length(point.first);
     // Positive where the curve bends towards its inward normal.
-    let curvature = (y * second_x - x * second_y) / speed.powi(3);
-    let normal = point.inward_normal();
-    [0, 1].map(|k| point.position[k] + normal[k] / curvature)
+    let curvature = point.second.perp(&point.first) / speed.powi(3);
+    point.position + point.inward_normal() / curvature
 }
 
 /// Checks γ′ and γ″ against differences of γ, for the tests of the curves.

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use super::arc::{ArcPoint, QuarterArc};
+use crate::geometry::{Point, Vector};
 
 /// A quarter of a Cassini oval: the points whose distances to (±c, 0) have the product a², c < a.
 ///
@@ -64,24 +65,24 @@ impl QuarterArc for Cassini {
         };
 
         // 2zz′ = v′ = a²(sin χ + i cos χ) and 2z′² + 2zz″ = v″ = a²(cos χ − i sin χ); 1/z = z̄/|v|.
-        let over_z = |re: f64, im: f64| [(re * x + im * y) / modulus, (im * x - re * y) / modulus];
+        let over_z = |re: f64, im: f64| Vector::new(re * x + im * y, im * x - re * y) / modulus;
         let half = 0.5 * self.product;
         let first = over_z(half * sine, half * cosine);
-        let square = [
-            first[0] * first[0] - first[1] * first[1],
-            2.0 * first[0] * first[1],
-        ];
-        let second = over_z(half * cosine - square[0], -half * sine - square[1]);
+        let (real, imaginary) = (
+            first.x * first.x - first.y * first.y,
+            2.0 * first.x * first.y,
+        );
+        let second = over_z(half * cosine - real, -half * sine - imaginary);
         ArcPoint {
-            position: [x, y],
+            position: Point::new(x, y),
             first,
             second,
         }
     }
 
-    fn encloses(&self, [x, y]: [f64; 2]) -> bool {
+    fn encloses(&self, point: Point) -> bool {
         // |z² − c²|² < a⁴, with (a² − c²)(a² + c²) for a⁴ − c⁴, which would cancel.
-        let (x_squared, y_squared) = (x * x, y * y);
+        let (x_squared, y_squared) = (point.x * point.x, point.y * point.y);
         let radius_squared = x_squared + y_squared;
         radius_squared * radius_squared
             < 2.0 * self.focus_squared * (x_squared - y_squared)
@@ -101,7 +102,7 @@ mod tests {
         let a_squared = half_length * half_length / (1.0 + ratio * ratio);
         let c = ratio * a_squared.sqrt();
         for parameter in evenly_spaced(0.0, PI, 300) {
-            let [x, y] = arc.at(parameter).position;
+            let [x, y] = arc.at(parameter).position.into();
             let product = (x - c).hypot(y) * (x + c).hypot(y);
             assert!(
                 (product / a_squared - 1.0).abs() < 4e-15,
@@ -122,7 +123,7 @@ mod tests {
         for ratio in [0.2, 0.7, 0.72, 0.92, 0.999] {
             let arc = Cassini::new(ratio, 0.32);
             for parameter in evenly_spaced(0.0, arc.end(), 1000).skip(1) {
-                let [x, y] = center_of_curvature(&arc, parameter);
+                let [x, y] = center_of_curvature(&arc, parameter).into();
                 assert!(x.min(y) < 1e-15, "ratio {ratio} at {parameter}: ({x}, {y})");
             }
         }

@@ -1,6 +1,7 @@
 //! The Evans–Fung discocyte, the mean profile of a resting red blood cell.
 
 use super::arc::{ArcPoint, QuarterArc, evenly_spaced};
+use crate::geometry::{Point, Vector};
 
 /// The coefficients of 1, t² and t⁴ in the thickness of the cell (Evans and Fung, 1972).
 const THICKNESS: [f64; 3] = [0.207, 2.003, -1.123];
@@ -44,22 +45,22 @@ impl QuarterArc for Discocyte {
 
         let (radius, half) = (self.radius, 0.5 * self.radius);
         ArcPoint {
-            position: [radius * sine, half * cosine * value],
-            first: [radius * cosine, half * (cosine * first - sine * value)],
-            second: [
+            position: Point::new(radius * sine, half * cosine * value),
+            first: Vector::new(radius * cosine, half * (cosine * first - sine * value)),
+            second: Vector::new(
                 -radius * sine,
                 half * (cosine * (second - value) - 2.0 * sine * first),
-            ],
+            ),
         }
     }
 
-    fn encloses(&self, [x, y]: [f64; 2]) -> bool {
-        let t = x / self.radius;
+    fn encloses(&self, point: Point) -> bool {
+        let t = point.x / self.radius;
         let [c0, c2, c4] = THICKNESS;
         let square = t * t;
         let thickness = ((1.0 - t) * (1.0 + t)).sqrt() * (c0 + square * (c2 + square * c4));
         // Beyond the tip the root is NaN, and nothing is less than NaN.
-        y < 0.5 * self.radius * thickness
+        point.y < 0.5 * self.radius * thickness
     }
 
     fn breakpoints(&self) -> Vec<f64> {
@@ -70,7 +71,7 @@ impl QuarterArc for Discocyte {
             .collect()
     }
 
-    fn near_evolute(&self, point: [f64; 2]) -> bool {
+    fn near_evolute(&self, point: Point) -> bool {
         (0..2).all(|k| {
             let [low, high] = EVOLUTE_BOX[k];
             (low * self.radius..=high * self.radius).contains(&point[k])
@@ -105,9 +106,10 @@ mod tests {
     #[test]
     fn nothing_beyond_the_tip_is_inside() {
         let arc = Discocyte::new(0.4);
-        assert!(arc.encloses([0.0, 0.0]) && arc.encloses([0.399, 0.0]));
-        assert!(!arc.encloses([0.4, 0.0]) && !arc.encloses([0.5, 0.0]));
+        let encloses = |x: f64, y: f64| arc.encloses(Point::new(x, y));
+        assert!(encloses(0.0, 0.0) && encloses(0.399, 0.0));
+        assert!(!encloses(0.4, 0.0) && !encloses(0.5, 0.0));
         // The half-thickness at the waist is 0.1035 R.
-        assert!(arc.encloses([0.0, 0.0413]) && !arc.encloses([0.0, 0.0415]));
+        assert!(encloses(0.0, 0.0413) && !encloses(0.0, 0.0415));
     }
 }

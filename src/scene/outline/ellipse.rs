@@ -1,6 +1,7 @@
 //! The ellipse.
 
 use super::arc::{ArcPoint, QuarterArc};
+use crate::geometry::{Point, Vector};
 
 /// A quarter of an ellipse, γ(u) = (a sin u, b cos u).
 ///
@@ -21,17 +22,17 @@ impl QuarterArc for Ellipse {
     fn at(&self, parameter: f64) -> ArcPoint {
         let (sine, cosine) = parameter.sin_cos();
         let [a, b] = self.half_axes;
-        let position = [a * sine, b * cosine];
+        let position = Point::new(a * sine, b * cosine);
         ArcPoint {
             position,
-            first: [a * cosine, -b * sine],
-            second: [-position[0], -position[1]],
+            first: Vector::new(a * cosine, -b * sine),
+            second: -position.coords,
         }
     }
 
-    fn encloses(&self, [x, y]: [f64; 2]) -> bool {
+    fn encloses(&self, point: Point) -> bool {
         let [a, b] = self.half_axes;
-        (x / a).powi(2) + (y / b).powi(2) < 1.0
+        (point.x / a).powi(2) + (point.y / b).powi(2) < 1.0
     }
 }
 
@@ -50,7 +51,7 @@ mod tests {
         for half_axes in [[0.4, 0.1], [0.1, 0.4], [0.4, 0.39], [0.45, 0.009]] {
             let arc = Ellipse::new(half_axes);
             for parameter in evenly_spaced(0.0, arc.end(), 500).skip(1) {
-                let [x, y] = center_of_curvature(&arc, parameter);
+                let [x, y] = center_of_curvature(&arc, parameter).into();
                 assert!(x.min(y) < 1e-15, "{half_axes:?} at {parameter}: ({x}, {y})");
             }
         }

@@ -18,8 +18,8 @@ use self::arc::{PreparedArc, QuarterArc};
 use self::cassini::Cassini;
 use self::discocyte::Discocyte;
 use self::ellipse::Ellipse;
-use super::angle::direction;
 use super::model::{Curve, Outline};
+use crate::geometry::{BoundingBox, Point, Vector, direction, frame, length};
 
 /// A signed distance to a curve, and its slope.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,15 +28,15 @@ pub struct SignedDistance {
     pub value: f64,
     /// ∇s, a unit vector: the inward normal at the nearest point, and at one of them where there
     /// are several.
-    pub gradient: [f64; 2],
+    pub gradient: Vector,
 }
 
 /// An outline prepared for many evaluations of its signed distance.
 #[derive(Debug, Clone)]
 pub struct OutlineDistance {
-    center: [f64; 2],
+    center: Point,
     /// The direction of the axis that is along x in `shape`.
-    axis: [f64; 2],
+    axis: Vector,
     shape: PreparedCurve,
 }
 
@@ -47,15 +47,6 @@ enum PreparedCurve {
     Ellipse(PreparedArc<Ellipse>),
     Cassini(PreparedArc<Cassini>),
     Discocyte(PreparedArc<Discocyte>),
-}
-
-/// A rectangle with its sides along the axes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BoundingBox {
-    /// The least x and y.
-    pub lower: [f64; 2],
-    /// The greatest x and y.
-    pub upper: [f64; 2],
 }
 
 impl OutlineDistance {
@@ -74,7 +65,7 @@ impl OutlineDistance {
             }
         };
         Self {
-            center: outline.center,
+            center: outline.center.into(),
             axis: direction(outline.angle),
             shape,
         }
@@ -83,30 +74,24 @@ impl OutlineDistance {
     /// The Euclidean signed distance of a point to the outline, to rounding.
     ///
     /// Inside and outside are told apart by the implicit form of the curve, evaluated at the point.
-    pub fn signed_distance(&self, point: [f64; 2]) -> SignedDistance {
-        let [cosine, sine] = self.axis;
-        let [x, y] = [point[0] - self.center[0], point[1] - self.center[1]];
-        let local = [cosine * x + sine * y, cosine * y - sine * x];
-        let SignedDistance {
-            value,
-            gradient: [x, y],
-        } = self.shape.signed_distance(local);
+    pub fn signed_distance(&self, point: Point) -> SignedDistance {
+        let frame = frame(self.axis);
+        let local = frame.inverse_transform_vector(&(point - self.center));
+        let SignedDistance { value, gradient } = self.shape.signed_distance(local.into());
         SignedDistance {
             value,
-            gradient: [cosine * x - sine * y, sine * x + cosine * y],
+            gradient: frame * gradient,
         }
     }
 
     /// The smallest box around the outline, to rounding.
     pub fn bounding_box(&self) -> BoundingBox {
-        let [cosine, sine] = self.axis.map(f64::abs);
         // By symmetry a direction reaches as far as its image in the first quadrant.
-        let half_width = self.shape.support([cosine, sine]);
-        let half_height = self.shape.support([sine, cosine]);
-        let [x, y] = self.center;
+        let along = self.axis.abs();
+        let half_extent = Vector::new(self.shape.support(along), self.shape.support(along.yx()));
         BoundingBox {
-            lower: [x - half_width, y - half_height],
-            upper: [x + half_width, y + half_height],
+            lower: self.center - half_extent,
+            upper: self.center + half_extent,
         }
     }
 
@@ -138,14 +123,14 @@ impl OutlineDistance {
 }
 
 impl PreparedCurve {
-    fn signed_distance(&self, point: [f64; 2]) -> SignedDistance {
+    fn signed_distance(&self, point: Point) -> SignedDistance {
         match self {
             Self::Circle { radius } => {
-                let distance = point[0].hypot(point[1]);
+                let distance = length(point.coords);
                 let gradient = if distance > 0.0 {
-                    point.map(|coordinate| -coordinate / distance)
+                    -point.coords / distance
                 } else {
-                    [1.0, 0.0]
+                    Vector::x()
                 };
                 SignedDistance {
                     value: radius - distance,
@@ -159,7 +144,7 @@ impl PreparedCurve {
     }
 
     /// max γ·n over the curve, for a unit vector n in the closed first quadrant.
-    fn support(&self, direction: [f64; 2]) -> f64 {
+    fn support(&self, direction: Vector) -> f64 {
         match self {
             Self::Circle { radius } => *radius,
             Self::Ellipse(arc) => arc.support(direction),
@@ -170,24 +155,18 @@ impl PreparedCurve {
 }
 
 /// The signed distance to a curve that is symmetric about both axes.
-fn quartered_distance<Arc: QuarterArc>(arc: &PreparedArc<Arc>, point: [f64; 2]) -> SignedDistance {
+fn quartered_distance<Arc: QuarterArc>(arc: &PreparedArc<Arc>, point: Point) -> SignedDistance {
     let folded = point.map(f64::abs);
     let (distance, nearest) = arc.nearest(folded);
     let normal = nearest.inward_normal();
-    let unfolded = |k: usize| {
-        if point[k] < 0.0 {
-            -normal[k]
-        } else {
-            normal[k]
-        }
-    };
+    let unfolded = |component: f64, at: f64| if at < 0.0 { -component } else { component };
     SignedDistance {
         value: if arc.encloses(folded) {
             distance
         } else {
             -distance
         },
-        gradient: [unfolded(0), unfolded(1)],
+        gradient: normal.zip_map(&point.coords, unfolded),
     }
 }
 
@@ -195,10 +174,10 @@ fn quartered_distance<Arc: QuarterArc>(arc: &PreparedArc<Arc>, point: [f64; 2]) 
 ///
 /// Outside it is the distance; inside, where outlines overlap, it is a lower bound of it. Of no
 /// outline at all it is −∞, with a slope of zero.
-pub fn union_distance(outlines: &[OutlineDistance], point: [f64; 2]) -> SignedDistance {
+pub fn union_distance(outlines: &[OutlineDistance], point: Point) -> SignedDistance {
     let nothing = SignedDistance {
         value: f64::NEG_INFINITY,
-        gradient: [0.0; 2],
+        gradient: Vector::zeros(),
     };
     outlines.iter().fold(nothing, |largest, outline| {
         let distance = outline.signed_distance(point);
@@ -217,10 +196,7 @@ pub fn wall_distance(outlines: &[OutlineDistance]) -> f64 {
         .iter()
         .map(|outline| {
             let BoundingBox { lower, upper } = outline.bounding_box();
-            lower[0]
-                .min(lower[1])
-                .min(1.0 - upper[0])
-                .min(1.0 - upper[1])
+            lower.x.min(lower.y).min(1.0 - upper.x).min(1.0 - upper.y)
         })
         .fold(f64::INFINITY, f64::min)
 }
@@ -228,14 +204,11 @@ pub fn wall_distance(outlines: &[OutlineDistance]) -> f64 {
 /// φ⁰ = tanh(s/(√2 ε)) and ∇φ⁰ = sech²(s/(√2 ε)) ∇s/(√2 ε), ε being `interface_width`.
 ///
 /// This is the profile of a flat membrane at rest: it solves −Δφ + F′(φ)/ε² = 0.
-pub fn phase_profile(distance: SignedDistance, interface_width: f64) -> (f64, [f64; 2]) {
+pub fn phase_profile(distance: SignedDistance, interface_width: f64) -> (f64, Vector) {
     let scale = 1.0 / (SQRT_2 * interface_width);
     let argument = scale * distance.value;
     // sech² without the overflow of cosh and the cancellation of 1 − tanh².
     let decay = (-2.0 * argument.abs()).exp();
     let slope = scale * 4.0 * decay / ((1.0 + decay) * (1.0 + decay));
-    (
-        argument.tanh(),
-        distance.gradient.map(|component| slope * component),
-    )
+    (argument.tanh(), slope * distance.gradient)
 }

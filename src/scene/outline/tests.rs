@@ -2,6 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use nalgebra::UnitComplex;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -61,16 +62,16 @@ fn generator() -> ChaCha8Rng {
     ChaCha8Rng::seed_from_u64(20)
 }
 
-fn random_point(generator: &mut ChaCha8Rng, half_width: f64) -> [f64; 2] {
-    [(); 2].map(|()| half_width * (2.0 * generator.random::<f64>() - 1.0))
+fn random_point(generator: &mut ChaCha8Rng, half_width: f64) -> Point {
+    Point::from([(); 2].map(|()| half_width * (2.0 * generator.random::<f64>() - 1.0)))
 }
 
 /// A point of the curve at a polar or eccentric angle, by the textbook's formula.
-fn textbook_point(curve: Curve, angle: f64) -> [f64; 2] {
+fn textbook_point(curve: Curve, angle: f64) -> Point {
     let (sine, cosine) = angle.sin_cos();
     match curve {
-        Curve::Circle { radius } => [radius * cosine, radius * sine],
-        Curve::Ellipse { half_axes: [a, b] } => [a * cosine, b * sine],
+        Curve::Circle { radius } => Point::new(radius * cosine, radius * sine),
+        Curve::Ellipse { half_axes: [a, b] } => Point::new(a * cosine, b * sine),
         Curve::Cassini { ratio, half_length } => {
             let a2 = half_length.powi(2) / (1.0 + ratio * ratio);
             let c2 = ratio * ratio * a2;
@@ -82,12 +83,12 @@ fn textbook_point(curve: Curve, angle: f64) -> [f64; 2] {
             } else {
                 (a2 - c2) * (a2 + c2) / (root - along)
             };
-            [r2.sqrt() * cosine, r2.sqrt() * sine]
+            Point::new(r2.sqrt() * cosine, r2.sqrt() * sine)
         }
         Curve::Discocyte { radius } => {
             let t = cosine;
             let thickness = 0.207 + 2.003 * t.powi(2) - 1.123 * t.powi(4);
-            [radius * t, 0.5 * radius * sine * thickness]
+            Point::new(radius * t, 0.5 * radius * sine * thickness)
         }
     }
 }
@@ -95,7 +96,7 @@ fn textbook_point(curve: Curve, angle: f64) -> [f64; 2] {
 /// The curve sampled once, for many searches.
 struct BruteForce {
     curve: Curve,
-    samples: Vec<[f64; 2]>,
+    samples: Vec<Point>,
 }
 
 impl BruteForce {
@@ -111,8 +112,8 @@ impl BruteForce {
 
     /// The distance: the samples' local minima, each narrowed by thirds without any derivative.
     /// What is left is rounding, since the distance is stationary.
-    fn distance(&self, point: [f64; 2]) -> f64 {
-        let far = |[x, y]: [f64; 2]| (x - point[0]).hypot(y - point[1]);
+    fn distance(&self, point: Point) -> f64 {
+        let far = |at: Point| length(at - point);
         let sampled = |k: usize| far(self.samples[k % Self::COUNT]);
         let step = TAU / Self::COUNT as f64;
         let least = (0..Self::COUNT).map(sampled).fold(f64::INFINITY, f64::min);
@@ -140,10 +141,12 @@ impl BruteForce {
     }
 
     /// Whether a ray from the point crosses the samples' polygon an odd number of times.
-    fn encloses(&self, [x, y]: [f64; 2]) -> bool {
+    fn encloses(&self, point: Point) -> bool {
+        let [x, y] = point.into();
         let mut inside = false;
         for k in 0..Self::COUNT {
-            let ([x0, y0], [x1, y1]) = (self.samples[k], self.samples[(k + 1) % Self::COUNT]);
+            let [[x0, y0], [x1, y1]]: [[f64; 2]; 2] =
+                [k, (k + 1) % Self::COUNT].map(|sample| self.samples[sample].into());
             if (y0 > y) != (y1 > y) && x < x0 + (y - y0) / (y1 - y0) * (x1 - x0) {
                 inside = !inside;
             }
@@ -180,17 +183,15 @@ fn distances_are_those_of_a_brute_force_search() {
 
 /// Points where two points of a discocyte of radius 1 compete, dense around where they part: at a
 /// depth δ under the cusp of its evolute that region is about δ^(3/2) wide.
-fn under_the_cusp(generator: &mut ChaCha8Rng) -> impl Iterator<Item = [f64; 2]> {
-    let cusp = [0.703_897_338_906_619_7, 0.077_233_284_893_151_07];
-    let [down_x, down_y] = [-0.283_369_128_534_363_75, -0.959_010_915_992_97];
+fn under_the_cusp(generator: &mut ChaCha8Rng) -> impl Iterator<Item = Point> {
+    let cusp = Point::new(0.703_897_338_906_619_7, 0.077_233_284_893_151_07);
+    let down = Vector::new(-0.283_369_128_534_363_75, -0.959_010_915_992_97);
     (0..1000).map(move |_| {
-        let [x, y] = random_point(generator, 1.0);
-        let depth = 10_f64.powf(-4.0 + 3.0 * y);
-        let across = 3.0 * depth.powf(1.5) * x;
-        [
-            cusp[0] + depth * down_x - across * down_y,
-            (cusp[1] + depth * down_y + across * down_x).abs(),
-        ]
+        let random = random_point(generator, 1.0);
+        let depth = 10_f64.powf(-4.0 + 3.0 * random.y);
+        let across = 3.0 * depth.powf(1.5) * random.x;
+        let at = cusp + depth * down + across * Vector::new(-down.y, down.x);
+        Point::new(at.x, at.y.abs())
     })
 }
 
@@ -201,16 +202,16 @@ fn distances_hold_where_minima_meet() {
     for curve in CURVES {
         let outline = at_origin(curve);
         let brute = BruteForce::new(curve);
-        let mut points = vec![[0.0, 0.0]];
+        let mut points = vec![Point::origin()];
         for beside in [0.0, 1e-300, 1e-17, 1e-12, 1e-8, 1e-4] {
             for _ in 0..10 {
                 let along = 0.5 * generator.random::<f64>();
-                points.push([along, beside]);
-                points.push([beside, along]);
+                points.push(Point::new(along, beside));
+                points.push(Point::new(beside, along));
             }
         }
         if let Curve::Discocyte { radius } = curve {
-            points.extend(under_the_cusp(&mut generator).map(|point| point.map(|c| radius * c)));
+            points.extend(under_the_cusp(&mut generator).map(|point| radius * point));
         }
         for point in points {
             let SignedDistance { value, gradient } = outline.signed_distance(point);
@@ -219,7 +220,7 @@ fn distances_hold_where_minima_meet() {
                 error < 1e-15,
                 "{curve:?} at {point:?}: {value}, off by {error:e}"
             );
-            assert!((gradient[0].hypot(gradient[1]) - 1.0).abs() < 1e-15);
+            assert!((length(gradient) - 1.0).abs() < 1e-15);
         }
     }
 }
@@ -234,7 +235,7 @@ fn the_gradient_is_a_unit_vector_and_the_slope_of_the_distance() {
         for _ in 0..500 {
             let point = random_point(&mut generator, 0.5);
             let gradient = outline.signed_distance(point).gradient;
-            assert!((gradient[0].hypot(gradient[1]) - 1.0).abs() < 1e-15);
+            assert!((length(gradient) - 1.0).abs() < 1e-15);
             let beside = |k: usize, step: f64| {
                 let mut moved = point;
                 moved[k] += step;
@@ -244,13 +245,13 @@ fn the_gradient_is_a_unit_vector_and_the_slope_of_the_distance() {
             // difference says nothing.
             let turns = (0..2).any(|k| {
                 let (before, after) = (beside(k, -step).gradient, beside(k, step).gradient);
-                (before[0] - after[0]).hypot(before[1] - after[1]) > 1e-3
+                length(before - after) > 1e-3
             });
             if turns {
                 continue;
             }
             compared += 1;
-            for (k, component) in gradient.into_iter().enumerate() {
+            for (k, component) in gradient.iter().enumerate() {
                 let difference = (beside(k, step).value - beside(k, -step).value) / (2.0 * step);
                 assert!(
                     (difference - component).abs() < 1e-5,
@@ -273,7 +274,7 @@ fn on_the_curve_the_distance_is_zero_and_the_gradient_the_inward_normal() {
             assert!(value.abs() < 1e-14, "{curve:?} at {on_curve:?}: {value:e}");
             // A step inwards along the normal is a step in s.
             let step = 1e-4;
-            let inside = [0, 1].map(|k| on_curve[k] + step * gradient[k]);
+            let inside = on_curve + step * gradient;
             let value = outline.signed_distance(inside).value;
             assert!(
                 (value - step).abs() < 1e-14,
@@ -289,26 +290,22 @@ fn the_distance_moves_and_turns_with_the_outline() {
     for curve in CURVES {
         let fixed = at_origin(curve);
         for angle in [0.0, 37.0, 90.0, -123.4, 360.0] {
-            let center = [0.4, 0.6];
+            let center = Point::new(0.4, 0.6);
             let moved = OutlineDistance::new(&Outline {
                 curve,
-                center,
+                center: center.into(),
                 angle,
             });
-            let (sine, cosine) = f64::to_radians(angle).sin_cos();
-            let turned = |[x, y]: [f64; 2]| [cosine * x - sine * y, sine * x + cosine * y];
+            let turn = UnitComplex::new(f64::to_radians(angle));
             for _ in 0..50 {
                 let point = random_point(&mut generator, 0.5);
-                let [x, y] = turned(point);
                 let expected = fixed.signed_distance(point);
-                let actual = moved.signed_distance([center[0] + x, center[1] + y]);
+                let actual = moved.signed_distance(center + turn * point.coords);
                 assert!(
                     (actual.value - expected.value).abs() < 1e-15,
                     "{curve:?} at {point:?}"
                 );
-                let gradient = turned(expected.gradient);
-                let error = actual.gradient[0] - gradient[0];
-                let error = error.hypot(actual.gradient[1] - gradient[1]);
+                let error = length(actual.gradient - turn * expected.gradient);
                 assert!(error < 1e-9, "{curve:?} at {point:?}: {error:e}");
             }
         }
@@ -320,21 +317,21 @@ fn half_a_turn_changes_nothing_but_the_sign_of_the_gradient() {
     let mut generator = generator();
     for curve in CURVES {
         for angle in [0.0, 30.0, 90.0] {
-            let center = [0.5, 0.5];
+            let center = Point::new(0.5, 0.5);
             let outline = OutlineDistance::new(&Outline {
                 curve,
-                center,
+                center: center.into(),
                 angle,
             });
             for _ in 0..50 {
                 // Differences to 0.5 that are exact, so that the points are mirror images exactly.
-                let [x, y] =
-                    random_point(&mut generator, 0.5).map(|c| (c * 4096.0).round() / 4096.0);
-                let there = outline.signed_distance([0.5 + x, 0.5 + y]);
-                let mirrored = outline.signed_distance([0.5 - x, 0.5 - y]);
+                let offset = random_point(&mut generator, 0.5).coords;
+                let offset = offset.map(|c| (c * 4096.0).round() / 4096.0);
+                let there = outline.signed_distance(center + offset);
+                let mirrored = outline.signed_distance(center - offset);
                 assert_eq!(there.value, mirrored.value);
-                if x != 0.0 && y != 0.0 {
-                    assert_eq!(there.gradient, mirrored.gradient.map(|c| -c));
+                if offset.x != 0.0 && offset.y != 0.0 {
+                    assert_eq!(there.gradient, -mirrored.gradient);
                 }
             }
         }
@@ -352,12 +349,14 @@ fn the_distance_is_continuous_across_the_axes() {
                 for (on, near) in [
                     ([along, 0.0], [along, beside]),
                     ([0.0, along], [beside, along]),
-                ] {
+                ]
+                .map(|(on, near)| (Point::from(on), Point::from(near)))
+                {
                     assert!(
                         (value(on) - value(near)).abs() <= beside + 1e-15,
                         "{curve:?} at {on:?}"
                     );
-                    assert_eq!(value(near), value(near.map(|c| -c)));
+                    assert_eq!(value(near), value(-near));
                 }
             }
         }
@@ -378,7 +377,7 @@ fn special_cases_are_circles() {
         },
     ] {
         let outline = at_origin(curve);
-        assert!((outline.signed_distance([0.0, 0.0]).value - 0.3).abs() < 1e-16);
+        assert!((outline.signed_distance(Point::origin()).value - 0.3).abs() < 1e-16);
         for _ in 0..300 {
             let point = random_point(&mut generator, 0.5);
             let (actual, expected) = (
@@ -389,9 +388,8 @@ fn special_cases_are_circles() {
                 (actual.value - expected.value).abs() < 2e-16,
                 "{curve:?} at {point:?}"
             );
-            for k in 0..2 {
-                assert!((actual.gradient[k] - expected.gradient[k]).abs() < 1e-13);
-            }
+            let error = actual.gradient - expected.gradient;
+            assert!(error.abs().max() < 1e-13);
         }
         assert!((outline.length() / circle.length() - 1.0).abs() < 1e-15);
         assert!((outline.area() / circle.area() - 1.0).abs() < 1e-15);
@@ -404,9 +402,14 @@ fn the_cassini_oval_has_its_waist_and_its_length() {
     let half_waist = (a_squared * (1.0 - 0.92 * 0.92)).sqrt();
     assert!((2.0 * half_waist - 0.1846).abs() < 1e-4);
     let oval = at_origin(CASSINI);
-    assert!((oval.signed_distance([0.0, 0.0]).value - half_waist).abs() < 1e-16);
-    assert!(oval.signed_distance([0.0, half_waist]).value.abs() < 1e-16);
-    assert!(oval.signed_distance([-0.32, 0.0]).value.abs() < 1e-16);
+    assert!((oval.signed_distance(Point::origin()).value - half_waist).abs() < 1e-16);
+    assert!(
+        oval.signed_distance(Point::new(0.0, half_waist))
+            .value
+            .abs()
+            < 1e-16
+    );
+    assert!(oval.signed_distance(Point::new(-0.32, 0.0)).value.abs() < 1e-16);
     // Upright, its long axis is y.
     let outline = Outline {
         curve: CASSINI,
@@ -414,8 +417,14 @@ fn the_cassini_oval_has_its_waist_and_its_length() {
         angle: 90.0,
     };
     let upright = OutlineDistance::new(&outline);
-    assert!(upright.signed_distance([0.5, 0.82]).value.abs() < 2e-16);
-    assert!(upright.signed_distance([0.5 + half_waist, 0.5]).value.abs() < 2e-16);
+    assert!(upright.signed_distance(Point::new(0.5, 0.82)).value.abs() < 2e-16);
+    assert!(
+        upright
+            .signed_distance(Point::new(0.5 + half_waist, 0.5))
+            .value
+            .abs()
+            < 2e-16
+    );
 }
 
 /// What the distance must not be: a level-set value divided by the length of its gradient.
@@ -431,16 +440,16 @@ fn a_scaled_level_set_is_not_the_distance() {
     let oval = at_origin(CASSINI);
     // At the curve the two agree to first order …
     for angle in [0.1, 0.8, 1.5] {
-        let [x, y] = textbook_point(CASSINI, angle).map(|c| c * (1.0 - 1e-6));
-        let ratio = scaled(x, y) / oval.signed_distance([x, y]).value;
+        let point = (1.0 - 1e-6) * textbook_point(CASSINI, angle);
+        let ratio = scaled(point.x, point.y) / oval.signed_distance(point).value;
         assert!((ratio - 1.0).abs() < 1e-4, "{ratio}");
     }
     // … but within two interface widths of it they are far apart.
     let [x, y] = [0.3, 0.0];
-    assert!((oval.signed_distance([x, y]).value - 0.02).abs() < 1e-15);
+    assert!((oval.signed_distance(Point::new(x, y)).value - 0.02).abs() < 1e-15);
     assert!((scaled(x, y) / 0.02 - 1.0).abs() > 0.05, "{}", scaled(x, y));
     let [x, y] = [0.0, 0.05];
-    let ratio = scaled(x, y) / oval.signed_distance([x, y]).value;
+    let ratio = scaled(x, y) / oval.signed_distance(Point::new(x, y)).value;
     assert!((ratio - 1.0).abs() > 0.2, "{ratio}");
 }
 
@@ -454,16 +463,16 @@ fn a_union_has_the_largest_distance() {
         })
     };
     let both = [circle(0.3), circle(0.7)];
-    assert_eq!(union_distance(&both, [0.3, 0.5]).value, 0.25);
-    assert_eq!(union_distance(&both, [0.7, 0.5]).value, 0.25);
-    let right = union_distance(&both, [0.9, 0.5]);
+    assert_eq!(union_distance(&both, Point::new(0.3, 0.5)).value, 0.25);
+    assert_eq!(union_distance(&both, Point::new(0.7, 0.5)).value, 0.25);
+    let right = union_distance(&both, Point::new(0.9, 0.5));
     assert!((right.value - 0.05).abs() < 1e-15);
-    assert_eq!(right.gradient, [-1.0, 0.0]);
-    let left = union_distance(&both, [0.1, 0.5]);
-    assert_eq!(left.gradient, [1.0, 0.0]);
+    assert_eq!(right.gradient, -Vector::x());
+    let left = union_distance(&both, Point::new(0.1, 0.5));
+    assert_eq!(left.gradient, Vector::x());
     // Order does not matter, and a union of one is that one.
     let swapped = [circle(0.7), circle(0.3)];
-    for point in [[0.45, 0.6], [0.2, 0.9], [0.6, 0.1]] {
+    for point in [[0.45, 0.6], [0.2, 0.9], [0.6, 0.1]].map(Point::from) {
         assert_eq!(
             union_distance(&both, point),
             union_distance(&swapped, point)
@@ -474,8 +483,8 @@ fn a_union_has_the_largest_distance() {
         );
     }
     assert_eq!(
-        phase_profile(union_distance(&[], [0.5, 0.5]), 0.01),
-        (-1.0, [0.0, 0.0])
+        phase_profile(union_distance(&[], Point::new(0.5, 0.5)), 0.01),
+        (-1.0, Vector::zeros())
     );
 }
 
@@ -484,7 +493,7 @@ fn the_profile_is_the_tanh_of_the_distance() {
     let outline = at_origin(CASSINI);
     let (width, step) = (0.01, 1e-6);
     let profile = |point| phase_profile(outline.signed_distance(point), width);
-    for point in [[0.31, 0.02], [0.05, 0.1], [0.2, -0.15], [-0.33, 0.0]] {
+    for point in [[0.31, 0.02], [0.05, 0.1], [0.2, -0.15], [-0.33, 0.0]].map(Point::from) {
         let (value, gradient) = profile(point);
         let s = outline.signed_distance(point).value;
         assert!((value - (s / (2.0_f64.sqrt() * width)).tanh()).abs() < 1e-15);
@@ -504,10 +513,10 @@ fn the_profile_is_the_tanh_of_the_distance() {
     // Far away: ±1 and no slope, however thin the interface.
     let distance = |value| SignedDistance {
         value,
-        gradient: [1.0, 0.0],
+        gradient: Vector::x(),
     };
-    assert_eq!(phase_profile(distance(1.0), 1e-6), (1.0, [0.0, 0.0]));
-    assert_eq!(phase_profile(distance(-1.0), 1e-6), (-1.0, [0.0, 0.0]));
+    assert_eq!(phase_profile(distance(1.0), 1e-6), (1.0, Vector::zeros()));
+    assert_eq!(phase_profile(distance(-1.0), 1e-6), (-1.0, Vector::zeros()));
     // On the curve: 0 and the slope 1/(√2 ε).
     let (value, gradient) = phase_profile(distance(0.0), width);
     assert_eq!(value, 0.0);
@@ -526,8 +535,8 @@ fn bounding_boxes_are_tight() {
             };
             let BoundingBox { lower, upper } = OutlineDistance::new(&outline).bounding_box();
             let (sine, cosine) = f64::to_radians(angle).sin_cos();
-            let reached = |along: [f64; 2]| {
-                let at = |[x, y]: &[f64; 2]| along[0] * x + along[1] * y;
+            let reached = |x: f64, y: f64| {
+                let at = |sample: &Point| sample.coords.dot(&Vector::new(x, y));
                 brute
                     .samples
                     .iter()
@@ -535,10 +544,10 @@ fn bounding_boxes_are_tight() {
                     .fold(f64::NEG_INFINITY, f64::max)
             };
             for (actual, sampled) in [
-                (upper[0] - 0.5, reached([cosine, -sine])),
-                (0.5 - lower[0], reached([-cosine, sine])),
-                (upper[1] - 0.4, reached([sine, cosine])),
-                (0.4 - lower[1], reached([-sine, -cosine])),
+                (upper[0] - 0.5, reached(cosine, -sine)),
+                (0.5 - lower[0], reached(-cosine, sine)),
+                (upper[1] - 0.4, reached(sine, cosine)),
+                (0.4 - lower[1], reached(-sine, -cosine)),
             ] {
                 // The samples are at most 3e-5 apart around a radius of curvature of 1.8e-4.
                 let excess = actual - sampled;
@@ -586,16 +595,15 @@ fn lengths_and_areas_are_those_of_the_curves() {
     // The polygon of the samples is coarse, but independent.
     for curve in CURVES {
         let brute = BruteForce::new(curve);
-        let (mut length, mut area) = (0.0, 0.0);
+        let (mut total, mut area) = (0.0, 0.0);
         for k in 0..BruteForce::COUNT {
-            let ([x0, y0], [x1, y1]) =
-                (brute.samples[k], brute.samples[(k + 1) % BruteForce::COUNT]);
-            length += (x1 - x0).hypot(y1 - y0);
-            area += 0.5 * (x0 * y1 - x1 * y0);
+            let (a, b) = (brute.samples[k], brute.samples[(k + 1) % BruteForce::COUNT]);
+            total += length(b - a);
+            area += 0.5 * a.coords.perp(&b.coords);
         }
         let outline = at_origin(curve);
         // A polygon of n sides falls short by about 1/n² of itself, more where they are unequal.
-        for (exact, polygon) in [(outline.length(), length), (outline.area(), area)] {
+        for (exact, polygon) in [(outline.length(), total), (outline.area(), area)] {
             let excess = exact / polygon - 1.0;
             assert!((0.0..1e-6).contains(&excess), "{curve:?}: {excess:e}");
         }
@@ -633,11 +641,10 @@ fn legal_extremes_do_not_break() {
         let outline = at_origin(curve);
         for x in [-0.5, -1e-9, 0.0, 1e-200, 0.3] {
             for y in [-0.4, 0.0, 1e-12, 0.4] {
-                let SignedDistance { value, gradient } = outline.signed_distance([x, y]);
+                let SignedDistance { value, gradient } = outline.signed_distance(Point::new(x, y));
                 assert!(value.is_finite(), "{curve:?} at {x}, {y}");
-                let length = gradient[0].hypot(gradient[1]);
                 assert!(
-                    (length - 1.0).abs() < 1e-15,
+                    (length(gradient) - 1.0).abs() < 1e-15,
                     "{curve:?} at {x}, {y}: {gradient:?}"
                 );
             }

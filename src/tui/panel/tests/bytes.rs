@@ -10,6 +10,7 @@ use ratatui::{Terminal, TerminalOptions, Viewport};
 
 use super::made_up;
 use crate::fem::Mesh;
+use crate::geometry::{Point, Vector};
 use crate::simulation::RunSnapshot;
 use crate::tui::canvas::Canvas;
 use crate::tui::panel::draw;
@@ -59,8 +60,8 @@ fn frames(theme: &Theme) -> Vec<usize> {
         // A twentieth of the domain in 30 frames: three of its samples.
         let time = frame as f64 / 30.0;
         let mut state = made_up::state(&mesh, time);
-        let moved = |[x, y]: &[f64; 2]| [x - 0.05 * time, *y];
-        let nodes: Vec<[f64; 2]> = mesh.nodes().iter().map(moved).collect();
+        let by = Vector::new(0.05 * time, 0.0);
+        let nodes: Vec<Point> = mesh.nodes().iter().map(|node| node - by).collect();
         let triangles = mesh.triangles().to_vec();
         let shifted = Mesh::new(nodes, triangles).expect("as fair as before");
         state.phi = made_up::state(&shifted, time).phi;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use crate::fem::{Mesh, OutlineMeasure};
+use crate::geometry::{Point, Vector};
 use crate::physics::NamedValue;
 use crate::scene::{AnchoringKind, Scene, find_preset};
 use crate::scheme::{Phase, State};
@@ -26,8 +27,8 @@ pub fn scene(name: &str) -> Scene {
 
 /// A biconcave vesicle, long in y; `time` from 0 to 1 narrows its waist and turns the director.
 pub fn state(mesh: &Mesh, time: f64) -> State {
-    let phi = |[x, y]: &[f64; 2]| {
-        let (x, y) = (x - 0.5, y - 0.5);
+    let phi = |node: &Point| {
+        let (x, y) = (node.x - 0.5, node.y - 0.5);
         let half_width = 0.1 - 0.02 * time + 0.5 * y * y - 4.2 * y.powi(4);
         ((half_width - x.abs()) / INTERFACE).tanh()
     };
@@ -38,13 +39,13 @@ pub fn state(mesh: &Mesh, time: f64) -> State {
         .collect();
     let mu = omega.iter().map(|omega| -12.5 * omega).collect();
     // Along y, turned near the membrane, weak near the lower end.
-    let director = |node: &[f64; 2]| {
-        let [x, y] = *node;
+    let director = |node: &Point| {
+        let (x, y) = (node.x, node.y);
         let angle = std::f64::consts::FRAC_PI_2 + 4.0 * time * (0.5 - x) * (1.0 + y);
         let length = 1.0 - 0.9 * (-40.0 * ((x - 0.5).powi(2) + (y - 0.25).powi(2))).exp();
-        [length * angle.cos(), length * angle.sin()]
+        Vector::new(length * angle.cos(), length * angle.sin())
     };
-    let director: Vec<[f64; 2]> = mesh.nodes().iter().map(director).collect();
+    let director: Vec<Vector> = mesh.nodes().iter().map(director).collect();
     State {
         phi,
         omega,

@@ -8,6 +8,7 @@ use ratatui::style::Color;
 use super::made_up::{self, notice};
 use super::{THEMES, characters, drawn, with_styles};
 use crate::fem::Mesh;
+use crate::geometry::{Point, length};
 use crate::record::KeptAt;
 use crate::scene::AnchoringKind;
 use crate::simulation::RunSnapshot;
@@ -335,7 +336,8 @@ fn a_circle_looks_round() {
     app.slots[2] = made_up::slot("case3", &mesh);
     app.view.director = DirectorStyle::Off;
     let mut state = made_up::state(&mesh, 0.0);
-    let circle = |[x, y]: &[f64; 2]| (0.3 - (x - 0.5).hypot(y - 0.5)) / 0.05;
+    let center = Point::new(0.5, 0.5);
+    let circle = |node: &Point| (0.3 - length(node - center)) / 0.05;
     state.phi = mesh.nodes().iter().map(circle).map(f64::tanh).collect();
     let run = made_up::run(&mut app);
     run.picture = Some(Arc::new(RunSnapshot {

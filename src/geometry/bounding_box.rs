@@ -1,0 +1,33 @@
+//! Rectangles about points.
+
+use std::borrow::Borrow;
+
+use super::{Point, Vector};
+
+/// A rectangle with its sides along the axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BoundingBox {
+    /// The least x and y.
+    pub lower: Point,
+    /// The greatest x and y.
+    pub upper: Point,
+}
+
+impl BoundingBox {
+    /// The smallest one that holds these points.
+    pub fn around(points: impl IntoIterator<Item = impl Borrow<Point>>) -> Self {
+        let nothing = Self {
+            lower: Point::new(f64::INFINITY, f64::INFINITY),
+            upper: Point::new(f64::NEG_INFINITY, f64::NEG_INFINITY),
+        };
+        points.into_iter().fold(nothing, |hull, point| Self {
+            lower: hull.lower.inf(point.borrow()),
+            upper: hull.upper.sup(point.borrow()),
+        })
+    }
+
+    /// Its width and its height; 0 where it holds no point.
+    pub fn extent(&self) -> Vector {
+        (self.upper - self.lower).sup(&Vector::zeros())
+    }
+}
