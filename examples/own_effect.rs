@@ -4,6 +4,7 @@
 //!     cargo run --release --example own_effect
 
 use vesica::fem::{Mesh, Patch};
+use vesica::geometry::{SymmetricTensor, Vector};
 use vesica::physics::{
     DirectorCoupling, Effect, LedgerTerms, MembraneForce, MembraneJacobian, PatchFields,
 };
@@ -14,8 +15,6 @@ use vesica::scheme::{Scheme, initial_fields};
 struct Tension {
     /// σ.
     weight: f64,
-    /// A value a triangle of the present patch; kept, so that a step allocates nothing.
-    squares: Vec<f64>,
 }
 
 impl Effect for Tension {
@@ -24,10 +23,8 @@ impl Effect for Tension {
     }
 
     fn integral(&mut self, patch: &Patch<'_>, at: &PatchFields) -> f64 {
-        self.squares.clear();
-        let squares = at.phi_gradient.iter().map(|[x, y]| x * x + y * y);
-        self.squares.extend(squares);
-        0.5 * self.weight * patch.integrate_elements(&self.squares)
+        let squares = at.phi_gradient.iter().map(Vector::norm_squared);
+        0.5 * self.weight * patch.integrate_elements_of(squares)
     }
 
     fn director_coupling(&self) -> Option<DirectorCoupling> {
@@ -42,8 +39,7 @@ impl Effect for Tension {
         force: &mut MembraneForce,
     ) {
         for (flux, gradient) in force.flux.iter_mut().zip(&new.phi_gradient) {
-            flux[0] += self.weight * gradient[0];
-            flux[1] += self.weight * gradient[1];
+            *flux += self.weight * gradient;
         }
     }
 
@@ -55,9 +51,8 @@ impl Effect for Tension {
         _iteration: Iteration,
         jacobian: &mut MembraneJacobian,
     ) {
-        for [xx, _, yy] in &mut jacobian.tensor {
-            *xx += self.weight;
-            *yy += self.weight;
+        for tensor in &mut jacobian.tensor {
+            *tensor += SymmetricTensor::isotropic(self.weight);
         }
     }
 
@@ -68,11 +63,9 @@ impl Effect for Tension {
         new: &PatchFields,
         terms: &mut LedgerTerms,
     ) {
-        self.squares.clear();
         let gradients = new.phi_gradient.iter().zip(&old.phi_gradient);
-        let squares = gradients.map(|([a, b], [c, d])| (a - c).powi(2) + (b - d).powi(2));
-        self.squares.extend(squares);
-        let loss = patch.integrate_elements(&self.squares);
+        let squares = gradients.map(|(new, old)| (new - old).norm_squared());
+        let loss = patch.integrate_elements_of(squares);
         terms.add("ND_tension", 0.5 * self.weight * loss);
     }
 }
@@ -84,10 +77,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mesh = Mesh::of(&scene)?;
     let initial = initial_fields(&scene, &mesh)?;
     let mut scheme = Scheme::new(&scene, mesh, initial.phi, initial.director)?;
-    scheme.add_effect(Tension {
-        weight: 0.5,
-        squares: Vec::new(),
-    });
+    scheme.add_effect(Tension { weight: 0.5 });
     for step in 1..=10 {
         let report = scheme.step(1e-7)?;
         let energies = report.energies.iter();

@@ -8,7 +8,7 @@ use vesica::physics::{
     DirectorCoupling, Effect, EffectContext, Effects, LedgerTerms, MembraneForce, MembraneJacobian,
     PatchFields,
 };
-use vesica::{fem, scene};
+use vesica::{fem, geometry, scene};
 
 #[path = "../docs/effect/tension.rs"]
 mod tension;

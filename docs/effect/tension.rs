@@ -5,6 +5,7 @@ use super::{
     PatchFields,
 };
 use crate::fem::Patch;
+use crate::geometry::{SymmetricTensor, Vector};
 use crate::scene::Iteration;
 
 /// A line tension.
@@ -27,8 +28,8 @@ impl Effect for Tension {
 
     /// The energy: ½ σ |∇φ|², triangle by triangle.
     fn integral(&mut self, patch: &Patch<'_>, at: &PatchFields) -> f64 {
-        let squares = at.phi_gradient.iter().map(|[x, y]| x * x + y * y);
-        0.5 * self.weight * patch.integrate_elements(&squares.collect::<Vec<_>>())
+        let squares = at.phi_gradient.iter().map(Vector::norm_squared);
+        0.5 * self.weight * patch.integrate_elements_of(squares)
     }
 
     /// It leaves the director alone.
@@ -45,8 +46,7 @@ impl Effect for Tension {
         force: &mut MembraneForce,
     ) {
         for (flux, gradient) in force.flux.iter_mut().zip(&new.phi_gradient) {
-            flux[0] += self.weight * gradient[0];
-            flux[1] += self.weight * gradient[1];
+            *flux += self.weight * gradient;
         }
     }
 
@@ -59,9 +59,8 @@ impl Effect for Tension {
         _iteration: Iteration,
         jacobian: &mut MembraneJacobian,
     ) {
-        for [xx, _, yy] in &mut jacobian.tensor {
-            *xx += self.weight;
-            *yy += self.weight;
+        for tensor in &mut jacobian.tensor {
+            *tensor += SymmetricTensor::isotropic(self.weight);
         }
     }
 
@@ -74,11 +73,8 @@ impl Effect for Tension {
         terms: &mut LedgerTerms,
     ) {
         let gradients = new.phi_gradient.iter().zip(&old.phi_gradient);
-        let squares = gradients.map(|(new, old)| {
-            let step = [new[0] - old[0], new[1] - old[1]];
-            step[0] * step[0] + step[1] * step[1]
-        });
-        let loss = patch.integrate_elements(&squares.collect::<Vec<_>>());
+        let squares = gradients.map(|(new, old)| (new - old).norm_squared());
+        let loss = patch.integrate_elements_of(squares);
         terms.add("ND_tension", 0.5 * self.weight * loss);
     }
 }

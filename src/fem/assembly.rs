@@ -5,9 +5,6 @@ use std::sync::Arc;
 use super::Mesh;
 use crate::linalg::Pattern;
 
-/// A symmetric 2 × 2 tensor [xx, xy, yy].
-pub type SymmetricTensor = [f64; 3];
-
 /// The pattern of the P1 matrices of a mesh and the way into it.
 #[derive(Debug, Clone)]
 pub struct Assembly {

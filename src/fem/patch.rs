@@ -8,7 +8,8 @@
 use std::ops::Range;
 
 use super::space::{GROUP, LANES, Lane};
-use super::{MassForm, QuadratureRule, Space, SymmetricTensor};
+use super::{MassForm, QuadratureRule, Space};
+use crate::geometry::{SymmetricTensor, Vector};
 use crate::linalg::{op_counts, vector};
 
 /// The six different entries aa, ab, ac, bb, bc, cc of the element matrices of a group of triangles.
@@ -97,7 +98,7 @@ impl<'a> Patch<'a> {
     }
 
     /// A P1 function at the points and its gradient on the triangles.
-    pub fn sample(&self, nodal: &[f64], points: &mut [f64], gradients: &mut [[f64; 2]]) {
+    pub fn sample(&self, nodal: &[f64], points: &mut [f64], gradients: &mut [Vector]) {
         let groups = self.groups().zip(gradients.chunks_mut(LANES));
         if self.space.rule() == QuadratureRule::Lumped {
             points.copy_from_slice(nodal);
@@ -152,9 +153,15 @@ impl<'a> Patch<'a> {
         vector::dot(self.areas(), density)
     }
 
+    /// ∫ f for a density that is worked out triangle by triangle.
+    pub fn integrate_elements_of(&self, densities: impl IntoIterator<Item = f64>) -> f64 {
+        let elements = self.areas().iter().zip(densities);
+        elements.map(|(area, density)| area * density).sum()
+    }
+
     /// load_i ← load_i + ∫ f ψ_i + ∫ q·∇ψ_i for a density f at the points and a flux q on the
     /// triangles.
-    pub fn add_load(&self, density: &[f64], fluxes: &[[f64; 2]], load: &mut [f64]) {
+    pub fn add_load(&self, density: &[f64], fluxes: &[Vector], load: &mut [f64]) {
         if self.space.rule() == QuadratureRule::Lumped {
             for ((load, weight), f) in load.iter_mut().zip(self.weights()).zip(density) {
                 *load += weight * f;
@@ -219,8 +226,8 @@ impl<'a> Patch<'a> {
                 let mut tensor = [[0.0; LANES]; 3];
                 let end = (first + LANES).min(tensors.len());
                 for (lane, entries) in tensors[first..end].iter().enumerate() {
-                    for (row, entry) in tensor.iter_mut().zip(entries) {
-                        row[lane] = *entry;
+                    for (row, entry) in tensor.iter_mut().zip(entries.entries()) {
+                        row[lane] = entry;
                     }
                 }
                 stiffness_entries(areas, slopes, &tensor)
@@ -288,13 +295,13 @@ impl<'a> Patch<'a> {
 
     /// The matrices of two fields x and y on the same mesh, x and y blocks and what couples them:
     ///
-    /// x, y blocks ← blocks + ∫ w ∇ψ_j·∇ψ_i + ∫ c ψ_j ψ_i, and with a tensor R, whose entries xx, xy,
-    /// yy are given on the triangles, + ∫ R_xx ψ_j ψ_i, + ∫ R_yy ψ_j ψ_i;
+    /// x, y blocks ← blocks + ∫ w ∇ψ_j·∇ψ_i + ∫ c ψ_j ψ_i, and with a tensor R on the triangles
+    /// + ∫ R_xx ψ_j ψ_i, + ∫ R_yy ψ_j ψ_i;
     /// coupling ← coupling + ∫ R_xy ψ_j ψ_i.
     pub fn add_coupled(
         &self,
         (weight, coefficient): (&[f64], &[f64]),
-        tensor: Option<[&[f64]; 3]>,
+        tensors: Option<&[SymmetricTensor]>,
         [x_block, y_block]: [&mut [f64]; 2],
         coupling: &mut MassForm,
     ) {
@@ -316,9 +323,9 @@ impl<'a> Patch<'a> {
             for lane in 0..triangles.len() {
                 let triangle = self.elements[0] + local.start + lane;
                 let [mut x, mut y] = [entries.map(|entry| entry[lane]); 2];
-                if let Some(tensor) = tensor {
-                    let [xx, xy, yy] =
-                        tensor.map(|entries| areas[lane] * entries[local.start + lane]);
+                if let Some(tensors) = tensors {
+                    let tensor = areas[lane] * tensors[local.start + lane];
+                    let [xx, xy, yy] = tensor.entries();
                     match coupling {
                         MassForm::Sparse(matrix) => {
                             let [of_xx, of_xy, of_yy] = [xx, xy, yy].map(element_mass);
@@ -407,15 +414,20 @@ impl<'a> Patch<'a> {
         for (means, triangle) in means.iter_mut().zip(self.triangles()) {
             let x = triangle.map(|node| x[node as usize]);
             let y = triangle.map(|node| y[node as usize]);
-            *means = [mean(x, x), mean(x, y), mean(y, y)];
+            *means = SymmetricTensor::new(mean(x, x), mean(x, y), mean(y, y));
         }
     }
 
     /// load_i ← load_i + ∫ c u ψ_i for a coefficient on the triangles and a P1 function u given at
     /// the nodes.
-    pub fn add_element_product(&self, coefficient: &[f64], u: &[f64], load: &mut [f64]) {
+    pub fn add_element_product(
+        &self,
+        coefficient: impl IntoIterator<Item = f64>,
+        u: &[f64],
+        load: &mut [f64],
+    ) {
         let elements = self.triangles().iter().zip(self.areas());
-        for (c, (triangle, area)) in coefficient.iter().zip(elements) {
+        for (c, (triangle, area)) in coefficient.into_iter().zip(elements) {
             let values = triangle.map(|node| u[node as usize]);
             let sum = values[0] + values[1] + values[2];
             for (&node, value) in triangle.iter().zip(values) {
@@ -428,14 +440,13 @@ impl<'a> Patch<'a> {
     }
 
     /// ½ ∫ (T g)·g for a tensor and a gradient on each triangle.
-    pub fn tensor_energy(&self, tensors: &[SymmetricTensor], gradients: &[[f64; 2]]) -> f64 {
-        let elements = tensors.iter().zip(gradients).zip(self.areas());
-        let total: f64 = elements
-            .map(|(([xx, xy, yy], [x, y]), area)| {
-                area * (xx * x * x + 2.0 * xy * x * y + yy * y * y)
-            })
-            .sum();
-        0.5 * total
+    pub fn tensor_energy(
+        &self,
+        tensors: &[SymmetricTensor],
+        gradients: impl IntoIterator<Item = Vector>,
+    ) -> f64 {
+        let elements = tensors.iter().zip(gradients);
+        0.5 * self.integrate_elements_of(elements.map(|(tensor, g)| tensor.quadratic_form(g)))
     }
 }
 
@@ -473,18 +484,12 @@ fn corners(nodal: &[f64], triangles: &[[u32; 3]]) -> [Lane; 3] {
 
 /// The gradients on the triangles of a group: (a − c)∇ψ_a + (b − c)∇ψ_b.
 #[inline(always)]
-fn store_gradients(
-    [a, b, c]: &[Lane; 3],
-    [ax, ay, bx, by]: &[Lane; 4],
-    gradients: &mut [[f64; 2]],
-) {
-    let mut all = [[0.0; 2]; LANES];
+fn store_gradients([a, b, c]: &[Lane; 3], [ax, ay, bx, by]: &[Lane; 4], gradients: &mut [Vector]) {
+    let mut all = [Vector::zeros(); LANES];
     for lane in 0..LANES {
         let (first, second) = (a[lane] - c[lane], b[lane] - c[lane]);
-        all[lane] = [
-            first * ax[lane] + second * bx[lane],
-            first * ay[lane] + second * by[lane],
-        ];
+        all[lane].x = first * ax[lane] + second * bx[lane];
+        all[lane].y = first * ay[lane] + second * by[lane];
     }
     match gradients.first_chunk_mut() {
         Some(full) => *full = all,
@@ -494,16 +499,16 @@ fn store_gradients(
 
 /// ∫ q·∇ψ for the three corners of a group's triangles.
 #[inline(always)]
-fn flux_entries(areas: &[f64], [ax, ay, bx, by]: &[Lane; 4], fluxes: &[[f64; 2]]) -> [Lane; 3] {
+fn flux_entries(areas: &[f64], [ax, ay, bx, by]: &[Lane; 4], fluxes: &[Vector]) -> [Lane; 3] {
     let mut entries = [[0.0; LANES]; 3];
-    let mut all = [[0.0; 2]; LANES];
+    let mut all = [Vector::zeros(); LANES];
     match fluxes.first_chunk() {
         Some(full) => all = *full,
         None => all[..fluxes.len()].copy_from_slice(fluxes),
     }
     let areas = lanes(areas);
     for lane in 0..LANES {
-        let (x, y) = (areas[lane] * all[lane][0], areas[lane] * all[lane][1]);
+        let (x, y) = (areas[lane] * all[lane].x, areas[lane] * all[lane].y);
         let (first, second) = (x * ax[lane] + y * ay[lane], x * bx[lane] + y * by[lane]);
         entries[0][lane] = first;
         entries[1][lane] = second;

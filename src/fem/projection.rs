@@ -34,7 +34,7 @@ pub fn l2_projection(
 ) -> Result<Vec<f64>, FemError> {
     let space = Space::new(mesh.clone(), QuadratureRule::Consistent);
     let mut load = vec![0.0; space.nodes()];
-    let no_flux = vec![[0.0; 2]; space.elements()];
+    let no_flux = vec![Vector::zeros(); space.elements()];
     space
         .whole()
         .add_load(&values_at_points(&space, given), &no_flux, &mut load);
@@ -74,7 +74,7 @@ fn values_at_points(space: &Space, given: &impl GivenFunction) -> Vec<f64> {
 }
 
 /// The mean of the function's gradient over every triangle: all that a P1 test function sees.
-fn mean_gradients(space: &Space, given: &impl GivenFunction) -> Vec<[f64; 2]> {
+fn mean_gradients(space: &Space, given: &impl GivenFunction) -> Vec<Vector> {
     let (along_x, along_y): (Vec<f64>, Vec<f64>) = space
         .point_positions()
         .into_iter()
@@ -86,7 +86,7 @@ fn mean_gradients(space: &Space, given: &impl GivenFunction) -> Vec<[f64; 2]> {
         space.whole().element_means(&component, &mut means);
         means
     });
-    x.iter().zip(y).map(|(x, y)| [*x, y]).collect()
+    x.iter().zip(y).map(|(x, y)| Vector::new(*x, y)).collect()
 }
 
 fn sparse(form: &MassForm) -> &SparseMatrix {

@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 use super::quadrature::{POINTS, seven_points};
 use super::{Assembly, FemError, MassForm, Mesh, Patch, QuadratureRule};
-use crate::geometry::{Point, Vector};
+use crate::geometry::{Point, SymmetricTensor, Vector};
 use crate::linalg::SparseMatrix;
 use crate::linalg::vector;
 
@@ -110,7 +110,8 @@ impl Space {
         };
         let (points, elements) = (space.points(), space.elements());
         let mut stiffness = space.stiffness.clone();
-        let (nothing, identity) = (vec![0.0; points], vec![[1.0, 0.0, 1.0]; elements]);
+        let nothing = vec![0.0; points];
+        let identity = vec![SymmetricTensor::isotropic(1.0); elements];
         space
             .whole()
             .add_mass_and_stiffness(&nothing, &identity, &mut stiffness.values);

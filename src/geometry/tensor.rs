@@ -1,6 +1,6 @@
 //! Symmetric tensors of second order.
 
-use std::ops::{Add, AddAssign, Mul};
+use std::ops::{Add, AddAssign, Index, Mul};
 
 use nalgebra::Vector3;
 
@@ -51,6 +51,16 @@ impl SymmetricTensor {
     }
 }
 
+impl Index<(usize, usize)> for SymmetricTensor {
+    type Output = f64;
+
+    /// The entry of a row and a column.
+    #[inline]
+    fn index(&self, (row, column): (usize, usize)) -> &f64 {
+        &self.0[row + column]
+    }
+}
+
 impl Add for SymmetricTensor {
     type Output = Self;
 
@@ -92,14 +102,15 @@ mod tests {
     use nalgebra::Matrix2;
 
     fn matrix(tensor: SymmetricTensor) -> Matrix2<f64> {
-        let [xx, xy, yy] = tensor.entries();
-        Matrix2::new(xx, xy, xy, yy)
+        Matrix2::from_fn(|row, column| tensor[(row, column)])
     }
 
     #[test]
     fn the_algebra_is_that_of_matrices() {
         let (u, v) = (Vector::new(2.0, -3.0), Vector::new(0.5, 4.0));
         let tensor = SymmetricTensor::new(1.0, -2.0, 5.0);
+        assert_eq!(matrix(tensor), Matrix2::new(1.0, -2.0, -2.0, 5.0));
+        assert_eq!(tensor.entries(), [1.0, -2.0, 5.0]);
         let outer = SymmetricTensor::outer(0.25, u);
         assert_eq!(matrix(outer), 0.25 * u * u.transpose());
         assert_eq!(matrix(tensor + outer), matrix(tensor) + matrix(outer));

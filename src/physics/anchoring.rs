@@ -5,7 +5,8 @@ use super::{
     DirectorCoupling, DirectorForm, Effect, EffectContext, LedgerTerms, MembraneForce,
     MembraneJacobian, PatchFields,
 };
-use crate::fem::{Patch, Space, SymmetricTensor};
+use crate::fem::{Patch, Space};
+use crate::geometry::{SymmetricTensor, Vector};
 use crate::scene::{self, AnchoringKind, Iteration};
 
 /// What the anchoring is called in a report.
@@ -30,7 +31,6 @@ pub struct Anchoring {
     other_tensors: Vec<SymmetricTensor>,
     /// d − dⁿ at the nodes.
     steps: [Vec<f64>; 2],
-    differences: Vec<[f64; 2]>,
 }
 
 impl Anchoring {
@@ -43,10 +43,9 @@ impl Anchoring {
                 AnchoringKind::Parallel => [0.0, 1.0],
                 AnchoringKind::Homeotropic => [1.0, -1.0],
             },
-            tensors: vec![[0.0; 3]; space.elements()],
+            tensors: vec![SymmetricTensor::default(); space.elements()],
             other_tensors: Vec::new(),
             steps: [Vec::new(), Vec::new()],
-            differences: Vec::new(),
         }
     }
 
@@ -56,23 +55,17 @@ impl Anchoring {
         let [x, y] = field;
         patch.mean_squares([x, y], tensors);
         let [isotropic, along] = self.preference.map(|delta| self.weight * delta);
-        for [xx, xy, yy] in tensors {
-            let square = isotropic * (*xx + *yy);
-            (*xx, *xy, *yy) = (square + along * *xx, along * *xy, square + along * *yy);
+        for tensor in tensors {
+            *tensor = SymmetricTensor::isotropic(isotropic * tensor.trace()) + along * *tensor;
         }
     }
 
     /// The energy of a P1 vector field in a given gradient.
-    fn energy_of(
-        &mut self,
-        patch: &Patch<'_>,
-        field: &[Vec<f64>; 2],
-        gradient: &[[f64; 2]],
-    ) -> f64 {
+    fn energy_of(&mut self, patch: &Patch<'_>, field: &[Vec<f64>; 2], gradient: &[Vector]) -> f64 {
         let mut tensors = std::mem::take(&mut self.other_tensors);
-        tensors.resize(patch.elements(), [0.0; 3]);
+        tensors.resize(patch.elements(), SymmetricTensor::default());
         self.fill(patch, field, &mut tensors);
-        let energy = patch.tensor_energy(&tensors, gradient);
+        let energy = patch.tensor_energy(&tensors, gradient.iter().copied());
         self.other_tensors = tensors;
         energy
     }
@@ -107,13 +100,9 @@ impl Effect for Anchoring {
         form: &mut DirectorForm,
     ) {
         let [isotropic, along] = self.preference.map(|delta| self.weight * delta);
-        let [xx, xy, yy] = &mut form.tensor;
-        let entries = xx.iter_mut().zip(xy).zip(yy).zip(&old.phi_gradient);
-        for (((xx, xy), yy), [x, y]) in entries {
-            let square = isotropic * (x * x + y * y);
-            *xx += square + along * x * x;
-            *xy += along * x * y;
-            *yy += square + along * y * y;
+        for (tensor, gradient) in form.tensor.iter_mut().zip(&old.phi_gradient) {
+            *tensor += SymmetricTensor::isotropic(isotropic * gradient.norm_squared())
+                + SymmetricTensor::outer(along, *gradient);
         }
         form.has_tensor = true;
     }
@@ -137,9 +126,8 @@ impl Effect for Anchoring {
     ) {
         let tensors = &self.tensors[patch.element_range()];
         let values = tensors.iter().zip(&new.phi_gradient);
-        for (flux, ([xx, xy, yy], [x, y])) in force.flux.iter_mut().zip(values) {
-            flux[0] += xx * x + xy * y;
-            flux[1] += xy * x + yy * y;
+        for (flux, (tensor, gradient)) in force.flux.iter_mut().zip(values) {
+            *flux += *tensor * *gradient;
         }
     }
 
@@ -153,9 +141,7 @@ impl Effect for Anchoring {
     ) {
         let tensors = &self.tensors[patch.element_range()];
         for (sum, tensor) in jacobian.tensor.iter_mut().zip(tensors) {
-            for (sum, entry) in sum.iter_mut().zip(tensor) {
-                *sum += entry;
-            }
+            *sum += *tensor;
         }
     }
 
@@ -184,11 +170,8 @@ impl Effect for Anchoring {
         let of_director = self.energy_of(patch, &steps, &old.phi_gradient);
         self.steps = steps;
         let gradients = new.phi_gradient.iter().zip(&old.phi_gradient);
-        self.differences.clear();
-        self.differences
-            .extend(gradients.map(|(new, old)| [new[0] - old[0], new[1] - old[1]]));
         let tensors = &self.tensors[patch.element_range()];
-        let of_membrane = patch.tensor_energy(tensors, &self.differences);
+        let of_membrane = patch.tensor_energy(tensors, gradients.map(|(new, old)| new - old));
         terms.add("ND_anch", of_director + of_membrane);
     }
 }

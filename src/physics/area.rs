@@ -8,6 +8,7 @@ use super::{
     DirectorCoupling, Effect, EffectContext, MembraneForce, MembraneJacobian, PatchFields, RankOne,
 };
 use crate::fem::{Patch, Space};
+use crate::geometry::{SymmetricTensor, Vector};
 use crate::scene::{self, Iteration};
 
 /// B(φ) = ∫ (ε/2 |∇φ|² + F(φ)/ε), for nodal values of φ: 2√2/3 times the length of the membrane for
@@ -23,9 +24,7 @@ pub fn surface_area(space: &Space, phi: &[f64], width: f64) -> f64 {
 
 /// The patch's share of B(φ).
 pub fn area_integral(patch: &Patch<'_>, at: &PatchFields, width: f64) -> f64 {
-    let areas = &patch.space().mesh().areas()[patch.element_range()];
-    let gradients = at.phi_gradient.iter().zip(areas);
-    let squares: f64 = gradients.map(|([x, y], area)| area * (x * x + y * y)).sum();
+    let squares = patch.integrate_elements_of(at.phi_gradient.iter().map(Vector::norm_squared));
     0.5 * width * squares + patch.integrate_of(&at.phi, double_well) / width
 }
 
@@ -51,7 +50,7 @@ pub struct Area {
     followed: Option<f64>,
     corrected: f64,
     scratch: Vec<f64>,
-    flux: Vec<[f64; 2]>,
+    flux: Vec<Vector>,
     rank_one: RankOne,
     /// Whether the last linearisation has the rank-one term.
     has_rank_one: bool,
@@ -134,8 +133,7 @@ impl Effect for Area {
         );
         let gradients = new.phi_gradient.iter().zip(&old.phi_gradient);
         for (flux, (new, old)) in force.flux.iter_mut().zip(gradients) {
-            flux[0] += along * (new[0] + old[0]);
-            flux[1] += along * (new[1] + old[1]);
+            *flux += along * (new + old);
         }
         let terms = force.load.iter_mut().zip(new.phi.iter().zip(&old.phi));
         terms.for_each(|(load, (new, old))| *load += across * double_well_secant(*new, *old));
@@ -158,8 +156,7 @@ impl Effect for Area {
         };
         let (along, across) = (0.5 * width * tension, tension / width);
         for tensor in &mut jacobian.tensor {
-            tensor[0] += along;
-            tensor[2] += along;
+            *tensor += SymmetricTensor::isotropic(along);
         }
         let terms = jacobian
             .reaction
@@ -176,17 +173,17 @@ impl Effect for Area {
             self.rank_one.column.fill(0.0);
             self.rank_one.row.fill(0.0);
         }
-        self.flux.resize(patch.elements(), [0.0; 2]);
+        self.flux.resize(patch.elements(), Vector::zeros());
         self.scratch.resize(patch.points(), 0.0);
         let gradients = new.phi_gradient.iter().zip(&old.phi_gradient);
         for (flux, (new, old)) in self.flux.iter_mut().zip(gradients) {
-            *flux = [0, 1].map(|axis| 0.5 * width * (new[axis] + old[axis]));
+            *flux = 0.5 * width * (new + old);
         }
         let terms = self.scratch.iter_mut().zip(new.phi.iter().zip(&old.phi));
         terms.for_each(|(load, (new, old))| *load = double_well_secant(*new, *old) / width);
         patch.add_load(&self.scratch, &self.flux, &mut self.rank_one.column);
         for (flux, gradient) in self.flux.iter_mut().zip(&new.phi_gradient) {
-            *flux = gradient.map(|entry| width * entry);
+            *flux = width * gradient;
         }
         let terms = self.scratch.iter_mut().zip(&new.phi);
         terms.for_each(|(load, phi)| *load = double_well_derivative(*phi) / width);

@@ -155,8 +155,7 @@ impl Effect for Bending {
         terms.for_each(|((load, secant), omega)| *load += secant * omega);
         self.scratch = scratch;
         for (flux, gradient) in force.flux.iter_mut().zip(&new.omega_gradient) {
-            flux[0] += self.interface_width * gradient[0];
-            flux[1] += self.interface_width * gradient[1];
+            *flux += self.interface_width * gradient;
         }
     }
 

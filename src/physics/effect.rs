@@ -19,7 +19,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::PatchFields;
-use crate::fem::{Patch, SymmetricTensor};
+use crate::fem::Patch;
+use crate::geometry::{SymmetricTensor, Vector};
 use crate::scene::Iteration;
 
 /// A value with a name: an energy, or a term of the ledger.
@@ -245,13 +246,13 @@ pub trait Effect: Send + std::fmt::Debug {
 #[derive(Debug, Default)]
 pub struct DirectorForm {
     /// For each component, a vector on each triangle.
-    pub flux: [Vec<[f64; 2]>; 2],
+    pub flux: [Vec<Vector>; 2],
     /// For each component, a value at each point.
     pub load: [Vec<f64>; 2],
     /// A weight ≥ 0 on each triangle, of ∇d.
     pub stiffness: Vec<f64>,
-    /// R ≥ 0, a tensor on each triangle, of d: its entries xx, xy, yy.
-    pub tensor: [Vec<f64>; 3],
+    /// R ≥ 0, a tensor on each triangle, of d.
+    pub tensor: Vec<SymmetricTensor>,
     /// Whether any effect has given a tensor.
     pub has_tensor: bool,
     /// A weight ≥ 0 at each point, of δ.
@@ -267,9 +268,7 @@ impl DirectorForm {
             zero(&mut self.load[axis], points);
         }
         zero(&mut self.stiffness, elements);
-        for entry in &mut self.tensor {
-            zero(entry, elements);
-        }
+        zero(&mut self.tensor, elements);
         self.has_tensor = false;
         zero(&mut self.reaction, points);
     }
@@ -285,7 +284,7 @@ fn zero<T: Copy + Default>(values: &mut Vec<T>, count: usize) {
 #[derive(Debug, Default)]
 pub struct MembraneForce {
     /// On the triangles.
-    pub flux: Vec<[f64; 2]>,
+    pub flux: Vec<Vector>,
     /// At the points.
     pub load: Vec<f64>,
 }

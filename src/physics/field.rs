@@ -36,7 +36,7 @@ use super::{
     MembraneJacobian, PatchFields,
 };
 use crate::fem::{Patch, Space};
-use crate::geometry::Vector;
+use crate::geometry::{SymmetricTensor, Vector};
 use crate::scene::{self, Iteration};
 
 /// The effect, where the scene has it.
@@ -80,11 +80,10 @@ impl Field {
     }
 
     /// elements ← ⟨½ (v·H)²⟩ for a vector field v at the points.
-    fn fill_squares(&mut self, patch: &Patch<'_>, values: impl Iterator<Item = (f64, f64)>) {
-        let [along, across] = self.vector.into();
+    fn fill_squares(&mut self, patch: &Patch<'_>, values: impl Iterator<Item = Vector>) {
         self.points.clear();
-        self.points.extend(values.map(|(x, y)| {
-            let component = along * x + across * y;
+        self.points.extend(values.map(|v| {
+            let component = self.vector.dot(&v);
             0.5 * component * component
         }));
         self.elements.resize(patch.elements(), 0.0);
@@ -106,11 +105,6 @@ impl Field {
     }
 }
 
-/// The values of a director, point by point.
-fn pairs([x, y]: &[Vec<f64>; 2]) -> impl Iterator<Item = (f64, f64)> {
-    x.iter().copied().zip(y.iter().copied())
-}
-
 impl Effect for Field {
     fn name(&self) -> &'static str {
         "field"
@@ -127,7 +121,7 @@ impl Effect for Field {
             return 0.0;
         };
         self.fill_indicator(patch, &at.phi);
-        self.fill_squares(patch, pairs(&director.values));
+        self.fill_squares(patch, director.vectors());
         for (square, weight) in self.elements.iter_mut().zip(&self.weights) {
             *square *= weight;
         }
@@ -136,9 +130,8 @@ impl Effect for Field {
 
     /// |χ| H² I(φ): the field turns the director only inside.
     fn director_coupling(&self) -> Option<DirectorCoupling> {
-        let [x, y]: [f64; 2] = self.vector.into();
         let inside = if self.on {
-            self.weight.abs() * (x * x + y * y)
+            self.weight.abs() * self.vector.norm_squared()
         } else {
             0.0
         };
@@ -158,15 +151,9 @@ impl Effect for Field {
             return;
         };
         self.fill_indicator(patch, &old.phi);
-        let [along, across] = self.vector.into();
         if self.weight < 0.0 {
-            let [xx, xy, yy] = &mut form.tensor;
-            let entries = xx.iter_mut().zip(xy).zip(yy).zip(&self.weights);
-            for (((xx, xy), yy), weight) in entries {
-                let scale = -self.weight * weight;
-                *xx += scale * along * along;
-                *xy += scale * along * across;
-                *yy += scale * across * across;
+            for (tensor, weight) in form.tensor.iter_mut().zip(&self.weights) {
+                *tensor += SymmetricTensor::outer(-self.weight * weight, self.vector);
             }
             form.has_tensor = true;
             return;
@@ -174,16 +161,16 @@ impl Effect for Field {
         patch.from_elements(&self.weights, &mut self.points);
         let [load_x, load_y] = &mut form.load;
         let loads = load_x.iter_mut().zip(load_y).zip(&self.points);
-        for (((load_x, load_y), weight), (x, y)) in loads.zip(pairs(&director.values)) {
-            let force = -self.weight * weight * (along * x + across * y);
-            *load_x += force * along;
-            *load_y += force * across;
+        for (((load_x, load_y), weight), d) in loads.zip(director.vectors()) {
+            let force = -self.weight * weight * self.vector.dot(&d) * self.vector;
+            *load_x += force.x;
+            *load_y += force.y;
         }
     }
 
     fn begin_membrane(&mut self, patch: &Patch<'_>, _old: &PatchFields, new: &PatchFields) {
         if let Some(director) = new.director.as_ref().filter(|_| self.on) {
-            self.fill_squares(patch, pairs(&director.values));
+            self.fill_squares(patch, director.vectors());
             patch.from_elements(&self.elements, &mut self.squares[patch.point_range()]);
         }
     }
@@ -237,11 +224,8 @@ impl Effect for Field {
             return;
         };
         self.fill_indicator(patch, &old.phi);
-        let steps = pairs(&new_director.values).zip(pairs(&old_director.values));
-        self.fill_squares(
-            patch,
-            steps.map(|(new, old)| (new.0 - old.0, new.1 - old.1)),
-        );
+        let steps = new_director.vectors().zip(old_director.vectors());
+        self.fill_squares(patch, steps.map(|(new, old)| new - old));
         for (square, weight) in self.elements.iter_mut().zip(&self.weights) {
             *square *= weight;
         }

@@ -48,13 +48,12 @@ impl Nematic {
         self.elements.resize(patch.elements(), 0.0);
         let [along_x, along_y] = &director.gradients;
         for (square, (x, y)) in self.elements.iter_mut().zip(along_x.iter().zip(along_y)) {
-            *square = 0.5 * self.weight * (x[0] * x[0] + x[1] * x[1] + y[0] * y[0] + y[1] * y[1]);
+            *square = 0.5 * self.weight * (x.norm_squared() + y.x * y.x + y.y * y.y);
         }
         patch.from_elements(&self.elements, out);
         let scale = self.weight * self.stiffness;
-        let [x, y] = &director.values;
-        let terms = out.iter_mut().zip(x.iter().zip(y));
-        terms.for_each(|(density, (x, y))| *density += scale * unit_length_penalty([*x, *y]));
+        let terms = out.iter_mut().zip(director.vectors());
+        terms.for_each(|(density, d)| *density += scale * unit_length_penalty(d));
     }
 
     /// points ← λ_nem I(φ).
@@ -109,21 +108,20 @@ impl Effect for Nematic {
         for axis in 0..2 {
             let gradients = self.elements.iter().zip(&director.gradients[axis]);
             for (flux, (weight, gradient)) in form.flux[axis].iter_mut().zip(gradients) {
-                flux[0] += weight * gradient[0];
-                flux[1] += weight * gradient[1];
+                *flux += *weight * gradient;
             }
         }
         for (stiffness, weight) in form.stiffness.iter_mut().zip(&self.elements) {
             *stiffness += weight;
         }
-        let ([x, y], [load_x, load_y]) = (&director.values, &mut form.load);
+        let [load_x, load_y] = &mut form.load;
         let loads = load_x.iter_mut().zip(load_y).zip(&mut form.reaction);
-        let terms = loads.zip(x.iter().zip(y)).zip(&self.points);
-        terms.for_each(|((((load_x, load_y), reaction), (x, y)), weight)| {
+        let terms = loads.zip(director.vectors()).zip(&self.points);
+        terms.for_each(|((((load_x, load_y), reaction), d), weight)| {
             let scale = weight * self.stiffness;
-            let slope = unit_length_penalty_derivative([*x, *y]);
-            *load_x += scale * slope[0];
-            *load_y += scale * slope[1];
+            let force = scale * unit_length_penalty_derivative(d);
+            *load_x += force.x;
+            *load_y += force.y;
             *reaction += scale;
         });
     }
@@ -182,26 +180,19 @@ impl Effect for Nematic {
         self.elements.resize(patch.elements(), 0.0);
         patch.element_means(&self.points, &mut self.elements);
         for (triangle, weight) in self.elements.iter_mut().enumerate() {
-            let square: f64 = (0..2)
-                .map(|axis| {
-                    let old = old_director.gradients[axis][triangle];
-                    let new = new_director.gradients[axis][triangle];
-                    (new[0] - old[0]).powi(2) + (new[1] - old[1]).powi(2)
-                })
-                .sum();
-            *weight *= 0.5 * square;
+            let [x, y] = [0, 1].map(|axis| {
+                new_director.gradients[axis][triangle] - old_director.gradients[axis][triangle]
+            });
+            *weight *= 0.5 * (x.norm_squared() + y.norm_squared());
         }
         terms.add("ND_elast", patch.integrate_elements(&self.elements));
 
-        let ([x, y], [new_x, new_y]) = (&old_director.values, &new_director.values);
-        let values = x.iter().zip(y).zip(new_x.iter().zip(new_y));
-        let weights = self.points.iter_mut().zip(values);
-        weights.for_each(|(weight, ((x, y), (new_x, new_y)))| {
-            let (before, after) = ([*x, *y], [*new_x, *new_y]);
-            let step = [after[0] - before[0], after[1] - before[1]];
-            let slope = unit_length_penalty_derivative(before);
-            let work = (slope[0] + step[0]) * step[0] + (slope[1] + step[1]) * step[1];
-            let change = unit_length_penalty(after) - unit_length_penalty(before);
+        let vectors = old_director.vectors().zip(new_director.vectors());
+        let weights = self.points.iter_mut().zip(vectors);
+        weights.for_each(|(weight, (old, new))| {
+            let step = new - old;
+            let work = (unit_length_penalty_derivative(old) + step).dot(&step);
+            let change = unit_length_penalty(new) - unit_length_penalty(old);
             *weight *= self.stiffness * (work - change);
         });
         terms.add("ND_penal", patch.integrate(&self.points));

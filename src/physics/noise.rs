@@ -22,6 +22,7 @@ use super::{
     DirectorCoupling, DirectorForm, Effect, EffectContext, Interval, LedgerTerms, PatchFields,
 };
 use crate::fem::Patch;
+use crate::geometry::Vector;
 use crate::scene;
 
 /// The effect, where the scene has it.
@@ -61,7 +62,7 @@ impl Noise {
     }
 
     /// Calls f(point of the patch, ξ) where ξ is not zero.
-    fn at_points(&mut self, patch: &Patch<'_>, phi: &[f64], mut f: impl FnMut(usize, [f64; 2])) {
+    fn at_points(&mut self, patch: &Patch<'_>, phi: &[f64], mut f: impl FnMut(usize, Vector)) {
         patch.point_numbers(&mut self.numbers);
         let key = mixed(self.seed ^ mixed(self.interval.begin.to_bits()));
         let variance = 2.0 * self.temperature / (self.mobility * self.interval.length);
@@ -70,7 +71,7 @@ impl Noise {
             let inside = phase_indicator(*phi);
             if inside > 0.0 && *weight > 0.0 {
                 let size = (variance * inside / weight).sqrt();
-                f(point, normal_pair(key, *number).map(|eta| size * eta));
+                f(point, size * normal_pair(key, *number));
             }
         }
     }
@@ -89,7 +90,7 @@ fn mixed(state: u64) -> u64 {
 }
 
 /// Two independent standard normal numbers that belong to a key and a place, by Box and Muller.
-fn normal_pair(key: u64, number: u32) -> [f64; 2] {
+fn normal_pair(key: u64, number: u32) -> Vector {
     let uniform = |index: u64| {
         let index = 2 * u64::from(number) + index;
         let bits = mixed(key.wrapping_add(index.wrapping_add(1).wrapping_mul(GOLDEN)));
@@ -98,7 +99,7 @@ fn normal_pair(key: u64, number: u32) -> [f64; 2] {
     };
     let radius = (-2.0 * uniform(0).ln()).sqrt();
     let (sine, cosine) = (std::f64::consts::TAU * uniform(1)).sin_cos();
-    [radius * cosine, radius * sine]
+    radius * Vector::new(cosine, sine)
 }
 
 impl Effect for Noise {
@@ -132,9 +133,9 @@ impl Effect for Noise {
         form: &mut DirectorForm,
     ) {
         let [load_x, load_y] = &mut form.load;
-        self.at_points(patch, &old.phi, |point, [x, y]| {
-            load_x[point] -= x;
-            load_y[point] -= y;
+        self.at_points(patch, &old.phi, |point, xi| {
+            load_x[point] -= xi.x;
+            load_y[point] -= xi.y;
         });
     }
 
@@ -150,10 +151,8 @@ impl Effect for Noise {
         let mut density = std::mem::take(&mut self.density);
         density.clear();
         density.resize(patch.points(), 0.0);
-        let [old_x, old_y] = &old_director.values;
-        let [new_x, new_y] = &new_director.values;
-        self.at_points(patch, &old.phi, |point, [x, y]| {
-            density[point] = x * (new_x[point] - old_x[point]) + y * (new_y[point] - old_y[point]);
+        self.at_points(patch, &old.phi, |point, xi| {
+            density[point] = xi.dot(&(new_director.at(point) - old_director.at(point)));
         });
         let work = patch.integrate(&density);
         self.density = density;
@@ -180,9 +179,8 @@ mod tests {
     #[test]
     fn the_numbers_are_normal_and_independent() {
         let count = 100_000;
-        let pairs: Vec<[f64; 2]> = (0..count).map(|n| normal_pair(7, n)).collect();
-        let mean =
-            |f: &dyn Fn(&[f64; 2]) -> f64| pairs.iter().map(f).sum::<f64>() / f64::from(count);
+        let pairs: Vec<Vector> = (0..count).map(|n| normal_pair(7, n)).collect();
+        let mean = |f: &dyn Fn(&Vector) -> f64| pairs.iter().map(f).sum::<f64>() / f64::from(count);
         let error = 4.0 / f64::from(count).sqrt();
         assert!(mean(&|p| p[0]).abs() < error && mean(&|p| p[1]).abs() < error);
         assert!((mean(&|p| p[0] * p[0]) - 1.0).abs() < 1.5 * error);

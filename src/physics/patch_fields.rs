@@ -2,6 +2,7 @@
 //! triangles.
 
 use crate::fem::{Patch, Space};
+use crate::geometry::Vector;
 use crate::scene::ScalarField;
 
 /// φ, ω and d on a patch. Refilled in place: once it has seen the largest patch, nothing is allocated.
@@ -12,9 +13,9 @@ pub struct PatchFields {
     /// ω at the points.
     pub omega: Vec<f64>,
     /// ∇φ on the triangles.
-    pub phi_gradient: Vec<[f64; 2]>,
+    pub phi_gradient: Vec<Vector>,
     /// ∇ω on the triangles.
-    pub omega_gradient: Vec<[f64; 2]>,
+    pub omega_gradient: Vec<Vector>,
     /// d, if the scene has a director.
     pub director: Option<DirectorFields>,
 }
@@ -27,7 +28,20 @@ pub struct DirectorFields {
     /// d_x and d_y at the points.
     pub values: [Vec<f64>; 2],
     /// ∇d_x and ∇d_y on the triangles.
-    pub gradients: [Vec<[f64; 2]>; 2],
+    pub gradients: [Vec<Vector>; 2],
+}
+
+impl DirectorFields {
+    /// d at a point.
+    pub fn at(&self, point: usize) -> Vector {
+        Vector::new(self.values[0][point], self.values[1][point])
+    }
+
+    /// d at the points.
+    pub fn vectors(&self) -> impl Iterator<Item = Vector> {
+        let [x, y] = &self.values;
+        x.iter().zip(y).map(|(x, y)| Vector::new(*x, *y))
+    }
 }
 
 impl PatchFields {
@@ -94,8 +108,8 @@ pub(super) fn at_points(field: &ScalarField, space: &Space) -> Vec<f64> {
     }
 }
 
-fn fill(patch: &Patch<'_>, nodal: &[f64], points: &mut Vec<f64>, gradients: &mut Vec<[f64; 2]>) {
+fn fill(patch: &Patch<'_>, nodal: &[f64], points: &mut Vec<f64>, gradients: &mut Vec<Vector>) {
     points.resize(patch.points(), 0.0);
-    gradients.resize(patch.elements(), [0.0; 2]);
+    gradients.resize(patch.elements(), Vector::zeros());
     patch.sample(nodal, points, gradients);
 }

@@ -1,6 +1,8 @@
 //! The functions of φ and d that the energies are made of, with the secants of the scheme.
 //! Written for one point; all of them are polynomials or piecewise polynomials.
 
+use crate::geometry::Vector;
+
 /// F(φ) = ¼ (φ² − 1)².
 #[inline(always)]
 pub fn double_well(phi: f64) -> f64 {
@@ -79,8 +81,8 @@ pub fn indicator_secant_bound(phi: f64, old: f64) -> f64 {
 /// η_d² P(d) with the truncated potential P(d) = (|d|² − 1)²/(4 η_d²) for |d| ≤ 1 and
 /// (|d| − 1)²/η_d² for |d| ≥ 1, whose gradient is p̃ of (3.34).
 #[inline(always)]
-pub fn unit_length_penalty([x, y]: [f64; 2]) -> f64 {
-    let square = x * x + y * y;
+pub fn unit_length_penalty(d: Vector) -> f64 {
+    let square = d.norm_squared();
     let short = 0.25 * (square - 1.0) * (square - 1.0);
     let excess = square.sqrt() - 1.0;
     if square <= 1.0 {
@@ -92,14 +94,14 @@ pub fn unit_length_penalty([x, y]: [f64; 2]) -> f64 {
 
 /// η_d² p̃(d) = η_d² ∇P(d): (|d|² − 1) d for |d| ≤ 1, 2 (1 − 1/|d|) d for |d| ≥ 1, (3.34).
 #[inline(always)]
-pub fn unit_length_penalty_derivative([x, y]: [f64; 2]) -> [f64; 2] {
-    let square = x * x + y * y;
+pub fn unit_length_penalty_derivative(d: Vector) -> Vector {
+    let square = d.norm_squared();
     let factor = if square <= 1.0 {
         square - 1.0
     } else {
         2.0 - 2.0 / square.sqrt()
     };
-    [factor * x, factor * y]
+    factor * d
 }
 
 #[cfg(test)]
@@ -162,8 +164,9 @@ mod tests {
                 central(&|phi| bending_secant(phi, old, 0.3)),
                 bending_secant_derivative(phi, old, 0.3)
             ));
-            let slope = unit_length_penalty_derivative([phi, old]);
-            assert!(close(central(&|x| unit_length_penalty([x, old])), slope[0]));
+            let slope = unit_length_penalty_derivative(Vector::new(phi, old));
+            let along_x = |x| unit_length_penalty(Vector::new(x, old));
+            assert!(close(central(&along_x), slope.x));
         }
     }
 
@@ -201,16 +204,15 @@ mod tests {
         assert!(least(INDICATOR_CONVEXITY) >= -1e-16);
         assert!(least(0.9 * INDICATOR_CONVEXITY) < -1e-5);
 
-        type Potential = fn([f64; 2]) -> f64;
-        type Slope = fn([f64; 2]) -> [f64; 2];
+        type Potential = fn(Vector) -> f64;
+        type Slope = fn(Vector) -> Vector;
         let least = |constant: f64, potential: Potential, slope: Slope| {
             let mut least = f64::INFINITY;
             for (x, y) in pairs() {
                 for (u, v) in pairs().step_by(7) {
-                    let (old, new) = ([2.0 * x, 2.0 * y], [2.0 * u, 2.0 * v]);
-                    let step = [new[0] - old[0], new[1] - old[1]];
-                    let p = slope(old);
-                    let work: f64 = (0..2).map(|i| (p[i] + constant * step[i]) * step[i]).sum();
+                    let (old, new) = (2.0 * Vector::new(x, y), 2.0 * Vector::new(u, v));
+                    let step = new - old;
+                    let work = (slope(old) + constant * step).dot(&step);
                     least = least.min(work - (potential(new) - potential(old)));
                 }
             }
@@ -218,8 +220,8 @@ mod tests {
         };
         assert!(least(1.0, unit_length_penalty, unit_length_penalty_derivative) >= -1e-14);
         assert!(least(0.9, unit_length_penalty, unit_length_penalty_derivative) < -1e-3);
-        let untruncated: Potential = |[x, y]| 0.25 * (x * x + y * y - 1.0).powi(2);
-        let slope: Slope = |[x, y]| [x, y].map(|entry| entry * (x * x + y * y - 1.0));
+        let untruncated: Potential = |d| 0.25 * (d.norm_squared() - 1.0).powi(2);
+        let slope: Slope = |d| (d.norm_squared() - 1.0) * d;
         assert!(least(1.0, untruncated, slope) < -1.0);
     }
 }

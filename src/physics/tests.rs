@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::*;
 use crate::fem::{MassInverse, Mesh, QuadratureRule};
-use crate::geometry::Point;
+use crate::geometry::{Point, SymmetricTensor};
 use crate::scene::{self, Iteration, ScalarField};
 
 /// Smooth, unrelated nodal fields with values on both sides of the wells.
@@ -174,7 +174,8 @@ fn director_load(
     let patch = space.whole();
     patch.add_load(&form.load[axis], &form.flux[axis], &mut load);
     for (other, component) in director.iter().enumerate() {
-        patch.add_element_product(&form.tensor[axis + other], component, &mut load);
+        let row = form.tensor.iter().map(|tensor| tensor[(axis, other)]);
+        patch.add_element_product(row, component, &mut load);
     }
     load
 }
@@ -198,13 +199,15 @@ fn director_work(form: &DirectorForm, pair: &Pair) -> f64 {
     let mut work = 0.0;
     let patch = space.whole();
     let mut matrix = crate::linalg::SparseMatrix::zeros(space.assembly().pattern.clone());
-    let weights: Vec<[f64; 3]> = form.stiffness.iter().map(|w| [*w, 0.0, *w]).collect();
+    let weights = form.stiffness.iter().copied();
+    let weights: Vec<_> = weights.map(SymmetricTensor::isotropic).collect();
     patch.add_mass_and_stiffness(&form.reaction, &weights, &mut matrix.values);
     for axis in 0..2 {
         let mut load = director_load(form, space, &pair.director[0], axis);
         matrix.multiply_add(1.0, &step[axis], &mut load);
         for (other, component) in step.iter().enumerate() {
-            patch.add_element_product(&form.tensor[axis + other], component, &mut load);
+            let row = form.tensor.iter().map(|tensor| tensor[(axis, other)]);
+            patch.add_element_product(row, component, &mut load);
         }
         work += crate::linalg::vector::dot(&load, &step[axis]);
     }

@@ -420,20 +420,19 @@ impl Workspace {
             for effect in effects.iter_mut() {
                 effect.add_director_force(&patch, old, form);
             }
-            let tensor = form
-                .has_tensor
-                .then(|| form.tensor.each_ref().map(|entries| &entries[..]));
+            let tensors = form.has_tensor.then_some(&*form.tensor);
             for (axis, load) in [&mut *load_x, &mut *load_y].into_iter().enumerate() {
                 patch.add_load(&form.load[axis], &form.flux[axis], load);
-                if let Some(tensor) = tensor {
+                if let Some(tensors) = tensors {
                     for (other, component) in self.director.iter().enumerate() {
-                        patch.add_element_product(tensor[axis + other], component, load);
+                        let row = tensors.iter().map(|tensor| tensor[(axis, other)]);
+                        patch.add_element_product(row, component, load);
                     }
                 }
             }
             patch.add_coupled(
                 (&form.stiffness, &form.reaction),
-                tensor,
+                tensors,
                 [&mut x_block.values, &mut y_block.values],
                 coupling,
             );

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use vesica::fem::{Patch, QuadratureRule, Space};
-use vesica::geometry::Point;
+use vesica::geometry::{Point, Vector};
 use vesica::physics::{DirectorForm, Effect, LedgerTerms, MembraneForce, PatchFields};
 
 use super::model::{Model, WeakForm};
@@ -32,22 +32,21 @@ impl Clock {
 /// A weak form on a mesh: fluxes on the triangles, loads at the quadrature points.
 #[derive(Debug)]
 struct Table {
-    flux: Vec<[f64; 2]>,
+    flux: Vec<Vector>,
     load: Vec<f64>,
 }
 
 impl Table {
     fn new(space: &Space) -> Self {
         Self {
-            flux: vec![[0.0; 2]; space.elements()],
+            flux: vec![Vector::zeros(); space.elements()],
             load: vec![0.0; space.points()],
         }
     }
 
-    fn add_to(&self, patch: &Patch<'_>, flux: &mut [[f64; 2]], load: &mut [f64]) {
+    fn add_to(&self, patch: &Patch<'_>, flux: &mut [Vector], load: &mut [f64]) {
         for (sum, flux) in flux.iter_mut().zip(&self.flux[patch.element_range()]) {
-            sum[0] += flux[0];
-            sum[1] += flux[1];
+            *sum += flux;
         }
         for (sum, load) in load.iter_mut().zip(&self.load[patch.point_range()]) {
             *sum += load;
@@ -55,7 +54,7 @@ impl Table {
     }
 
     /// The work on a change of a P1 function, given by its values and gradients before and after.
-    fn work(&self, patch: &Patch<'_>, values: [&[f64]; 2], gradients: [&[[f64; 2]]; 2]) -> f64 {
+    fn work(&self, patch: &Patch<'_>, values: [&[f64]; 2], gradients: [&[Vector]; 2]) -> f64 {
         let changes = values[1].iter().zip(values[0]);
         let by_load: Vec<f64> = changes
             .zip(&self.load[patch.point_range()])
@@ -64,7 +63,7 @@ impl Table {
         let changes = gradients[1].iter().zip(gradients[0]);
         let by_flux: Vec<f64> = changes
             .zip(&self.flux[patch.element_range()])
-            .map(|((new, old), flux)| flux[0] * (new[0] - old[0]) + flux[1] * (new[1] - old[1]))
+            .map(|((new, old), flux)| flux.dot(&(new - old)))
             .collect();
         patch.integrate(&by_load) + patch.integrate_elements(&by_flux)
     }

@@ -65,15 +65,14 @@ fn step(space: &Space, effects: &mut [Box<dyn Effect>], director: &mut [Vec<f64>
             .add_to((MOBILITY * dt).recip(), diagonal, &mut block.values);
     }
     let mut coupling = space.new_form();
-    let tensor = form
-        .has_tensor
-        .then(|| form.tensor.each_ref().map(|entries| &entries[..]));
+    let tensors = form.has_tensor.then_some(&*form.tensor);
     let mut load = vec![0.0; 2 * nodes];
     for (axis, load) in load.chunks_mut(nodes).enumerate() {
         patch.add_load(&form.load[axis], &form.flux[axis], load);
-        if let Some(tensor) = tensor {
+        if let Some(tensors) = tensors {
             for (other, component) in director.iter().enumerate() {
-                patch.add_element_product(tensor[axis + other], component, load);
+                let row = tensors.iter().map(|tensor| tensor[(axis, other)]);
+                patch.add_element_product(row, component, load);
             }
         }
         load.iter_mut().for_each(|entry| *entry = -*entry);
@@ -81,7 +80,7 @@ fn step(space: &Space, effects: &mut [Box<dyn Effect>], director: &mut [Vec<f64>
     let [x_block, y_block] = &mut blocks;
     patch.add_coupled(
         (&form.stiffness, &form.reaction),
-        tensor,
+        tensors,
         [&mut x_block.values, &mut y_block.values],
         &mut coupling,
     );

@@ -13,6 +13,7 @@ use self::noise::Booked;
 use self::well::{OfTwo, Well};
 use crate::common::{SMALL, TIGHT, energy_scale, named, scene, scheme};
 use vesica::fem::Space;
+use vesica::geometry::Vector;
 use vesica::physics::potentials::{
     double_well_derivative, double_well_secant, double_well_secant_derivative, unit_length_penalty,
     unit_length_penalty_derivative,
@@ -22,12 +23,12 @@ use vesica::scene::Scene;
 use vesica::scheme::{Scheme, StepError};
 
 /// η_d² P(d) = ¼(|d|² − 1)² for all d.
-fn untruncated([x, y]: [f64; 2]) -> f64 {
-    0.25 * (x * x + y * y - 1.0).powi(2)
+fn untruncated(d: Vector) -> f64 {
+    0.25 * (d.norm_squared() - 1.0).powi(2)
 }
 
-fn untruncated_slope([x, y]: [f64; 2]) -> [f64; 2] {
-    [x, y].map(|entry| entry * (x * x + y * y - 1.0))
+fn untruncated_slope(d: Vector) -> Vector {
+    (d.norm_squared() - 1.0) * d
 }
 
 /// A scheme of the small vesicle with a well.

@@ -1,6 +1,7 @@
 //! The nematic energy once more, with what can be wrong in it as parameters.
 
 use vesica::fem::{Patch, Space};
+use vesica::geometry::Vector;
 use vesica::physics::potentials::{INDICATOR_CONVEXITY, indicator_secant_bound, phase_indicator};
 use vesica::physics::{
     DirectorFields, DirectorForm, Effect, LedgerTerms, MembraneForce, MembraneJacobian, PatchFields,
@@ -14,8 +15,8 @@ pub struct Nematic {
     weight: f64,
     stiffness: f64,
     convexity: f64,
-    potential: fn([f64; 2]) -> f64,
-    slope: fn([f64; 2]) -> [f64; 2],
+    potential: fn(Vector) -> f64,
+    slope: fn(Vector) -> Vector,
     /// What is subtracted from the energy.
     pub offset: f64,
     /// λ_nem (½|∇d|² + P(d)) of the new director.
@@ -27,8 +28,8 @@ impl Nematic {
         scene: &Scene,
         space: &Space,
         convexity: f64,
-        potential: fn([f64; 2]) -> f64,
-        slope: fn([f64; 2]) -> [f64; 2],
+        potential: fn(Vector) -> f64,
+        slope: fn(Vector) -> Vector,
     ) -> Self {
         let nematic = scene.nematic.as_ref().expect("a nematic scene");
         Self {
@@ -50,7 +51,7 @@ impl Nematic {
             .iter()
             .enumerate()
             .map(|(point, square)| {
-                let potential = (self.potential)(at(director, point));
+                let potential = (self.potential)(director.at(point));
                 self.weight * (0.5 * square + self.stiffness * potential)
             })
             .collect()
@@ -65,15 +66,11 @@ impl Nematic {
 }
 
 /// |∇d|² on the triangles.
-fn squares([x, y]: &[Vec<[f64; 2]>; 2]) -> Vec<f64> {
+fn squares([x, y]: &[Vec<Vector>; 2]) -> Vec<f64> {
     x.iter()
         .zip(y)
-        .map(|(x, y)| x[0] * x[0] + x[1] * x[1] + y[0] * y[0] + y[1] * y[1])
+        .map(|(x, y)| x.norm_squared() + y.norm_squared())
         .collect()
-}
-
-fn at(director: &DirectorFields, point: usize) -> [f64; 2] {
-    [director.values[0][point], director.values[1][point]]
 }
 
 fn director(sample: &PatchFields) -> &DirectorFields {
@@ -113,12 +110,11 @@ impl Effect for Nematic {
         for axis in 0..2 {
             let gradients = means.iter().zip(&director.gradients[axis]);
             for (flux, (mean, gradient)) in form.flux[axis].iter_mut().zip(gradients) {
-                flux[0] += mean * gradient[0];
-                flux[1] += mean * gradient[1];
+                *flux += *mean * gradient;
             }
         }
         for (point, weight) in interior.iter().enumerate() {
-            let slope = (self.slope)(at(director, point));
+            let slope = (self.slope)(director.at(point));
             form.load[0][point] += weight * self.stiffness * slope[0];
             form.load[1][point] += weight * self.stiffness * slope[1];
             form.reaction[point] += weight * self.stiffness * self.convexity;
@@ -167,9 +163,9 @@ impl Effect for Nematic {
     ) {
         let (before, after) = (director(old), director(new));
         let interior = self.interior(&old.phi);
-        let change = [0, 1].map(|axis: usize| -> Vec<[f64; 2]> {
+        let change = [0, 1].map(|axis: usize| -> Vec<Vector> {
             let gradients = after.gradients[axis].iter().zip(&before.gradients[axis]);
-            gradients.map(|(a, b)| [a[0] - b[0], a[1] - b[1]]).collect()
+            gradients.map(|(a, b)| a - b).collect()
         });
         let mut elastic = vec![0.0; patch.elements()];
         patch.element_means(&interior, &mut elastic);
@@ -180,11 +176,9 @@ impl Effect for Nematic {
             .iter()
             .enumerate()
             .map(|(point, weight)| {
-                let (b, a) = (at(before, point), at(after, point));
-                let (slope, step) = ((self.slope)(b), [a[0] - b[0], a[1] - b[1]]);
-                let work: f64 = (0..2)
-                    .map(|axis| (slope[axis] + self.convexity * step[axis]) * step[axis])
-                    .sum();
+                let (b, a) = (before.at(point), after.at(point));
+                let step = a - b;
+                let work = ((self.slope)(b) + self.convexity * step).dot(&step);
                 weight * self.stiffness * (work - (self.potential)(a) + (self.potential)(b))
             })
             .collect();
