@@ -61,16 +61,13 @@ impl Wall {
 
 /// Whether a place that no triangle covers lies in a hole of the mesh: a closed curve of the boundary goes round
 /// it clockwise, with the domain on its left.
-pub fn is_in_hole(mesh: &Mesh, [x, y]: [f64; 2]) -> bool {
+pub fn is_in_hole(mesh: &Mesh, place: Point) -> bool {
     let edges = mesh.boundary_edges();
     // Every node of the boundary has one edge that begins there: no two curves share one.
     let mut next: HashMap<u32, u32> = edges.iter().map(|[from, to]| (*from, *to)).collect();
     let angle = |from: u32, to: u32| {
-        let [u, v] = [from, to].map(|node| {
-            let at = mesh.nodes()[node as usize];
-            [at[0] - x, at[1] - y]
-        });
-        (u[0] * v[1] - u[1] * v[0]).atan2(u[0] * v[0] + u[1] * v[1])
+        let [u, v] = [from, to].map(|node| mesh.nodes()[node as usize] - place);
+        u.perp(&v).atan2(u.dot(&v))
     };
     edges.iter().any(|[start, _]| {
         let (mut turn, mut at) = (0.0, *start);
@@ -135,7 +132,7 @@ mod tests {
             ([1.2, 0.4], false),
             ([-3.0, 7.0], false),
         ] {
-            assert_eq!(is_in_hole(&mesh, place), wanted, "{place:?}");
+            assert_eq!(is_in_hole(&mesh, place.into()), wanted, "{place:?}");
         }
     }
 }

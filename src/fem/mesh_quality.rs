@@ -100,7 +100,8 @@ mod tests {
             0
         );
         let mesh = |low: f64, right: f64| {
-            let nodes = vec![[0.0, 0.0], [1.0, 0.0], [0.5, low], [0.5, 1.0], [right, 0.5]];
+            let nodes = [[0.0, 0.0], [1.0, 0.0], [0.5, low], [0.5, 1.0], [right, 0.5]];
+            let nodes = nodes.map(geometry::Point::from).to_vec();
             Mesh::new(nodes, vec![[0, 1, 2], [1, 3, 2], [1, 4, 3], [0, 2, 3]])
         };
         let fair = MeshQuality::of(&mesh(0.3, 1.0).expect("a mesh"));

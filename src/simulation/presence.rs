@@ -34,13 +34,13 @@ pub enum NoVesicle {
     #[error(
         "{which} lies {}, about {}, where the mesh has no triangles: move it into the domain (center)",
         if *is_hole { "in a hole of the domain" } else { "beside the domain" },
-        Point(*center)
+        Coordinates(*center)
     )]
     Gap {
         /// Which vesicle.
         which: Part,
         /// The center of its outline.
-        center: [f64; 2],
+        center: Point,
         /// Whether the domain is all around it.
         is_hole: bool,
     },
@@ -168,7 +168,7 @@ fn outlines_in(scene: &Scene, mesh: &Mesh) -> Result<(), NoVesicle> {
                 1 => Part::Only,
                 _ => Part::Number(number + 1),
             };
-            let center = outline.center;
+            let center = Point::from(outline.center);
             let is_within = (0..2).all(|axis| (lower[axis]..=upper[axis]).contains(&center[axis]));
             return Err(if is_within {
                 let is_hole = is_in_hole(mesh, center);
@@ -272,7 +272,7 @@ mod tests {
     fn a_vesicle_in_a_hole_of_the_domain_is_refused_with_these_words() {
         let corner = |corner: u32, radius: f64| {
             let angle = f64::from(corner) * std::f64::consts::TAU / 12.0;
-            [radius * angle.cos(), radius * angle.sin()]
+            Point::new(radius * angle.cos(), radius * angle.sin())
         };
         let inner = (0..12).map(|n| corner(n, 0.5));
         let nodes = inner.chain((0..12).map(|n| corner(n, 1.0))).collect();

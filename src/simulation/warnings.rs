@@ -137,7 +137,7 @@ mod tests {
         assert_eq!(slivers(&regular), []);
         // The node in the middle, nearly on the one below it: of the six triangles about it two become flat.
         let mut nodes = regular.nodes().to_vec();
-        nodes[3 * 7 + 3] = [0.5, 2.0 / 6.0 + 1e-6];
+        nodes[3 * 7 + 3] = [0.5, 2.0 / 6.0 + 1e-6].into();
         let mesh = Mesh::new(nodes, regular.triangles().to_vec()).expect("a mesh");
         let [Warning::Slivers { count: 2, at, .. }] = slivers(&mesh)[..] else {
             panic!("{:?}", slivers(&mesh));

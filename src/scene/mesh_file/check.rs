@@ -322,7 +322,7 @@ impl Checked {
                     first: number(triangle),
                     second: number(other),
                     node: self.number(node),
-                    at: self.nodes[node as usize],
+                    at: self.nodes[node as usize].into(),
                 };
                 Err(problem.at(self.place(other)))
             }

@@ -1,5 +1,7 @@
 //! Whether all triangles hang together; where they do not, whether a piece lies over another one.
 
+use crate::geometry::{Point, length};
+
 /// What is wrong with a mesh in several pieces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum PieceFault {
@@ -21,7 +23,7 @@ pub(super) enum PieceFault {
 /// cross, and no node of it is within `tolerance` of another edge: so where two pieces overlap, a whole curve
 /// of the boundary of one lies in the other.
 pub(super) fn check_pieces(
-    nodes: &[[f64; 2]],
+    nodes: &[Point],
     triangles: &[[u32; 3]],
     boundary: &[[u32; 2]],
     tolerance: f64,
@@ -56,11 +58,11 @@ pub(super) fn check_pieces(
 }
 
 /// Whether a place is in a triangle, or nearer to it than that.
-fn is_in(corners: [[f64; 2]; 3], [x, y]: [f64; 2], tolerance: f64) -> bool {
+fn is_in(corners: [Point; 3], place: Point, tolerance: f64) -> bool {
     (0..3).all(|corner| {
-        let ([ax, ay], [bx, by]) = (corners[corner], corners[(corner + 1) % 3]);
-        let along = [bx - ax, by - ay];
-        along[0] * (y - ay) - along[1] * (x - ax) >= -tolerance * along[0].hypot(along[1])
+        let (a, b) = (corners[corner], corners[(corner + 1) % 3]);
+        let along = b - a;
+        along.perp(&(place - a)) >= -tolerance * length(along)
     })
 }
 
@@ -92,19 +94,19 @@ mod tests {
 
     const CORNERS: u32 = 8;
 
-    fn around(radius: f64) -> impl Iterator<Item = [f64; 2]> {
+    fn around(radius: f64) -> impl Iterator<Item = Point> {
         (0..CORNERS).map(move |corner| {
             let angle = f64::from(corner) * std::f64::consts::TAU / f64::from(CORNERS);
-            [radius * angle.cos(), radius * angle.sin()]
+            Point::new(radius * angle.cos(), radius * angle.sin())
         })
     }
 
     /// A ring between the radii 1 and 3, and a disc of another radius in its middle.
     fn found(radius: f64) -> Option<PieceFault> {
-        let nodes: Vec<[f64; 2]> = around(1.0)
+        let nodes: Vec<Point> = around(1.0)
             .chain(around(3.0))
             .chain(around(radius))
-            .chain([[0.0, 0.0]])
+            .chain([Point::origin()])
             .collect();
         let edge = |corner: u32, first: u32| [first + corner, first + (corner + 1) % CORNERS];
         let (outer, disc, center) = (CORNERS, 2 * CORNERS, 3 * CORNERS);
