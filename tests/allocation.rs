@@ -5,9 +5,19 @@ mod common;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
+// What the example of the guide finds around it in src/physics/.
+use vesica::physics::{
+    DirectorCoupling, Effect, EffectContext, LedgerTerms, MembraneForce, MembraneJacobian,
+    PatchFields,
+};
+use vesica::{fem, geometry, scene};
+
+#[expect(dead_code, reason = "its line in the list of effects is left out here")]
+#[path = "../docs/effect/tension.rs"]
+mod tension;
+
 use common::{SMALL, scene, scheme};
-use vesica::fem::Patch;
-use vesica::physics::{Effect, PatchFields};
+use fem::Patch;
 use vesica::scheme::{Scheme, SchemeCheckpoint};
 
 /// The system's allocator, which counts what each thread asks of it.
@@ -82,9 +92,10 @@ const WARM_UP: usize = 5;
 const STEPS: usize = 10;
 
 /// Allocations of each step after the first ones.
-fn allocations_of_steps(settings: &[&str]) -> Vec<u64> {
+fn allocations_of_steps(settings: &[&str], prepare: impl FnOnce(&mut Scheme)) -> Vec<u64> {
     let scene = scene(SMALL, settings);
     let mut scheme = scheme(&scene);
+    prepare(&mut scheme);
     let mut counts = Vec::with_capacity(STEPS);
     for step in 1..=WARM_UP + STEPS {
         let count = allocations(|| {
@@ -245,9 +256,13 @@ fn a_step_allocates_nothing() {
             "pull.potential='100*x'",
             "noise={ strength = 1e-4 }",
         ] {
-            let counts = allocations_of_steps(&[quadrature, path]);
+            let counts = allocations_of_steps(&[quadrature, path], |_| {});
             assert_eq!(counts, [0; STEPS], "{quadrature}, {path}");
         }
+        // The example of the guide.
+        let example = tension::Tension { weight: 3.0 };
+        let counts = allocations_of_steps(&[quadrature], |scheme| scheme.add_effect(example));
+        assert_eq!(counts, [0; STEPS], "{quadrature}, a line tension");
     }
 }
 

@@ -295,8 +295,8 @@ impl<'a> Patch<'a> {
 
     /// The matrices of two fields x and y on the same mesh, x and y blocks and what couples them:
     ///
-    /// x, y blocks ← blocks + ∫ w ∇ψ_j·∇ψ_i + ∫ c ψ_j ψ_i, and with a tensor R on the triangles
-    /// + ∫ R_xx ψ_j ψ_i, + ∫ R_yy ψ_j ψ_i;
+    /// x, y blocks ← blocks + ∫ w ∇ψ_j·∇ψ_i + ∫ c ψ_j ψ_i, and with a tensor R on the triangles also
+    /// ∫ R_xx ψ_j ψ_i, ∫ R_yy ψ_j ψ_i;
     /// coupling ← coupling + ∫ R_xy ψ_j ψ_i.
     pub fn add_coupled(
         &self,

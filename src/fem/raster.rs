@@ -6,7 +6,7 @@
 //! proportional to triangles plus samples, whatever the triangulation.
 
 use super::Mesh;
-use crate::geometry::Point;
+use crate::geometry::{BoundingBox, Point};
 
 /// How far outside a triangle (in barycentric coordinates) a sample may lie and still be taken as
 /// inside: far more than rounding, far less than what shows.
@@ -24,20 +24,11 @@ pub struct Rectangle {
 impl Rectangle {
     /// The smallest one that holds a mesh; the unit square for a mesh without nodes.
     pub fn around(mesh: &Mesh) -> Self {
-        let range = |axis: usize| {
-            let coordinates = mesh.nodes().iter().map(|node| node[axis]);
-            let range = coordinates.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| {
-                [low.min(at), high.max(at)]
-            });
-            if range[0] < range[1] {
-                range
-            } else {
-                [0.0, 1.0]
-            }
-        };
+        let BoundingBox { lower, upper } = BoundingBox::around(mesh.nodes());
+        let range = |low: f64, high: f64| if low < high { [low, high] } else { [0.0, 1.0] };
         Self {
-            x: range(0),
-            y: range(1),
+            x: range(lower.x, upper.x),
+            y: range(lower.y, upper.y),
         }
     }
 

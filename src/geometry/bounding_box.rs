@@ -31,3 +31,19 @@ impl BoundingBox {
         (self.upper - self.lower).sup(&Vector::zeros())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_box_holds_its_points_and_nothing_has_no_extent() {
+        let points = [[1.0, 5.0], [-2.0, 6.0], [0.0, 5.5]].map(Point::from);
+        let hull = BoundingBox::around(points);
+        assert_eq!(hull.lower, Point::new(-2.0, 5.0));
+        assert_eq!(hull.upper, Point::new(1.0, 6.0));
+        assert_eq!(hull.extent(), Vector::new(3.0, 1.0));
+        let nothing = BoundingBox::around(std::iter::empty::<Point>());
+        assert_eq!(nothing.extent(), Vector::zeros());
+    }
+}

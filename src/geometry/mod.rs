@@ -21,8 +21,8 @@ pub type Point = nalgebra::Point2<f64>;
 /// A vector of the plane: a difference of points, a gradient, a flux.
 pub type Vector = nalgebra::Vector2<f64>;
 
-/// The length of a vector. Its square is nowhere computed, so that no length is too small or too large
-/// for it, as one is for `norm`.
+/// The length of a vector. Unlike nalgebra's `norm` it does not overflow or underflow, whatever the unit
+/// of length.
 pub fn length(vector: Vector) -> f64 {
     vector.x.hypot(vector.y)
 }

@@ -5,8 +5,8 @@ use std::fmt;
 use thiserror::Error;
 
 use super::SimulationError;
-use crate::fem::{Mesh, Rectangle, Wall, is_in_hole};
-use crate::geometry::{Point, doubled_area};
+use crate::fem::{Mesh, Wall, is_in_hole};
+use crate::geometry::{BoundingBox, Point, doubled_area};
 use crate::scene::{self, OutlineDistance, Scene, Shape, significant, union_distance};
 
 /// Cells of the grid that stands for a generated mesh where that need not be made.
@@ -155,8 +155,7 @@ fn outlines_in(scene: &Scene, mesh: &Mesh) -> Result<(), NoVesicle> {
         return Ok(());
     };
     let distances: Vec<_> = outlines.iter().map(OutlineDistance::new).collect();
-    let region = Rectangle::around(mesh);
-    let [lower, upper] = [0, 1].map(|end| Point::new(region.x[end], region.y[end]));
+    let BoundingBox { lower, upper } = BoundingBox::around(mesh.nodes());
     let wall = Wall::of(mesh);
     for (number, (outline, distance)) in outlines.iter().zip(&distances).enumerate() {
         let one = std::slice::from_ref(distance);

@@ -4,6 +4,7 @@
 use super::super::active_region::{ActiveRegion, Criterion};
 use super::super::director::{DirectorStep, SolveOptions};
 use super::super::*;
+use crate::geometry::{Point, length};
 use crate::linalg::op_counts::{self, Counts};
 
 const STEPS: u32 = 4;
@@ -248,9 +249,9 @@ fn the_region_follows_the_vesicle() {
     let mut before = vec![false; space.nodes()];
     for step in 0..=10 {
         let x = 0.35 + 0.03 * f64::from(step);
-        let context = space.mesh().nodes().iter();
-        let outside = context.map(|place| (place[0] - x).hypot(place[1] - 0.5) - radius);
-        let outside: Vec<f64> = outside.collect();
+        let center = Point::new(x, 0.5);
+        let outside = space.mesh().nodes().iter();
+        let outside: Vec<f64> = outside.map(|node| length(node - center) - radius).collect();
         let profile = |outside: &f64| (-outside / (2.0_f64.sqrt() * width)).tanh();
         let phi: Vec<f64> = outside.iter().map(profile).collect();
         let moved = region.follow(space, &phi, &criterion).expect("a part");
