@@ -10,7 +10,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
 use vesica::fem::{Mesh, Raster, Rectangle};
-use vesica::scene::{AnchoringKind, Scene, find_preset};
+use vesica::scene::{Scene, find_preset};
 use vesica::simulation::{RunId, RunSnapshot, Setting, Simulation};
 use vesica::tui::canvas::Canvas;
 use vesica::tui::panel::draw;
@@ -23,7 +23,7 @@ fn slot(name: &str) -> Slot {
     let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
     let scene = Scene::parse(text, name, &overrides, &mut no_files).expect("a sound scene");
     let mut simulation = Simulation::new(&scene).expect("it can be set up");
-    let mut run = Run::new(RunId(1), Some(AnchoringKind::Homeotropic), None);
+    let mut run = Run::new(RunId(1), None);
     run.history.take(simulation.report());
     for _ in 0..3 {
         simulation.advance().expect("a step");
@@ -36,7 +36,7 @@ fn slot(name: &str) -> Slot {
     }
     run.picture = Some(Arc::new(RunSnapshot {
         run: run.id,
-        anchoring: run.anchoring,
+        anchoring: None,
         report: report.clone(),
         state: simulation.state().clone(),
     }));

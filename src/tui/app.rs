@@ -150,11 +150,16 @@ impl Slot {
         }
     }
 
-    /// The anchoring of the scene; `None` where there is no director to anchor.
+    /// The anchoring in force; `None` where there is no director to anchor.
     pub fn anchoring(&self) -> Option<AnchoringKind> {
         self.scene.nematic.as_ref()?;
         let anchoring = self.scene.anchoring;
         Some(anchoring.map_or(AnchoringKind::None, |anchoring| anchoring.kind))
+    }
+
+    pub(super) fn set_anchoring(&mut self, kind: AnchoringKind) {
+        let scene = Arc::make_mut(&mut self.scene);
+        scene.anchoring.get_or_insert_default().kind = kind;
     }
 }
 
@@ -163,7 +168,7 @@ impl Run {
     const NOTICES: usize = 50;
 
     /// A run that is about to be set up.
-    pub fn new(id: RunId, anchoring: Option<AnchoringKind>, horizon: Option<f64>) -> Self {
+    pub fn new(id: RunId, horizon: Option<f64>) -> Self {
         Self {
             id,
             status: Status::Starting,
@@ -172,7 +177,6 @@ impl Run {
             setting: None,
             report: Report::default(),
             underway: None,
-            anchoring,
             before: None,
             history: History::default(),
             picture: None,

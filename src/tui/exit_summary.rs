@@ -292,7 +292,7 @@ mod tests {
         let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
         let text = "[time]\nstep = 1e-6\nend = 1e-3";
         let scene = Scene::parse(text, "the test", &[], &mut no_files).unwrap();
-        let mut run = Run::new(RunId(1), None, None);
+        let mut run = Run::new(RunId(1), None);
         run.setting = Some(Arc::new(Setting {
             scene: scene.clone(),
             mesh: Arc::new(Mesh::structured(2, 0.0, 1).unwrap()),

@@ -4,6 +4,7 @@
 //! it stands still. What is shown is what the worker has said.
 
 use super::state::Status;
+use crate::scene::AnchoringKind;
 use crate::simulation::Command;
 
 /// The control of a run.
@@ -21,6 +22,8 @@ pub struct RunControl {
     pub unanswered: u32,
     /// Whether one of them is a `Step`.
     pub stepping: bool,
+    /// The anchoring that the user asked for last; in force once the worker confirms it.
+    pub anchoring: Option<AnchoringKind>,
 }
 
 /// What a worker has said that it does.
@@ -48,6 +51,7 @@ impl RunControl {
             stand: WorkerState::SettingUp,
             unanswered: 0,
             stepping: false,
+            anchoring: None,
         }
     }
 

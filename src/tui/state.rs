@@ -94,7 +94,7 @@ pub struct Slot {
     pub folder: Option<PathBuf>,
     /// What is to be said when it is looked at first.
     pub remark: Option<String>,
-    /// The scene as loaded, with the anchoring that is in force at present.
+    /// The scene as loaded, with the anchoring in force: the one that the worker has confirmed.
     pub scene: Arc<Scene>,
     /// The scene as loaded: by it a kept run is known again.
     pub loaded: Arc<Scene>,
@@ -121,8 +121,6 @@ pub struct Run {
     pub report: Report,
     /// How far the next step is, while it takes long.
     pub underway: Option<StepProgress>,
-    /// The anchoring in force.
-    pub anchoring: Option<AnchoringKind>,
     /// The run of an earlier time that this one goes on from, until its first news.
     pub before: Option<Arc<Kept>>,
     /// The scalars of all steps, decimated.

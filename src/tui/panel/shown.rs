@@ -37,10 +37,7 @@ impl<'a> Shown<'a> {
             picture: run.and_then(|run| run.picture.as_deref()),
             // Before a run is set up its report says nothing.
             report: run.filter(|_| setting.is_some()).map(|run| &run.report),
-            anchoring: match run {
-                Some(run) => run.anchoring,
-                None => slot.scene.anchoring.map(|anchoring| anchoring.kind),
-            },
+            anchoring: slot.anchoring(),
             back: None,
         }
     }

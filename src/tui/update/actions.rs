@@ -186,7 +186,12 @@ fn begin_anew(app: &mut App, index: usize) -> Option<RunId> {
     slot.kept = None;
     // It may have gone beyond its end.
     Arc::make_mut(&mut slot.scene).time.end = slot.loaded.time.end;
-    slot.run.take().map(|run| run.id)
+    let run = slot.run.take()?;
+    // The next run begins with the anchoring that was asked for, confirmed or not.
+    if let Some(kind) = run.control.anchoring {
+        slot.set_anchoring(kind);
+    }
+    Some(run.id)
 }
 
 /// Shows the run of a slot alone.
@@ -243,10 +248,9 @@ fn go_beyond(app: &mut App, beyond: Beyond, effects: &mut Vec<Effect>) {
     setting.scene.time.end = end;
     setting.steps = step_count(&setting.scene.time);
     run.setting = Some(Arc::new(setting));
-    let scene = Arc::make_mut(&mut slot.scene);
-    scene.time.end = end;
+    Arc::make_mut(&mut slot.scene).time.end = end;
     if let Beyond::Anchor(kind) = beyond {
-        scene.anchoring.get_or_insert_default().kind = kind;
+        run.control.anchoring = Some(kind);
         effects.push(Effect::Tell(run.id, Command::Anchor(kind)));
     }
     effects.push(Effect::Tell(run.id, Command::Until(end)));
@@ -294,31 +298,36 @@ fn step(app: &mut App, effects: &mut Vec<Effect>) {
     }
 }
 
-/// Switches the anchoring of the active slot, for its run as it is and for those to come.
+/// Asks for the next anchoring, for the run of the active slot as it is and for those to come.
 fn next_anchoring(app: &mut App, effects: &mut Vec<Effect>) {
     let is_done = is_done(app);
     let Some(slot) = app.slots.get_mut(app.active) else {
         return;
     };
-    let kind = match slot.anchoring() {
-        None => return,
-        Some(AnchoringKind::Homeotropic) => AnchoringKind::Parallel,
-        Some(AnchoringKind::Parallel) => AnchoringKind::None,
-        Some(AnchoringKind::None) => AnchoringKind::Homeotropic,
+    let Some(present) = slot.anchoring() else {
+        return;
+    };
+    let asked = slot.run.as_ref().and_then(|run| run.control.anchoring);
+    let kind = match asked.unwrap_or(present) {
+        AnchoringKind::Homeotropic => AnchoringKind::Parallel,
+        AnchoringKind::Parallel => AnchoringKind::None,
+        AnchoringKind::None => AnchoringKind::Homeotropic,
     };
     if is_done {
         ask(app, Question::GoBeyond(Beyond::Anchor(kind)), effects);
         return;
     }
-    let scene = Arc::make_mut(&mut slot.scene);
-    scene.anchoring.get_or_insert_default().kind = kind;
     let mut text = format!("the anchoring is {kind} from here on");
-    match &slot.run {
-        Some(run) if matches!(run.status, Status::Failed(_)) => {
-            text = format!("the anchoring is {kind} when the run begins anew: r");
+    match &mut slot.run {
+        None => slot.set_anchoring(kind),
+        Some(run) => {
+            run.control.anchoring = Some(kind);
+            if matches!(run.status, Status::Failed(_)) {
+                text = format!("the anchoring is {kind} when the run begins anew: r");
+            } else {
+                effects.push(Effect::Tell(run.id, Command::Anchor(kind)));
+            }
         }
-        Some(run) => effects.push(Effect::Tell(run.id, Command::Anchor(kind))),
-        None => {}
     }
     remark(app, text);
 }

@@ -153,7 +153,7 @@ fn guide(
         }
         slot.run = Some(Run {
             before: kept,
-            ..Run::new(run, slot.anchoring(), horizon)
+            ..Run::new(run, horizon)
         });
         let orders = WorkerConfig {
             run,

@@ -104,7 +104,10 @@ pub(super) fn hear(app: &mut App, message: WorkerMessage) {
                 });
             }
         }
-        WorkerEvent::Anchored { kind, report } => anchored(run, kind, *report),
+        WorkerEvent::Anchored { kind, report } => {
+            anchored(run, kind, *report);
+            slot.set_anchoring(kind);
+        }
         WorkerEvent::Snapshot(picture) => run.snapshots.push(picture),
         // It was written down on the way.
         WorkerEvent::State(_) => {}
@@ -191,7 +194,6 @@ fn take(run: &mut Run, report: Report, law_tolerance: f64) {
 
 /// Takes a switch of the anchoring: the energy has jumped, not risen.
 fn anchored(run: &mut Run, kind: AnchoringKind, report: Report) {
-    run.anchoring = Some(kind);
     run.history.switch(kind, &report);
     run.rising = false;
     run.unsaved |= report.step > 0;

@@ -67,7 +67,7 @@ fn frames(theme: &Theme) -> Vec<usize> {
         state.phi = made_up::state(&shifted, time).phi;
         run.picture = Some(Arc::new(RunSnapshot {
             run: run.id,
-            anchoring: run.anchoring,
+            anchoring: None,
             report: run.report.clone(),
             state,
         }));

@@ -97,7 +97,7 @@ pub fn report(step: u64) -> Report {
 /// A slot with a run that was at step [`STEPS`].
 pub fn slot(name: &str, mesh: &Arc<Mesh>) -> Slot {
     let scene = scene(name);
-    let mut run = Run::new(RunId(7), Some(AnchoringKind::Homeotropic), None);
+    let mut run = Run::new(RunId(7), None);
     run.status = Status::Running;
     run.setting = Some(Arc::new(Setting {
         scene: scene.clone(),
@@ -113,7 +113,7 @@ pub fn slot(name: &str, mesh: &Arc<Mesh>) -> Slot {
             let state = state(mesh, step as f64 / STEPS as f64);
             let picture = Arc::new(RunSnapshot {
                 run: run.id,
-                anchoring: run.anchoring,
+                anchoring: Some(AnchoringKind::Homeotropic),
                 report: report.clone(),
                 state,
             });

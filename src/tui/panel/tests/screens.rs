@@ -52,7 +52,7 @@ const CHANGES: &[Change] = &[
         let run = made_up::run(app);
         run.history
             .switch(AnchoringKind::Parallel, &made_up::report(400));
-        run.anchoring = Some(AnchoringKind::Parallel);
+        app.slots[app.active].set_anchoring(AnchoringKind::Parallel);
         app.view.logarithmic = true;
         app.focus = Panel::Energy;
     }),

@@ -160,7 +160,8 @@ fn check_at_rest(rig: &mut Rig) {
         let Some(run) = &slot.run else { continue };
         let worker = &rig.workers[&run.id];
         assert_eq!(run.report, worker.report);
-        assert_eq!(run.anchoring.is_some(), slot.scene.nematic.is_some());
+        assert!(slot.scene.nematic.is_some());
+        assert_eq!(slot.anchoring(), Some(worker.anchoring));
         assert_eq!(worker.computes(), run.status == Status::Running);
         computing += usize::from(worker.computes());
         if worker.computes() {

@@ -149,10 +149,7 @@ fn pausing_stepping_switching_and_coming_back() {
     assert_eq!(report(&watched.app, 0).step, step + 1);
     watched.press('1');
     watched.press('a');
-    watched.until(|app| {
-        let run = app.slots[0].run.as_ref();
-        run.is_some_and(|run| run.anchoring == Some(AnchoringKind::Parallel))
-    });
+    watched.until(|app| app.slots[0].anchoring() == Some(AnchoringKind::Parallel));
     watched.press(' ');
     watched.until(|app| report(app, 0).step > step + 5);
     let run = watched.app.slots[0].run.as_ref().unwrap();

@@ -28,7 +28,7 @@ pub(super) struct Played {
     told: Option<&'static str>,
     commands: VecDeque<Command>,
     pub(super) report: Report,
-    anchoring: AnchoringKind,
+    pub(super) anchoring: AnchoringKind,
     /// Added to the energy of every step from now on: a mistake of the solver.
     pub(super) mistake: f64,
     /// Whether it has failed: its thread has ended.

@@ -123,7 +123,10 @@ fn keys_that_a_run_at_its_end_cannot_follow_ask_whether_it_goes_on() {
             (rig.run(2).report.step, status(&rig, 2)),
             (1000, Status::Done)
         );
-        assert_eq!(rig.run(2).anchoring, Some(AnchoringKind::Homeotropic));
+        assert_eq!(
+            rig.app.slots[2].anchoring(),
+            Some(AnchoringKind::Homeotropic)
+        );
         assert_eq!(
             rig.app.slots[2].anchoring(),
             Some(AnchoringKind::Homeotropic)
@@ -219,8 +222,11 @@ fn a_case_that_is_left_waits_where_it_is_and_then_goes_on() {
     assert_eq!(rig.run(2).id, id);
     assert!(rig.run(2).report.step > step);
     assert_eq!(status(&rig, 0), Status::Paused);
-    assert_eq!(rig.run(2).anchoring, Some(AnchoringKind::Parallel));
-    assert_eq!(rig.run(0).anchoring, Some(AnchoringKind::Homeotropic));
+    assert_eq!(rig.app.slots[2].anchoring(), Some(AnchoringKind::Parallel));
+    assert_eq!(
+        rig.app.slots[0].anchoring(),
+        Some(AnchoringKind::Homeotropic)
+    );
     let told = rig.worker(2).report.total_energy;
     assert!((100.0..150.0).contains(&told), "{told}");
 }
@@ -272,7 +278,7 @@ fn restart_asks_only_when_something_would_be_lost() {
     rig.keys("ary");
     assert_ne!(rig.run(2).id, second);
     assert_eq!(rig.run(2).report.step, 0);
-    assert_eq!(rig.run(2).anchoring, Some(AnchoringKind::Parallel));
+    assert_eq!(rig.app.slots[2].anchoring(), Some(AnchoringKind::Parallel));
     assert_eq!(rig.workers.len(), 1);
     rig.work(3);
     assert_eq!(status(&rig, 2), Status::Running);
@@ -324,7 +330,7 @@ fn the_anchoring_goes_round_and_is_marked_and_nothing_rises() {
         // At the first turn of the worker, that is: before its next step.
         rig.work(1);
         let run = rig.run(2);
-        assert_eq!(run.anchoring, Some(kind));
+        assert_eq!(rig.app.slots[2].anchoring(), Some(kind));
         assert_eq!(run.report.step, before.step);
         assert_ne!(run.report.total_energy, before.total_energy);
         assert_eq!(run.history.baseline, Some(run.report.total_energy));
@@ -337,6 +343,28 @@ fn the_anchoring_goes_round_and_is_marked_and_nothing_rises() {
     assert_eq!(run.history.energies.len(), 2);
 }
 
+/// Until the worker confirms it, a switch is a wish: the scene keeps the anchoring that is in force.
+#[test]
+fn only_the_worker_s_confirmation_changes_the_scene() {
+    let mut rig = Rig::new();
+    rig.work(4);
+    let homeotropic = Some(AnchoringKind::Homeotropic);
+    rig.keys("a");
+    assert_eq!(rig.app.slots[2].anchoring(), homeotropic);
+    rig.settle();
+    let parallel = Some(AnchoringKind::Parallel);
+    assert_eq!(rig.app.slots[2].anchoring(), parallel);
+    // A run that fails before it has switched was computed with the old anchoring; the next one has the new.
+    rig.keys("a");
+    let id = rig.run(2).id;
+    rig.fail(id);
+    rig.deliver_all();
+    assert_eq!(rig.app.slots[2].anchoring(), parallel);
+    rig.keys("ry");
+    let none = Some(AnchoringKind::None);
+    assert_eq!(rig.app.slots[2].anchoring(), none);
+}
+
 #[test]
 fn three_quick_switches_are_three() {
     let mut rig = Rig::new();
@@ -344,7 +372,10 @@ fn three_quick_switches_are_three() {
     rig.keys("aaa");
     rig.settle();
     assert_eq!(rig.run(2).history.marks.len(), 3);
-    assert_eq!(rig.run(2).anchoring, Some(AnchoringKind::Homeotropic));
+    assert_eq!(
+        rig.app.slots[2].anchoring(),
+        Some(AnchoringKind::Homeotropic)
+    );
 }
 
 #[test]
@@ -357,7 +388,7 @@ fn without_a_director_there_is_no_anchoring_and_no_length() {
     rig.keys("a");
     assert!(rig.app.remark.clone().unwrap().contains("no director"));
     assert!(rig.run(2).history.marks.is_empty());
-    assert_eq!(rig.run(2).anchoring, None);
+    assert_eq!(rig.app.slots[2].anchoring(), None);
 }
 
 #[test]
@@ -452,7 +483,7 @@ fn a_run_that_fails_says_so_and_the_app_lives() {
     rig.keys("3ry");
     rig.work(3);
     assert_eq!(status(&rig, 2), Status::Running);
-    assert_eq!(rig.run(2).anchoring, Some(AnchoringKind::Parallel));
+    assert_eq!(rig.app.slots[2].anchoring(), Some(AnchoringKind::Parallel));
 }
 
 #[test]
