@@ -10,6 +10,7 @@ use std::time::Duration;
 use crate::scene::{ScalarField, Scene};
 use crate::simulation::{Phase, Simulation, SimulationError};
 
+use super::clock::median;
 use super::memory::held;
 
 /// How much is run.
@@ -253,20 +254,14 @@ impl Run {
         let mean = |count: u64| count as f64 / self.steps.len().max(1) as f64;
         let [newton, krylov, director] = self.iterations.map(mean);
         Cost {
-            step: median(&self.steps),
-            substep_1: median(&self.substeps_1),
+            step: median(self.steps.iter().copied(), Ord::cmp),
+            substep_1: median(self.substeps_1.iter().copied(), Ord::cmp),
             newton,
             krylov,
             director,
             memory: (self.memory != 0).then_some(self.memory),
         }
     }
-}
-
-fn median(times: &[Duration]) -> Duration {
-    let mut times = times.to_vec();
-    times.sort_unstable();
-    times.get(times.len() / 2).copied().unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -237,10 +237,3 @@ fn has_factor(simulation: &Simulation) -> bool {
 fn is_over(watch: &Stopwatch) -> bool {
     watch.elapsed() > CALIBRATION
 }
-
-/// The median: a step that was held up by something says nothing of the others.
-fn middle(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or_default()
-}

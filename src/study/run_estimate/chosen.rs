@@ -2,11 +2,11 @@
 //! its first steps. How many further ones there will be does not depend much on the mesh; so they are counted in a run
 //! to the end, or as far as time permits, on a coarse one.
 
-use super::{CALIBRATION, Patience, RunEstimate, coarse, has_factor, is_over, middle};
+use super::{CALIBRATION, Patience, RunEstimate, coarse, has_factor, is_over};
 use crate::record::Settings;
 use crate::scene::{LinearMethod, Scene};
 use crate::simulation::{Report, Schedule, Simulation, SimulationError, memory_held};
-use crate::study::clock::Stopwatch;
+use crate::study::clock::{Stopwatch, median};
 use std::time::Duration;
 
 /// How many times more steps and corrections a finer mesh takes. Case 3 at 120 cells takes 1.31, 1.33, 1.19 and 1.07
@@ -49,7 +49,7 @@ pub(super) fn price(
     let Some(last) = last else {
         return Ok(None);
     };
-    let a_correction = middle(a_correction.into_iter());
+    let a_correction = median(a_correction, f64::total_cmp);
     let steps = simulation.report().step;
     let memory = memory_held(scene, has_factor(&simulation));
     let further = if last.t < end {

@@ -1,10 +1,10 @@
 //! Steps of one length. The later ones are cheaper than the first, for their guesses are better: by how much is found
 //! by the iterations that steps on a coarse mesh come down to.
 
-use super::{Patience, RunEstimate, coarse, has_factor, is_over, middle};
+use super::{Patience, RunEstimate, coarse, has_factor, is_over};
 use crate::scene::{LinearMethod, Scene};
 use crate::simulation::{Phase, Report, Simulation, SimulationError, memory_held};
-use crate::study::clock::Stopwatch;
+use crate::study::clock::{Stopwatch, median};
 use std::time::Duration;
 
 /// Steps that are made at most on the own mesh.
@@ -56,10 +56,11 @@ pub(super) fn price(
         Later::default()
     };
     let last = &made[made.len().saturating_sub(LAST)..];
-    let a_step = middle(last.iter().map(|step| match later.work {
+    let a_step = last.iter().map(|step| match later.work {
         Some(work) => step.seconds_with(work),
         None => step.seconds,
-    }));
+    });
+    let a_step = median(a_step, f64::total_cmp);
     let seconds: f64 = made.iter().map(|step| step.seconds).sum();
     let with_factor = has_factor(&simulation) || later.with_factor;
     Ok(Some(RunEstimate {
