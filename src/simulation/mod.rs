@@ -47,6 +47,7 @@ pub use report::{Costs, Report};
 pub use schedule::{Schedule, step_count};
 pub use step_effort::{StepEffort, Tried};
 pub use warnings::warnings;
+pub(crate) use worker::panic_words;
 pub use worker::{
     Command, Continuity, Failure, Mailbox, Message, RunId, RunSnapshot, Setting, Worker,
     WorkerConfig, WorkerEvent,

@@ -1,6 +1,5 @@
 //! What reaches the main loop: the app's messages, and what concerns the loop alone.
 
-use std::any::Any;
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
@@ -8,6 +7,7 @@ use std::sync::mpsc::Sender;
 use std::thread::{self, JoinHandle};
 
 use super::message::Message;
+use crate::simulation::panic_words;
 
 /// What reaches the main loop.
 #[derive(Debug)]
@@ -47,15 +47,6 @@ pub(super) fn spawn(
             let _ = incoming.send(AppEvent::Crashed(format!("{told_name}: {words}")));
         }
     })
-}
-
-/// What a panic said.
-pub(super) fn panic_words(payload: &(dyn Any + Send)) -> &str {
-    payload
-        .downcast_ref::<String>()
-        .map(String::as_str)
-        .or_else(|| payload.downcast_ref::<&str>().copied())
-        .unwrap_or("no words")
 }
 
 #[cfg(test)]

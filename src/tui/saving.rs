@@ -9,13 +9,13 @@ use std::sync::mpsc::{self, Sender};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::autosave::SharedAutosave;
-use super::event::{AppEvent, panic_words, spawn};
+use super::event::{AppEvent, spawn};
 use super::message::Message;
 use super::state::View;
 use crate::fem::Mesh;
 use crate::record::{RunFolder, write_state, write_states};
 use crate::scene::{AnchoringKind, Scene};
-use crate::simulation::RunSnapshot;
+use crate::simulation::{RunSnapshot, panic_words};
 
 /// Where what is saved goes, within the working folder: a new folder each time.
 pub(super) const PARENT: &str = "saved";

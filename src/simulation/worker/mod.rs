@@ -26,6 +26,7 @@ pub use message::{
 };
 
 use runner::Runner;
+pub(crate) use runner::panic_words;
 
 /// How a run hangs together with those before and after it.
 #[derive(Debug, Default)]

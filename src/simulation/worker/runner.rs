@@ -138,7 +138,7 @@ impl<Sink: Fn(Message)> Runner<Sink> {
             Ok(Err(error)) => Some(Failure::from(error)),
             Err(panic) => Some(Failure::other(format!(
                 "the solver has a mistake and stopped: {}",
-                words_of(&*panic)
+                panic_words(&*panic)
             ))),
         };
         // The sink itself may be what panicked; then there is nobody left to tell.
@@ -460,7 +460,7 @@ impl<Sink: Fn(Message)> EventSender<Sink> {
 }
 
 /// The words of a panic.
-fn words_of(panic: &(dyn Any + Send)) -> &str {
+pub(crate) fn panic_words(panic: &(dyn Any + Send)) -> &str {
     panic
         .downcast_ref::<&str>()
         .copied()
