@@ -19,10 +19,7 @@ use crate::scene::{Anchoring, AnchoringKind};
 /// What [`Scheme::save`] has copied. It keeps its buffers: remembering again allocates nothing.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct SchemeCheckpoint {
-    phi: Vec<f64>,
-    omega: Vec<f64>,
-    mu: Vec<f64>,
-    director: Option<[Vec<f64>; 2]>,
+    state: State,
     /// The anchoring may be another than the scene's.
     anchoring: Option<Anchoring>,
     /// The time of the last step, as it was given to the effects.
@@ -63,18 +60,18 @@ impl SchemeCheckpoint {
     /// Whether a scheme can take it over.
     fn check(&self, scheme: &Scheme) -> Result<(), RestoreError> {
         let nodes = scheme.space.nodes();
-        let fields = [&self.phi, &self.omega, &self.mu];
-        if fields.iter().any(|field| field.len() != nodes) {
+        let State { phi, omega, mu, .. } = &self.state;
+        if [phi, omega, mu].iter().any(|field| field.len() != nodes) {
             return Err(RestoreError::Foreign(
                 "its mesh has another number of nodes",
             ));
         }
-        match (&self.director, &self.increments, &scheme.director) {
-            (None, None, None) => {}
-            (Some(director), Some(increments), Some(_))
-                if director.iter().all(|field| field.len() == nodes)
-                    && increments.fits(2 * nodes) => {}
-            _ => return Err(RestoreError::Foreign("its director does not fit")),
+        let increments = self.increments.as_ref();
+        if !self.state.fits(&scheme.state)
+            || increments.is_some() != scheme.director.is_some()
+            || increments.is_some_and(|increments| !increments.fits(2 * nodes))
+        {
+            return Err(RestoreError::Foreign("its director does not fit"));
         }
         let anchors = |anchoring: &Option<Anchoring>| {
             usize::from(anchoring.is_some_and(|anchoring| anchoring.kind != AnchoringKind::None))
@@ -104,10 +101,7 @@ impl SchemeCheckpoint {
 impl Scheme {
     /// Copies out everything that later steps depend on.
     pub fn save(&self, checkpoint: &mut SchemeCheckpoint) {
-        checkpoint.phi.clone_from(&self.state.phi);
-        checkpoint.omega.clone_from(&self.state.omega);
-        checkpoint.mu.clone_from(&self.state.mu);
-        copy_director(&mut checkpoint.director, &self.state);
+        checkpoint.state.clone_from(&self.state);
         checkpoint.anchoring = self.anchoring;
         checkpoint.interval = self.interval;
         let energies = self.report.energies.iter().map(|energy| energy.value);
@@ -135,14 +129,7 @@ impl Scheme {
     pub fn restore(&mut self, checkpoint: &SchemeCheckpoint) -> Result<(), RestoreError> {
         checkpoint.check(self)?;
         self.membrane.restore(&self.space, &checkpoint.linear)?;
-        self.state.phi.copy_from_slice(&checkpoint.phi);
-        self.state.omega.copy_from_slice(&checkpoint.omega);
-        self.state.mu.copy_from_slice(&checkpoint.mu);
-        if let (Some(to), Some(from)) = (&mut self.state.director, &checkpoint.director) {
-            for (to, from) in to.iter_mut().zip(from) {
-                to.copy_from_slice(from);
-            }
-        }
+        self.state.clone_from(&checkpoint.state);
         if self.anchoring != checkpoint.anchoring {
             self.anchoring = checkpoint.anchoring;
             self.effects
@@ -182,18 +169,6 @@ impl Scheme {
         self.selection = checkpoint.selection;
         self.restore_predictor_errors(checkpoint.predictor_errors.as_ref());
         Ok(())
-    }
-}
-
-fn copy_director(target: &mut Option<[Vec<f64>; 2]>, state: &State) {
-    match &state.director {
-        Some(source) => {
-            let target = target.get_or_insert_default();
-            for (target, source) in target.iter_mut().zip(source) {
-                target.clone_from(source);
-            }
-        }
-        None => *target = None,
     }
 }
 

@@ -63,9 +63,7 @@ impl Increments {
     /// Takes over others. Allocates only where there is no room yet.
     fn copy(&mut self, other: &Self) {
         self.known = other.known;
-        for (target, source) in self.last.iter_mut().zip(&other.last) {
-            target.clone_from(source);
-        }
+        self.last.clone_from(&other.last);
     }
 
     #[cfg(test)]

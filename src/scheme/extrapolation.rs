@@ -97,15 +97,7 @@ impl PredictorErrors {
     fn copy(&mut self, other: &Self) {
         self.dt = other.dt;
         self.errors.clone_from(&other.errors);
-        match &other.turn {
-            Some(source) => {
-                let target = self.turn.get_or_insert_default();
-                for (target, source) in target.iter_mut().zip(source) {
-                    target.clone_from(source);
-                }
-            }
-            None => self.turn = None,
-        }
+        self.turn.clone_from(&other.turn);
     }
 
     /// Whether it can be of a scheme whose state is this.
@@ -273,7 +265,7 @@ impl Scheme {
         // for Δt and one for the rest in each step 105 and 2171, with two that lived on for steps 40 and 3497.
         self.membrane.forget();
         self.stopping = StoppingCriterion::ChangesToCome(None);
-        copy(&mut extrapolated.start, &self.state);
+        extrapolated.start.clone_from(&self.state);
         extrapolated.start_report.clone_from(&self.report);
         let mut work = Work([0; 3]);
         let mut law_residual = 0.0;
@@ -289,8 +281,8 @@ impl Scheme {
                 damping = damping.min(report.damping);
             });
             // The state of the last part is the result; the scheme goes back to the start.
-            copy(&mut extrapolated.results[parts - 1], &self.state);
-            copy(&mut self.state, &extrapolated.start);
+            extrapolated.results[parts - 1].clone_from(&self.state);
+            self.state.clone_from(&extrapolated.start);
             self.report.clone_from(&extrapolated.start_report);
             outcome?;
         }
@@ -373,7 +365,7 @@ impl Scheme {
         if parts == 1 {
             self.history.extrapolate(end, next);
         } else {
-            copy(next, &extrapolated.results[parts - 2]);
+            next.clone_from(&extrapolated.results[parts - 2]);
             vector::add_scaled(&mut next.phi, growth, &errors[parts - 2][parts - 2]);
             if part < parts {
                 self.history.interpolate(here, end, next);
@@ -416,7 +408,7 @@ impl Scheme {
         let chains = now.errors.len();
         for (parts, errors) in (1..=chains).zip(&mut now.errors) {
             for (part, error) in (1..=parts).zip(errors) {
-                copy(here, combined);
+                here.clone_from(combined);
                 if part < parts {
                     let share = part as f64 / parts as f64;
                     self.history.interpolate(self.t + share * dt, end, here);
@@ -484,7 +476,7 @@ impl Scheme {
         // ω and μ of the finest result are the guesses from which those of the combination are solved for:
         // what earlier steps have left there must not be, for a run that is resumed has other.
         if let Some(finest) = results.last() {
-            copy(combined, finest);
+            combined.clone_from(finest);
         }
         combine_field(&mut combined.phi, results, |state| &state.phi);
         for (axis, sum) in combined.director.iter_mut().flatten().enumerate() {
@@ -561,18 +553,6 @@ impl Work {
 fn larger(residual: &mut f64, other: f64) {
     if other.abs() > residual.abs() {
         *residual = other;
-    }
-}
-
-/// Without allocation.
-fn copy(to: &mut State, from: &State) {
-    to.phi.copy_from_slice(&from.phi);
-    to.omega.copy_from_slice(&from.omega);
-    to.mu.copy_from_slice(&from.mu);
-    if let (Some(to), Some(from)) = (&mut to.director, &from.director) {
-        for (to, from) in to.iter_mut().zip(from) {
-            to.copy_from_slice(from);
-        }
     }
 }
 

@@ -82,9 +82,7 @@ impl Predictor {
         let unknown = self.entries.len() - self.known;
         for (target, source) in self.entries.range_mut(unknown..).zip(other.known()) {
             target.t = source.t;
-            for (target, source) in target.fields.iter_mut().zip(&source.fields) {
-                target.clone_from(source);
-            }
+            target.fields.clone_from(&source.fields);
         }
     }
 

@@ -6,7 +6,7 @@ use super::StepError;
 use crate::physics::NamedValue;
 
 /// The fields: nodal values on the mesh.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct State {
     /// φ: +1 inside the vesicle, −1 outside.
     pub phi: Vec<f64>,
@@ -18,7 +18,36 @@ pub struct State {
     pub director: Option<[Vec<f64>; 2]>,
 }
 
+impl Clone for State {
+    fn clone(&self) -> Self {
+        let mut copy = Self::default();
+        copy.clone_from(self);
+        copy
+    }
+
+    /// Allocates only where there is no room yet.
+    fn clone_from(&mut self, source: &Self) {
+        self.phi.clone_from(&source.phi);
+        self.omega.clone_from(&source.omega);
+        self.mu.clone_from(&source.mu);
+        self.director.clone_from(&source.director);
+    }
+}
+
 impl State {
+    /// Whether it has the same fields as another, with as many values.
+    pub fn fits(&self, other: &Self) -> bool {
+        let lengths = |state: &Self| {
+            let director = state.director.as_ref();
+            let director = director.map(|director| director.each_ref().map(Vec::len));
+            (
+                [&state.phi, &state.omega, &state.mu].map(Vec::len),
+                director,
+            )
+        };
+        lengths(self) == lengths(other)
+    }
+
     /// The first field with a value that is not finite.
     pub fn first_not_finite(&self) -> Option<&'static str> {
         let fields = [("phi", &self.phi), ("omega", &self.omega), ("mu", &self.mu)];

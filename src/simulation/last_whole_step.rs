@@ -51,15 +51,7 @@ impl LastWholeStep {
 impl LastWholeCheckpoint {
     /// Whether its fields are as long as these.
     pub(super) fn fits(&self, state: &State) -> bool {
-        let lengths = |state: &State| {
-            let director = state.director.as_ref();
-            let director = director.map(|director| director.each_ref().map(Vec::len));
-            (
-                [&state.phi, &state.omega, &state.mu].map(Vec::len),
-                director,
-            )
-        };
-        lengths(&self.state) == lengths(state)
+        self.state.fits(state)
     }
 
     /// Puts it back: `within` is the report of the state within the step, which has everything else in

@@ -261,7 +261,9 @@ fn nothing_may_be_left_out() {
         ("energies", &transform, |checkpoint| {
             checkpoint.total_energy += 1e-9
         }),
-        ("phi", &factor, |checkpoint| checkpoint.phi[30] += 1e-9),
+        ("phi", &factor, |checkpoint| {
+            checkpoint.state.phi[30] += 1e-9
+        }),
         ("factor", &factor, |checkpoint| {
             checkpoint.linear.forget_factor()
         }),

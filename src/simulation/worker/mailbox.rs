@@ -93,19 +93,7 @@ impl SnapshotOf<'_> {
             ledger,
             ..*self.report
         };
-        let State {
-            phi,
-            omega,
-            mu,
-            director,
-        } = &mut picture.state;
-        phi.clone_from(&self.state.phi);
-        omega.clone_from(&self.state.omega);
-        mu.clone_from(&self.state.mu);
-        match (director, &self.state.director) {
-            (Some(target), Some(source)) => target.clone_from(source),
-            (target, source) => target.clone_from(source),
-        }
+        picture.state.clone_from(self.state);
     }
 }
 
