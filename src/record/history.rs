@@ -1,6 +1,7 @@
 //! The tables of a run: what stands in their columns.
 
 use super::folder::remove;
+use super::scalar_columns::{energy_column, scalar, value_of};
 use super::table::{Extent, Found, Rows, Table};
 use super::{Columns, ReadError, RecordError};
 use crate::simulation::{NamedValue, Report};
@@ -34,15 +35,59 @@ const SHAPE: &str = "shape.csv";
 const LEDGER_COLUMNS: [&str; 2] = ["step", "t"];
 const SHAPE_COLUMNS: [&str; 5] = ["step", "t", "length", "waist", "width"];
 
+/// Something of each table.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+struct PerTable<T> {
+    history: T,
+    shape: T,
+    /// Made with the first report that has terms: the law is about steps, and the initial state
+    /// is none.
+    ledger: Option<T>,
+}
+
+impl<T> PerTable<T> {
+    fn as_ref(&self) -> PerTable<&T> {
+        PerTable {
+            history: &self.history,
+            shape: &self.shape,
+            ledger: self.ledger.as_ref(),
+        }
+    }
+
+    fn as_mut(&mut self) -> PerTable<&mut T> {
+        PerTable {
+            history: &mut self.history,
+            shape: &mut self.shape,
+            ledger: self.ledger.as_mut(),
+        }
+    }
+
+    fn try_map<U, E>(self, change: impl Fn(T) -> Result<U, E>) -> Result<PerTable<U>, E> {
+        Ok(PerTable {
+            history: change(self.history)?,
+            shape: change(self.shape)?,
+            ledger: self.ledger.map(change).transpose()?,
+        })
+    }
+
+    fn all(self) -> impl Iterator<Item = T> {
+        [Some(self.history), Some(self.shape), self.ledger]
+            .into_iter()
+            .flatten()
+    }
+}
+
 /// `history.csv`, `ledger.csv` and `shape.csv`, which get their rows at the same steps.
 #[derive(Debug)]
 pub(super) struct Tables {
-    history: Table,
-    shape: Table,
-    /// Made with the first report that has terms: the law is about steps, and the initial state
-    /// is none.
-    ledger: Option<Table>,
+    tables: PerTable<Table>,
     ledger_path: PathBuf,
+    next_row: NextRow,
+}
+
+/// What the next row is made from, beyond its report.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+struct NextRow {
     /// The step of the last row.
     last_row: Option<u64>,
     /// The law's residual of largest magnitude since the last row.
@@ -61,33 +106,21 @@ struct StepTerms {
 /// How far the tables have come, and what the next row is made from.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct TablesCheckpoint {
-    history: Extent,
-    shape: Extent,
-    ledger: Option<Extent>,
-    last_row: Option<u64>,
-    law_residual: f64,
-    terms: StepTerms,
+    extents: PerTable<Extent>,
+    next_row: NextRow,
 }
 
 /// Tables that were looked for.
 #[derive(Debug)]
 pub(super) struct FoundTables {
-    history: Found,
-    shape: Found,
-    ledger: Option<Found>,
+    tables: PerTable<Found>,
     ledger_path: PathBuf,
-    last_row: Option<u64>,
-    law_residual: f64,
-    terms: StepTerms,
+    next_row: NextRow,
 }
 
 /// The rows that the tables have at some moment.
 #[derive(Debug)]
-pub(super) struct TablesRows {
-    history: Rows,
-    shape: Rows,
-    ledger: Option<Rows>,
-}
+pub(super) struct TablesRows(PerTable<Rows>);
 
 impl TablesRows {
     /// Writes them as tables of their own into a folder.
@@ -95,27 +128,25 @@ impl TablesRows {
     /// # Errors
     /// [`RecordError::Write`].
     pub fn write(self, folder: &Path) -> Result<(), RecordError> {
-        self.history.write(&folder.join(HISTORY))?;
-        self.shape.write(&folder.join(SHAPE))?;
-        self.ledger
-            .map_or(Ok(()), |ledger| ledger.write(&folder.join(LEDGER)))
+        let mut tables = self.0.all().zip([HISTORY, SHAPE, LEDGER]);
+        tables.try_for_each(|(rows, name)| rows.write(&folder.join(name)))
     }
 }
 
 impl FoundTables {
     /// What is to be reported of the tables, in words.
     pub fn remarks(&self) -> Vec<String> {
-        self.all().flat_map(Found::remarks).collect()
+        self.tables
+            .as_ref()
+            .all()
+            .flat_map(Found::remarks)
+            .collect()
     }
 
     /// As [`FoundTables::remarks`], where the run goes on with them.
     pub fn remarks_of_take_up(&self) -> Vec<String> {
-        self.all().flat_map(Found::remarks_of_take_up).collect()
-    }
-
-    fn all(&self) -> impl Iterator<Item = &Found> {
-        let tables = [Some(&self.history), Some(&self.shape), self.ledger.as_ref()];
-        tables.into_iter().flatten()
+        let tables = self.tables.as_ref().all();
+        tables.flat_map(Found::remarks_of_take_up).collect()
     }
 
     /// The rows that the tables had then; changes nothing.
@@ -123,11 +154,7 @@ impl FoundTables {
     /// # Errors
     /// [`RecordError::Read`].
     pub fn rows(&self) -> Result<TablesRows, RecordError> {
-        Ok(TablesRows {
-            history: self.history.rows()?,
-            shape: self.shape.rows()?,
-            ledger: self.ledger.as_ref().map(Found::rows).transpose()?,
-        })
+        self.tables.as_ref().try_map(Found::rows).map(TablesRows)
     }
 
     /// The scalars that the tables had then; changes nothing.
@@ -135,8 +162,8 @@ impl FoundTables {
     /// # Errors
     /// [`ReadError`].
     pub fn columns(&self) -> Result<Columns, ReadError> {
-        let mut columns = self.history.columns()?;
-        columns.join(self.shape.columns()?);
+        let mut columns = self.tables.history.columns()?;
+        columns.join(self.tables.shape.columns()?);
         Ok(columns)
     }
 
@@ -145,14 +172,12 @@ impl FoundTables {
     /// # Errors
     /// [`RecordError::Write`], [`RecordError::FolderInTheWay`].
     pub fn check(&self) -> Result<(), RecordError> {
-        self.history.check()?;
-        self.shape.check()?;
-        match &self.ledger {
-            Some(ledger) => ledger.check(),
+        self.tables.as_ref().all().try_for_each(Found::check)?;
+        match &self.tables.ledger {
             None if self.ledger_path.is_dir() => Err(RecordError::FolderInTheWay {
                 path: self.ledger_path.clone(),
             }),
-            None => Ok(()),
+            _ => Ok(()),
         }
     }
 
@@ -161,17 +186,13 @@ impl FoundTables {
     /// # Errors
     /// [`RecordError`] where a file cannot be read or written.
     pub fn reopen(self) -> Result<Tables, RecordError> {
-        if self.ledger.is_none() {
+        if self.tables.ledger.is_none() {
             remove(&self.ledger_path)?;
         }
         Ok(Tables {
-            history: self.history.reopen()?,
-            shape: self.shape.reopen()?,
-            ledger: self.ledger.map(Found::reopen).transpose()?,
+            tables: self.tables.try_map(Found::reopen)?,
             ledger_path: self.ledger_path,
-            last_row: self.last_row,
-            law_residual: self.law_residual,
-            terms: self.terms,
+            next_row: self.next_row,
         })
     }
 }
@@ -179,28 +200,34 @@ impl FoundTables {
 impl Tables {
     /// How far they have come. What was appended is to be flushed before.
     pub fn save(&self) -> TablesCheckpoint {
+        let PerTable {
+            history,
+            shape,
+            ledger,
+        } = self.tables.as_ref();
         TablesCheckpoint {
-            history: self.history.extent(),
-            shape: self.shape.extent(),
-            ledger: self.ledger.as_ref().map(Table::extent),
-            last_row: self.last_row,
-            law_residual: self.law_residual,
-            terms: self.terms.clone(),
+            extents: PerTable {
+                history: history.extent(),
+                shape: shape.extent(),
+                ledger: ledger.map(Table::extent),
+            },
+            next_row: self.next_row.clone(),
         }
     }
 
     /// Looks whether the tables in `folder` go as far as they did; changes nothing.
     pub fn find(folder: &Path, memory: &TablesCheckpoint) -> FoundTables {
         let ledger_path = folder.join(LEDGER);
-        let ledger = memory.ledger.as_ref();
+        let extents = memory.extents.as_ref();
+        let ledger = extents.ledger;
         FoundTables {
-            history: Table::find(folder.join(HISTORY), &memory.history),
-            shape: Table::find(folder.join(SHAPE), &memory.shape),
-            ledger: ledger.map(|extent| Table::find(ledger_path.clone(), extent)),
+            tables: PerTable {
+                history: Table::find(folder.join(HISTORY), extents.history),
+                shape: Table::find(folder.join(SHAPE), extents.shape),
+                ledger: ledger.map(|extent| Table::find(ledger_path.clone(), extent)),
+            },
             ledger_path,
-            last_row: memory.last_row,
-            law_residual: memory.law_residual,
-            terms: memory.terms.clone(),
+            next_row: memory.next_row.clone(),
         }
     }
 
@@ -219,24 +246,21 @@ impl Tables {
         let mut columns = owned(&HISTORY_COLUMNS);
         columns.extend(missing(&columns, &initial.energies, energy_column));
         Tables {
-            history: Table::new(folder.join(HISTORY), columns),
-            shape: Table::new(folder.join(SHAPE), owned(&SHAPE_COLUMNS)),
-            ledger: None,
+            tables: PerTable {
+                history: Table::new(folder.join(HISTORY), columns),
+                shape: Table::new(folder.join(SHAPE), owned(&SHAPE_COLUMNS)),
+                ledger: None,
+            },
             ledger_path: folder.join(LEDGER),
-            last_row: None,
-            law_residual: 0.0,
-            terms: StepTerms::default(),
+            next_row: NextRow::default(),
         }
     }
 
     /// Goes on with them in another folder; the rows that are in a file stay where they are.
     pub fn move_to(&mut self, folder: &Path) {
         self.ledger_path = folder.join(LEDGER);
-        self.history.move_to(folder);
-        self.shape.move_to(folder);
-        if let Some(ledger) = &mut self.ledger {
-            ledger.move_to(folder);
-        }
+        let tables = self.tables.as_mut().all();
+        tables.for_each(|table| table.move_to(folder));
     }
 
     /// The rows up to now, those too that are in no file yet.
@@ -244,32 +268,36 @@ impl Tables {
     /// # Errors
     /// [`RecordError`].
     pub fn rows_now(&mut self) -> Result<TablesRows, RecordError> {
-        Ok(TablesRows {
-            history: self.history.rows_now()?,
-            shape: self.shape.rows_now()?,
-            ledger: self.ledger.as_mut().map(Table::rows_now).transpose()?,
-        })
+        self.tables
+            .as_mut()
+            .try_map(Table::rows_now)
+            .map(TablesRows)
     }
 
     /// Takes note of a step, whether or not it gets a row.
     pub fn observe(&mut self, report: &Report) {
         // Written so that a residual which is no number is not passed over.
-        if self.law_residual.abs() < report.law_residual.abs() || report.law_residual.is_nan() {
-            self.law_residual = report.law_residual;
+        let NextRow {
+            law_residual,
+            terms,
+            ..
+        } = &mut self.next_row;
+        if law_residual.abs() < report.law_residual.abs() || report.law_residual.is_nan() {
+            *law_residual = report.law_residual;
         }
         if !report.ledger.is_empty() {
-            self.terms.step = report.step;
-            self.terms.values.clear();
-            let terms = report.ledger.iter();
-            let terms = terms.map(|term| (Cow::Borrowed(term.name), term.value));
-            self.terms.values.extend(terms);
+            terms.step = report.step;
+            terms.values.clear();
+            let ledger = report.ledger.iter();
+            let ledger = ledger.map(|term| (Cow::Borrowed(term.name), term.value));
+            terms.values.extend(ledger);
         }
     }
 
     /// Appends the row of a step to each table, if it is not there yet. `wall` is the time of
     /// computing since the run began, in seconds. Nothing is written yet.
     pub fn append(&mut self, report: &Report, wall: f64) {
-        if self.last_row == Some(report.step) {
+        if self.next_row.last_row == Some(report.step) {
             return;
         }
         self.append_scalars(report, wall);
@@ -279,34 +307,35 @@ impl Tables {
     /// Appends a row but for the ledger, which is about steps: of a state whose energy was measured anew.
     /// Its step has two rows then.
     pub fn append_scalars(&mut self, report: &Report, wall: f64) {
-        self.last_row = Some(report.step);
+        self.next_row.last_row = Some(report.step);
 
-        let law_residual = std::mem::take(&mut self.law_residual);
-        let late = missing(self.history.columns(), &report.energies, energy_column);
-        self.history.add_columns(late);
-        let cells = history_cells(self.history.columns(), report, law_residual, wall);
-        self.history.append(cells);
+        let law_residual = std::mem::take(&mut self.next_row.law_residual);
+        let history = &mut self.tables.history;
+        history.add_columns(missing(history.columns(), &report.energies, energy_column));
+        let cell = |column: &String| match column.as_str() {
+            "law_residual" => Some(law_residual),
+            "wall" => Some(wall),
+            column => scalar(report, column),
+        };
+        let cells: Vec<_> = history.columns().iter().map(cell).collect();
+        history.append(cells);
 
-        let outline = report.outline;
-        self.shape.append([
-            Some(report.step as f64),
-            Some(report.t),
-            outline.map(|outline| outline.length),
-            outline.map(|outline| outline.waist),
-            outline.map(|outline| outline.width),
-        ]);
+        let cells = SHAPE_COLUMNS.map(|column| scalar(report, column));
+        self.tables.shape.append(cells);
     }
 
     fn append_ledger(&mut self, report: &Report) {
-        let is_taken_up = report.ledger.is_empty() && self.terms.step == report.step;
+        let StepTerms { step, values } = &self.next_row.terms;
+        let is_taken_up = report.ledger.is_empty() && *step == report.step;
         let terms = match is_taken_up {
-            true => &self.terms.values[..],
+            true => &values[..],
             false => &[],
         };
-        if self.ledger.is_none() && report.ledger.is_empty() && terms.is_empty() {
+        let tables = &mut self.tables;
+        if tables.ledger.is_none() && report.ledger.is_empty() && terms.is_empty() {
             return;
         }
-        let ledger = self
+        let ledger = tables
             .ledger
             .get_or_insert_with(|| Table::new(self.ledger_path.clone(), owned(&LEDGER_COLUMNS)));
         let is_known = |name: &str| ledger.columns().iter().any(|column| column == name);
@@ -317,7 +346,8 @@ impl Tables {
         ledger.add_columns(late);
         let value = |name: &String| {
             let term = terms.iter().find(|(known, _)| known == name);
-            term.map(|(_, value)| *value).or_else(|| value(&all, name))
+            term.map(|(_, value)| *value)
+                .or_else(|| value_of(&all, name))
         };
         let names = &ledger.columns()[LEDGER_COLUMNS.len()..];
         let cells: Vec<_> = [Some(report.step as f64), Some(report.t)]
@@ -348,15 +378,8 @@ impl Tables {
         &mut self,
         action: fn(&mut Table) -> Result<(), RecordError>,
     ) -> Result<(), RecordError> {
-        [
-            Some(&mut self.history),
-            Some(&mut self.shape),
-            self.ledger.as_mut(),
-        ]
-        .into_iter()
-        .flatten()
-        .map(action)
-        .fold(Ok(()), Result::and)
+        let tables = self.tables.as_mut().all();
+        tables.map(action).fold(Ok(()), Result::and)
     }
 }
 
@@ -374,10 +397,6 @@ fn owned(columns: &[&str]) -> Vec<String> {
     columns.iter().map(|&column| column.to_owned()).collect()
 }
 
-fn energy_column(effect: &str) -> String {
-    format!("E_{effect}")
-}
-
 /// The columns of `values` that a table does not have.
 fn missing(
     columns: &[String],
@@ -389,38 +408,6 @@ fn missing(
         .map(|named| column_of(named.name))
         .filter(|column| !columns.contains(column))
         .collect()
-}
-
-fn value(values: &[NamedValue], name: &str) -> Option<f64> {
-    values
-        .iter()
-        .find(|named| named.name == name)
-        .map(|named| named.value)
-}
-
-/// A row of `history.csv`, in the order of its columns.
-fn history_cells(
-    columns: &[String],
-    report: &Report,
-    law_residual: f64,
-    wall: f64,
-) -> Vec<Option<f64>> {
-    let cell = |column: &String| match column.as_str() {
-        "step" => Some(report.step as f64),
-        "t" => Some(report.t),
-        "dt" => Some(report.dt),
-        "E_total" => Some(report.total_energy),
-        "A" => Some(report.phase_integral),
-        "B" => Some(report.surface_area),
-        "law_residual" => Some(law_residual),
-        "newton" => Some(f64::from(report.newton)),
-        "krylov" => Some(f64::from(report.krylov)),
-        "wall" => Some(wall),
-        energy => energy
-            .strip_prefix("E_")
-            .and_then(|effect| value(&report.energies, effect)),
-    };
-    columns.iter().map(cell).collect()
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! How a number prints in every table.
 
-use std::fmt;
+use std::fmt::{self, Write};
 
 /// A number, printed with the fewest digits that read back exactly.
 ///
@@ -41,6 +41,19 @@ impl fmt::Display for ShortNumber {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let rounded = format!("{:.5e}", self.0).parse().unwrap_or(self.0);
         Number(rounded).fmt(f)
+    }
+}
+
+/// Appends the cells of a row of a CSV table; `None` is an empty cell.
+pub(crate) fn push_cells(row: &mut String, cells: impl IntoIterator<Item = Option<f64>>) {
+    for (place, cell) in cells.into_iter().enumerate() {
+        if place > 0 {
+            row.push(',');
+        }
+        if let Some(value) = cell {
+            // Writing to a String cannot fail.
+            let _ = write!(row, "{}", Number(value));
+        }
     }
 }
 

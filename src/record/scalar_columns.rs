@@ -1,14 +1,54 @@
 //! The scalars of a run in memory: columns over the rows of its tables.
 
+use super::HISTORY_COLUMNS;
+use super::number::push_cells;
 use super::read::{ReadError, read_table};
-use super::{HISTORY_COLUMNS, Number};
-use crate::simulation::Report;
+use crate::simulation::{NamedValue, Report};
 use std::collections::HashSet;
-use std::fmt::Write;
 use std::path::Path;
 
-/// The columns of `shape.csv` beyond step and t.
-const SHAPE: [&str; 3] = ["length", "waist", "width"];
+/// The columns of a report, but for its energies, which stand between them.
+const BEFORE_ENERGIES: [&str; 4] = ["step", "t", "dt", "E_total"];
+const AFTER_ENERGIES: [&str; 8] = [
+    "A",
+    "B",
+    "law_residual",
+    "newton",
+    "krylov",
+    "length",
+    "waist",
+    "width",
+];
+
+/// The column of an effect's energy.
+pub(super) fn energy_column(effect: &str) -> String {
+    format!("E_{effect}")
+}
+
+/// What a report has for a column; `None`: nothing.
+pub(super) fn scalar(report: &Report, column: &str) -> Option<f64> {
+    match column {
+        "step" => Some(report.step as f64),
+        "t" => Some(report.t),
+        "dt" => Some(report.dt),
+        "E_total" => Some(report.total_energy),
+        "A" => Some(report.phase_integral),
+        "B" => Some(report.surface_area),
+        "law_residual" => Some(report.law_residual),
+        "newton" => Some(f64::from(report.newton)),
+        "krylov" => Some(f64::from(report.krylov)),
+        "length" => report.outline.map(|outline| outline.length),
+        "waist" => report.outline.map(|outline| outline.waist),
+        "width" => report.outline.map(|outline| outline.width),
+        energy => value_of(&report.energies, energy.strip_prefix("E_")?),
+    }
+}
+
+/// The value of a name.
+pub(super) fn value_of(values: &[NamedValue], name: &str) -> Option<f64> {
+    let named = values.iter().find(|named| named.name == name)?;
+    Some(named.value)
+}
 
 /// Columns of scalars, each with a value a row; NaN where there is none.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -20,31 +60,16 @@ pub struct Columns {
 impl Columns {
     /// Appends a step. `wall` is left out: a report knows no clock.
     pub fn push(&mut self, report: &Report) {
-        let outline = report.outline;
-        let mut cells: Vec<(String, f64)> = vec![
-            ("step".to_owned(), report.step as f64),
-            ("t".to_owned(), report.t),
-            ("dt".to_owned(), report.dt),
-            ("E_total".to_owned(), report.total_energy),
-        ];
         let energies = report.energies.iter();
-        cells.extend(energies.map(|energy| (format!("E_{}", energy.name), energy.value)));
-        cells.extend([
-            ("A".to_owned(), report.phase_integral),
-            ("B".to_owned(), report.surface_area),
-            ("law_residual".to_owned(), report.law_residual),
-            ("newton".to_owned(), f64::from(report.newton)),
-            ("krylov".to_owned(), f64::from(report.krylov)),
-        ]);
-        if let Some(outline) = outline {
-            let sizes = [outline.length, outline.waist, outline.width];
-            cells.extend(SHAPE.map(str::to_owned).into_iter().zip(sizes));
-        }
-        self.append(cells);
-    }
-
-    fn append(&mut self, cells: Vec<(String, f64)>) {
-        for (name, value) in cells {
+        let energies = energies.map(|energy| energy_column(energy.name));
+        let names = BEFORE_ENERGIES.map(str::to_owned).into_iter();
+        let names = names
+            .chain(energies)
+            .chain(AFTER_ENERGIES.map(str::to_owned));
+        for name in names {
+            let Some(value) = scalar(report, &name) else {
+                continue;
+            };
             let column = match self.columns.iter().position(|(known, _)| *known == name) {
                 Some(number) => number,
                 None => {
@@ -150,16 +175,11 @@ impl Columns {
         let names: Vec<&str> = self.names().collect();
         let mut text = names.join(",") + "\n";
         for row in 0..self.rows {
-            for (number, (_, values)) in self.columns.iter().enumerate() {
-                if number > 0 {
-                    text.push(',');
-                }
-                let value = values[row];
-                if !value.is_nan() {
-                    // Writing to a String cannot fail.
-                    let _ = write!(text, "{}", Number(value));
-                }
-            }
+            let values = self.columns.iter().map(|(_, values)| values[row]);
+            push_cells(
+                &mut text,
+                values.map(|value| Some(value).filter(|value| !value.is_nan())),
+            );
             text.push('\n');
         }
         text
@@ -169,7 +189,6 @@ impl Columns {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulation::NamedValue;
 
     fn report(step: u64, energies: &[(&'static str, f64)]) -> Report {
         let named = |&(name, value): &(&'static str, f64)| NamedValue { name, value };

@@ -3,14 +3,14 @@
 use super::atomic::{write_keeping, write_whole};
 use super::bounded_read::{open_file, read_file_lossy, read_file_text};
 use super::folder::free_numbered;
+use super::number::push_cells;
 use super::read::{LARGEST, parse_table};
 use super::table_checks::Checks;
 use super::table_repair::{Repaired, repair};
-use super::{Columns, Number, ReadError, RecordError};
+use super::{Columns, ReadError, RecordError};
 use crc32fast::Hasher;
 use serde::{Deserialize, Serialize};
 use std::ffi::OsString;
-use std::fmt::Write as _;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufRead, BufReader, Read, Write as _};
 use std::path::{Path, PathBuf};
@@ -189,22 +189,13 @@ impl Table {
     /// is written yet.
     pub fn append(&mut self, cells: impl IntoIterator<Item = Option<f64>>) {
         let begin = self.pending.len();
-        let mut count = 0;
-        for cell in cells {
-            if count == 0 {
-                self.last_step = cell.map(|step| step as u64);
-            }
-            if count > 0 {
-                self.pending.push(',');
-            }
-            if let Some(value) = cell {
-                // Writing to a String cannot fail.
-                let _ = write!(self.pending, "{}", Number(value));
-            }
-            count += 1;
-        }
+        let mut cells = cells.into_iter().peekable();
+        self.last_step = cells.peek().copied().flatten().map(|step| step as u64);
+        push_cells(&mut self.pending, cells);
+        let row = &self.pending[begin..];
+        let count = row.split(',').count();
         debug_assert_eq!(count, self.columns.len(), "one cell a column");
-        self.checks.add(self.rows, &self.pending[begin..]);
+        self.checks.add(self.rows, row);
         self.pending.push('\n');
         self.rows += 1;
     }
