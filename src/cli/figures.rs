@@ -6,8 +6,7 @@ use super::progress::Progress;
 use super::run::{Stop, simulate, some_step};
 use super::signals::EndSignal;
 use crate::figure::{
-    Director, Existing, FigureOptions, LARGEST_WIDTH, LEAST_WIDTH, RunData, Snapshot, check_free,
-    save_set,
+    Director, Existing, FigureOptions, LARGEST_WIDTH, LEAST_WIDTH, RunData, check_free, save_set,
 };
 use crate::record::{
     Ending, IfOccupied, RecordError, RecordedRun, RecorderBuilder, RunFolder, Settings, clean,
@@ -387,17 +386,12 @@ fn compute_one(
 
 /// What is drawn of a run; nothing, if no fields were saved.
 fn data((name, run): (String, RecordedRun), command: &str) -> Option<RunData> {
-    let snapshots = run.fields.into_iter().map(|fields| Snapshot {
-        step: fields.step,
-        t: fields.t,
-        state: fields.state,
-    });
     Some(RunData {
         name,
         scene: Arc::new(run.scene),
         mesh: run.mesh?,
         history: run.history,
-        snapshots: snapshots.collect(),
+        snapshots: run.fields,
         command: command.to_owned(),
         switches: Vec::new(),
     })

@@ -13,7 +13,7 @@ pub struct Contour {
 }
 
 /// The size of a vesicle along and across its long axis.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct OutlineMeasure {
     /// Its extent along the axis.
     pub length: f64,

@@ -3,6 +3,7 @@
 use super::FigureError;
 use crate::fem::Mesh;
 use crate::record::Columns;
+pub use crate::record::Snapshot;
 use crate::scene::{AnchoringKind, Scene};
 use crate::scheme::State;
 use crate::simulation::Report;
@@ -11,17 +12,6 @@ use std::sync::Arc;
 
 /// The pictures in a strip.
 const PICTURES: usize = 5;
-
-/// The fields of a run at one time.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Snapshot {
-    /// The step.
-    pub step: u64,
-    /// Its time.
-    pub t: f64,
-    /// The fields.
-    pub state: Arc<State>,
-}
 
 /// All that is drawn of a run. A run that is half done gives what there is.
 #[derive(Debug, Clone)]

@@ -33,7 +33,7 @@ pub(super) const LEDGER: &str = "ledger.csv";
 const SHAPE: &str = "shape.csv";
 
 const LEDGER_COLUMNS: [&str; 2] = ["step", "t"];
-const SHAPE_COLUMNS: [&str; 5] = ["step", "t", "length", "waist", "width"];
+pub(super) const SHAPE_COLUMNS: [&str; 5] = ["step", "t", "length", "waist", "width"];
 
 /// Something of each table.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -393,7 +393,7 @@ pub(super) fn ledger_cells(report: &Report, is_known: impl Fn(&str) -> bool) -> 
     report.ledger.iter().copied().chain(effort).collect()
 }
 
-fn owned(columns: &[&str]) -> Vec<String> {
+pub(super) fn owned(columns: &[&str]) -> Vec<String> {
     columns.iter().map(|&column| column.to_owned()).collect()
 }
 

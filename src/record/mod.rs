@@ -56,9 +56,7 @@ pub(crate) use folder::make as make_folder;
 pub use folder::{IfOccupied, RunFolder, Whereabouts};
 pub use history::HISTORY_COLUMNS;
 pub use number::{Number, ShortNumber};
-pub use read::{
-    ReadError, RecordedFields, RecordedRun, StoredFields, WrongArray, read_fields, read_run,
-};
+pub use read::{ReadError, RecordedRun, Snapshot, StoredFields, WrongArray, read_fields, read_run};
 pub use recorder::{Recorder, RecorderBuilder, Settings};
 pub use resume::{Found, Resumption};
 pub use scalar_columns::Columns;
@@ -67,5 +65,5 @@ pub use crate::simulation::{Schedule, step_count};
 pub use load_scene::{LoadError, LoadedScene, load_run_scene, load_scene};
 pub use scene_file::same_run;
 pub use snapshots::{write_state, write_states};
-pub use summary::{Ending, EventRecord, OutlineChange, OutlineRecord, RunSummary, Status};
+pub use summary::{Ending, EventRecord, OutlineChange, RunSummary, Status};
 pub use vtu::{write_fields, write_series};

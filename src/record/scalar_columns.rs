@@ -1,24 +1,16 @@
 //! The scalars of a run in memory: columns over the rows of its tables.
 
-use super::HISTORY_COLUMNS;
+use super::history::{HISTORY_COLUMNS, SHAPE_COLUMNS, owned};
 use super::number::push_cells;
 use super::read::{ReadError, read_table};
 use crate::simulation::{NamedValue, Report};
 use std::collections::HashSet;
 use std::path::Path;
 
-/// The columns of a report, but for its energies, which stand between them.
-const BEFORE_ENERGIES: [&str; 4] = ["step", "t", "dt", "E_total"];
-const AFTER_ENERGIES: [&str; 8] = [
-    "A",
-    "B",
-    "law_residual",
-    "newton",
-    "krylov",
-    "length",
-    "waist",
-    "width",
-];
+/// The columns before the energies of the effects, which differ from run to run, and after them.
+const BEFORE_ENERGIES: &[&str] = HISTORY_COLUMNS.split_at(4).0;
+const AFTER_ENERGIES: &[&str] = HISTORY_COLUMNS.split_at(8).1;
+const SIZES: &[&str] = SHAPE_COLUMNS.split_at(2).1;
 
 /// The column of an effect's energy.
 pub(super) fn energy_column(effect: &str) -> String {
@@ -62,11 +54,13 @@ impl Columns {
     pub fn push(&mut self, report: &Report) {
         let energies = report.energies.iter();
         let energies = energies.map(|energy| energy_column(energy.name));
-        let names = BEFORE_ENERGIES.map(str::to_owned).into_iter();
-        let names = names
-            .chain(energies)
-            .chain(AFTER_ENERGIES.map(str::to_owned));
-        for name in names {
+        let names = [
+            owned(BEFORE_ENERGIES),
+            energies.collect(),
+            owned(AFTER_ENERGIES),
+            owned(SIZES),
+        ];
+        for name in names.concat() {
             let Some(value) = scalar(report, &name) else {
                 continue;
             };

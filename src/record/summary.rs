@@ -16,10 +16,11 @@ use std::time::{Duration, SystemTime};
 const LAST_SECOND: u64 = 253_402_300_799;
 
 /// How a run stands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Status {
     /// It goes on, or was killed.
+    #[default]
     Running,
     /// It reached its end.
     Done,
@@ -42,7 +43,7 @@ pub enum Ending {
 
 /// What stands in `run.json`. All quantities are dimensionless; times of the clock are in seconds
 /// or, where they are dates, in UTC by RFC 3339. A number that is not finite is `null`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct RunSummary {
     /// Of vesica.
     pub version: &'static str,
@@ -141,30 +142,9 @@ impl PhaseCosts {
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct OutlineChange {
     /// At t = 0.
-    pub start: Option<OutlineRecord>,
+    pub start: Option<OutlineMeasure>,
     /// At the time reached.
-    pub end: Option<OutlineRecord>,
-}
-
-/// Lengths of the vesicle's outline, φ = 0.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct OutlineRecord {
-    /// Along its long axis.
-    pub length: f64,
-    /// The least width between the two bulges.
-    pub waist: f64,
-    /// The greatest width.
-    pub width: f64,
-}
-
-impl From<OutlineMeasure> for OutlineRecord {
-    fn from(outline: OutlineMeasure) -> Self {
-        OutlineRecord {
-            length: outline.length,
-            waist: outline.waist,
-            width: outline.width,
-        }
-    }
+    pub end: Option<OutlineMeasure>,
 }
 
 /// Something that happened in a run.
@@ -203,7 +183,7 @@ pub(super) struct Totals {
     costs: Costs,
     largest: [f64; 3],
     initial_phase_integral: f64,
-    initial_outline: Option<OutlineRecord>,
+    initial_outline: Option<OutlineMeasure>,
     events: Vec<EventRecord>,
 }
 
@@ -268,35 +248,10 @@ impl RunSummary {
         RunSummary {
             version: env!("CARGO_PKG_VERSION"),
             scene: scene.name.clone(),
-            status: Status::Running,
-            error: None,
             started: now(),
-            ended: None,
-            seconds: 0.0,
-            setup_seconds: 0.0,
-            steps: 0,
             planned_steps,
-            refused: 0,
-            errors: ErrorEstimates::default(),
-            largest_error: None,
-            milliseconds: PhaseCosts::default(),
-            costs: Costs::default(),
-            t: 0.0,
-            underway: None,
-            total_energy: None,
-            nodes: None,
-            triangles: None,
             threads: 1,
-            linear_method: None,
-            newton: 0,
-            krylov: 0,
-            largest_law_residual: 0.0,
-            largest_energy_rise: 0.0,
-            largest_phase_drift: 0.0,
-            outline: OutlineChange::default(),
-            warnings: Vec::new(),
-            events: Vec::new(),
-            initial_phase_integral: 0.0,
+            ..RunSummary::default()
         }
     }
 
@@ -313,7 +268,7 @@ impl RunSummary {
             .iter()
             .map(ToString::to_string)
             .collect();
-        self.outline.start = report.outline.map(Into::into);
+        self.outline.start = report.outline;
         self.initial_phase_integral = report.phase_integral;
         self.reach(report);
     }
@@ -343,7 +298,7 @@ impl RunSummary {
         self.errors = report.budget;
         self.largest_error = report.budget.largest().map(|(part, _)| part);
         self.total_energy = Some(report.total_energy);
-        self.outline.end = report.outline.map(Into::into);
+        self.outline.end = report.outline;
     }
 
     /// Takes in how the run ends.

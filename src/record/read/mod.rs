@@ -10,5 +10,5 @@ pub(super) const LARGEST: u64 = 1 << 32;
 
 pub use error::{ReadError, WrongArray};
 pub use fields::{StoredFields, read_fields};
-pub use run::{RecordedFields, RecordedRun, read_run};
+pub use run::{RecordedRun, Snapshot, read_run};
 pub(super) use table::{parse_table, read_table};

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// The fields of a run at one time.
 #[derive(Debug, Clone, PartialEq)]
-pub struct RecordedFields {
+pub struct Snapshot {
     /// The step.
     pub step: u64,
     /// Its time.
@@ -31,7 +31,7 @@ pub struct RecordedRun {
     /// The mesh; `None` if no fields were saved.
     pub mesh: Option<Arc<Mesh>>,
     /// The fields that were saved, in the order of time, those at the end included.
-    pub fields: Vec<RecordedFields>,
+    pub fields: Vec<Snapshot>,
 }
 
 /// Reads a run's folder: `scene.toml`, `history.csv`, `shape.csv`, `fields/step-*.vtu` and
@@ -51,7 +51,7 @@ pub fn read_run(folder: &Path) -> Result<RecordedRun, ReadError> {
     let LoadedScene { scene, .. } = load_run_scene(folder, &[])?;
     let history = Columns::read(folder)?;
     let mut mesh: Option<(Arc<Mesh>, PathBuf)> = None;
-    let mut fields: Vec<RecordedFields> = Vec::new();
+    let mut fields: Vec<Snapshot> = Vec::new();
     let last = folder.join("final.vtu");
     let last_step = history.column("step").and_then(|steps| steps.last());
     let snapshots = snapshots(&folder.join(FIELDS))?;
@@ -74,7 +74,7 @@ pub fn read_run(folder: &Path) -> Result<RecordedRun, ReadError> {
                 }
             }
         }
-        fields.push(RecordedFields {
+        fields.push(Snapshot {
             step,
             t: stored.t,
             state: Arc::new(stored.state),
