@@ -38,7 +38,7 @@ fn slot(name: &str) -> Slot {
         run: run.id,
         anchoring: None,
         report: report.clone(),
-        state: simulation.state().clone(),
+        state: Arc::new(simulation.state().clone()),
     }));
     run.report = report;
     run.status = Status::Running;

@@ -9,7 +9,7 @@ use super::frame_history::{self, FrameHistory};
 use super::history::History;
 use super::run_control::RunControl;
 use super::state::{
-    App, DirectorStyle, Expectation, Field, Keeping, Notice, Overlay, Panel, Question, Run, Save,
+    App, Director, Expectation, Field, Keeping, Notice, Overlay, Panel, Question, Run, Save,
     Saving, Screen, Slot, Status, View,
 };
 use super::throughput::Throughput;
@@ -46,7 +46,7 @@ impl App {
             overlay: None,
             view: View {
                 field: Field::Phase,
-                director: DirectorStyle::Arrows,
+                director: Director::Arrows,
                 colour_map: 0,
                 logarithmic: false,
             },

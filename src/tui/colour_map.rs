@@ -1,6 +1,8 @@
 //! Colour maps: sixteen colours each, monotone in luminance, once for terminals of 24 bits and once,
 //! chosen by eye and hand, out of the palette of 256, which is what most people see over SSH.
 
+use crate::figure;
+
 /// Levels that a field is quantised to before it is coloured: so few colours that most cells stay
 /// what they were from one frame to the next.
 pub const LEVELS: usize = 16;
@@ -10,6 +12,8 @@ pub const LEVELS: usize = 16;
 pub struct ColourMap {
     /// Its name.
     pub name: &'static str,
+    /// The map of a saved figure that looks like it.
+    pub figure: figure::ColourMap,
     /// Red, green and blue of each level.
     pub rgb: [[u8; 3]; LEVELS],
     /// The number in the palette of 256 of each level; 16 and above, since the first sixteen are the
@@ -28,6 +32,7 @@ pub static COLOUR_MAPS: [ColourMap; 4] = [TIDE, VIRIDIS, GREY, PAPER];
 /// is nearly zero, and still monotone.
 const TIDE: ColourMap = ColourMap {
     name: "tide",
+    figure: figure::ColourMap::BlueRed,
     rgb: [
         [0x0e, 0x1a, 0x2b],
         [0x11, 0x27, 0x42],
@@ -56,6 +61,7 @@ const TIDE: ColourMap = ColourMap {
 /// From violet to yellow, made to be read by everyone.
 const VIRIDIS: ColourMap = ColourMap {
     name: "viridis",
+    figure: figure::ColourMap::Viridis,
     rgb: [
         [0x44, 0x01, 0x54],
         [0x47, 0x1b, 0x69],
@@ -84,6 +90,7 @@ const VIRIDIS: ColourMap = ColourMap {
 /// Without hue, from dark to bright.
 const GREY: ColourMap = ColourMap {
     name: "grey",
+    figure: figure::ColourMap::Grey,
     rgb: [
         [0x12, 0x12, 0x12],
         [0x1e, 0x1e, 0x1e],
@@ -112,6 +119,7 @@ const GREY: ColourMap = ColourMap {
 /// Ink on paper: bright outside, for bright backgrounds.
 const PAPER: ColourMap = ColourMap {
     name: "paper",
+    figure: figure::ColourMap::Ink,
     rgb: [
         [0xfa, 0xf8, 0xf2],
         [0xf0, 0xee, 0xe6],

@@ -3,10 +3,9 @@
 use std::sync::Arc;
 
 use super::colour_map::COLOUR_MAPS;
-use super::frame_history::bytes_of;
 use super::saving::{Job, What, save_states};
-use super::state::{DirectorStyle, Field, View};
-use crate::figure::{self, ColourMap, Director, FigureOptions, RunData, Snapshot};
+use super::state::{Field, View};
+use crate::figure::{self, FigureOptions, RunData, Snapshot};
 use crate::record::{Columns, RunFolder};
 use crate::simulation::{Claim, RunSnapshot};
 
@@ -21,12 +20,12 @@ pub fn save_figures(job: &Job, folder: &RunFolder) -> Result<(), String> {
     let files = match &job.what {
         What::View(picture, view) => save_view(job, picture, view, folder),
         What::Set(pictures, _) => {
-            let claim = Claim::of(bytes_of_set(pictures, folder));
+            let claim = Claim::of(bytes_of_tables(folder));
             let _claim = claim.map_err(|shortage| format!("the set needs {shortage}"))?;
             let snapshots = pictures.iter().map(|picture| Snapshot {
                 step: picture.report.step,
                 t: picture.report.t,
-                state: Arc::new(picture.state.clone()),
+                state: Arc::clone(&picture.state),
             });
             let run = RunData {
                 name: job.name.clone(),
@@ -44,11 +43,10 @@ pub fn save_figures(job: &Job, folder: &RunFolder) -> Result<(), String> {
     files.map(|_| ()).map_err(|error| error.to_string())
 }
 
-/// Copies of the pictures, and the tables as text and as numbers.
-fn bytes_of_set(pictures: &[Arc<RunSnapshot>], folder: &RunFolder) -> u64 {
-    let fields: usize = pictures.iter().map(|picture| bytes_of(picture)).sum();
+/// The tables of a set as text and as numbers.
+fn bytes_of_tables(folder: &RunFolder) -> u64 {
     let size = |name| std::fs::metadata(folder.path().join(name)).map_or(0, |it| it.len());
-    fields as u64 + 2 * (size("history.csv") + size("shape.csv"))
+    2 * (size("history.csv") + size("shape.csv"))
 }
 
 fn save_view(
@@ -77,18 +75,8 @@ fn save_view(
         command: &command,
     };
     let options = FigureOptions {
-        director: match view.director {
-            DirectorStyle::Arrows => Director::Arrows,
-            DirectorStyle::Strokes => Director::Strokes,
-            DirectorStyle::Off => Director::Off,
-        },
-        // In the order in which a key goes through those of the screen.
-        colours: match view.colour_map % COLOUR_MAPS.len() {
-            1 => ColourMap::Viridis,
-            2 => ColourMap::Grey,
-            3 => ColourMap::Ink,
-            _ => ColourMap::BlueRed,
-        },
+        director: view.director,
+        colours: COLOUR_MAPS[view.colour_map % COLOUR_MAPS.len()].figure,
         ..FigureOptions::view()
     };
     figure::save_view(&shown, &options, folder.path())

@@ -156,7 +156,7 @@ impl FrameHistory {
 }
 
 /// The memory of a picture.
-pub(super) fn bytes_of(picture: &RunSnapshot) -> usize {
+fn bytes_of(picture: &RunSnapshot) -> usize {
     let state = &picture.state;
     let director = state
         .director
@@ -184,12 +184,12 @@ mod tests {
                 step,
                 ..Report::default()
             },
-            state: State {
+            state: Arc::new(State {
                 phi: field.clone(),
                 omega: field.clone(),
                 mu: field,
                 director: None,
-            },
+            }),
         })
     }
 

@@ -65,7 +65,7 @@ pub type Save = fn(&Job, &RunFolder) -> Result<(), String>;
 pub fn save_states(job: &Job, folder: &RunFolder) -> Result<(), String> {
     let written = match &job.what {
         What::View(picture, _) => {
-            let state = (&picture.report, &picture.state);
+            let state = (&picture.report, &*picture.state);
             write_state(folder, &job.scene, &job.mesh, state)
         }
         What::Set(pictures, autosave) => {
@@ -74,7 +74,7 @@ pub fn save_states(job: &Job, folder: &RunFolder) -> Result<(), String> {
             drop(autosave);
             let states: Vec<_> = pictures
                 .iter()
-                .map(|picture| (&picture.report, &picture.state))
+                .map(|picture| (&picture.report, &*picture.state))
                 .collect();
             write_states(folder, &job.scene, &job.mesh, &states, rows)
         }
@@ -205,7 +205,7 @@ mod tests {
                 step,
                 ..simulation.report().clone()
             },
-            state: simulation.state().clone(),
+            state: Arc::new(simulation.state().clone()),
         };
         let scene = Arc::new(scene);
         let kept = KeptRuns::new(Path::new("/nowhere"), "circle", &scene);

@@ -13,6 +13,7 @@ use crate::simulation::{Report, RunId, RunSnapshot, SetUp, Setting, StepProgress
 
 pub use super::history::History;
 pub use super::throughput::Throughput;
+pub use crate::figure::Director;
 
 /// The whole state of the app.
 #[derive(Debug)]
@@ -294,7 +295,7 @@ pub struct View {
     /// Which field.
     pub field: Field,
     /// The director over φ and |d|.
-    pub director: DirectorStyle,
+    pub director: Director,
     /// Which of the colour maps, counted modulo their number.
     pub colour_map: usize,
     /// Whether the curves have a logarithmic scale.
@@ -314,17 +315,6 @@ pub enum Field {
     Mu,
     /// ε/2 ω²: the bending energy's density.
     EnergyDensity,
-}
-
-/// How the director is shown.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum DirectorStyle {
-    /// With heads, eight directions.
-    Arrows,
-    /// Without heads: d and −d mean the same.
-    Strokes,
-    /// Not at all.
-    Off,
 }
 
 /// A part of the screen that can have the focus and fill more of it.

@@ -76,11 +76,11 @@ impl SnapshotOf<'_> {
             run: self.run,
             anchoring: self.anchoring,
             report: self.report.clone(),
-            state: self.state.clone(),
+            state: Arc::new(self.state.clone()),
         }
     }
 
-    /// The same without allocating: the vectors have their lengths.
+    /// The same without allocating: the vectors have their lengths, unless a figure still holds the fields.
     fn paint_over(self, picture: &mut RunSnapshot) {
         picture.run = self.run;
         picture.anchoring = self.anchoring;
@@ -93,7 +93,10 @@ impl SnapshotOf<'_> {
             ledger,
             ..*self.report
         };
-        picture.state.clone_from(self.state);
+        match Arc::get_mut(&mut picture.state) {
+            Some(state) => state.clone_from(self.state),
+            None => picture.state = Arc::new(self.state.clone()),
+        }
     }
 }
 
@@ -147,7 +150,7 @@ mod tests {
             }
             let picture = shown.as_ref().expect("fetched at step 0");
             assert_eq!(picture.report.step, step - step % 3);
-            assert_eq!(picture.state, state(picture.report.step as f64));
+            assert_eq!(*picture.state, state(picture.report.step as f64));
             let director = picture.state.director.as_ref().expect("a director");
             places.push((Arc::as_ptr(picture), director[1].as_ptr()));
         }
@@ -161,7 +164,7 @@ mod tests {
         let mut canvases = SnapshotPool::default();
         let kept: Vec<_> = (0..20).map(|step| paint(&mut canvases, step)).collect();
         for (step, picture) in kept.iter().enumerate() {
-            assert_eq!(picture.state, state(step as f64));
+            assert_eq!(*picture.state, state(step as f64));
         }
         assert_eq!(canvases.0.len(), CANVASES);
     }

@@ -160,6 +160,6 @@ pub struct RunSnapshot {
     pub anchoring: Option<AnchoringKind>,
     /// The scalars.
     pub report: Report,
-    /// The fields.
-    pub state: State,
+    /// The fields; a saved figure shares them.
+    pub state: Arc<State>,
 }

@@ -109,7 +109,7 @@ fn without_costs(report: Report) -> Report {
 
 fn fetched(worker: &Worker) -> (u64, State) {
     let picture = worker.mailbox().fetch().unwrap();
-    (picture.report.step, picture.state.clone())
+    (picture.report.step, State::clone(&picture.state))
 }
 
 #[test]
@@ -143,7 +143,7 @@ fn a_watched_run_is_bit_for_bit_the_one_that_nobody_watches() {
     assert_eq!(steps, [0, 10, 20, 30, 40]);
     for kept in snapshots {
         let step = kept.report.step as usize;
-        assert_eq!(kept.state, states[step]);
+        assert_eq!(*kept.state, states[step]);
         assert_eq!(without_costs(kept.report.clone()), expected[step]);
         assert_eq!(kept.anchoring, Some(AnchoringKind::Parallel));
     }

@@ -4,7 +4,6 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::Style;
 use ratatui::text::{Line, Span};
-use ratatui::widgets::{Block, Widget};
 
 use super::Look;
 use super::plot::{Plot, level, ramp_glyph, ramp_style};
@@ -15,7 +14,7 @@ use crate::tui::canvas::Canvas;
 use crate::tui::field_image;
 use crate::tui::layout::{Step, centred, fit};
 use crate::tui::numbers::brief;
-use crate::tui::state::{DirectorStyle, Field, View};
+use crate::tui::state::{Director, Field, View};
 use crate::tui::theme::Theme;
 
 /// Columns left of the frame, for the numbers of the y axis.
@@ -87,18 +86,12 @@ pub fn draw(
         width: columns + 2,
         height: rows + 2,
     };
-    let block = Block::bordered()
-        .border_set(theme.glyphs().border)
-        .border_style(theme.muted());
-    let cells = block.inner(frame);
-    block.render(frame, buffer);
     let plot = Plot {
         state: &picture.state,
-        mesh: &setting.mesh,
-        interface_width: setting.scene.membrane.interface_width,
+        setting,
         view,
     };
-    let range = plot.draw(theme, canvas, cells, buffer);
+    let (cells, range) = plot.draw(theme, canvas, frame, buffer);
     axes(region, parts(step), frame, theme, buffer);
     let bar = Rect {
         x: frame.right() + 1,
@@ -127,9 +120,9 @@ fn title<'a>(view: View, theme: &Theme) -> Line<'a> {
 fn notes<'a>(shown: &Shown<'_>, view: View, theme: &Theme) -> Line<'a> {
     let director = match view.director {
         _ if shown.scene().nematic.is_none() => "no director",
-        DirectorStyle::Arrows => "arrows",
-        DirectorStyle::Strokes => "strokes",
-        DirectorStyle::Off => "director off",
+        Director::Arrows => "arrows",
+        Director::Strokes => "strokes",
+        Director::Off => "director off",
     };
     let words = if theme.paints() {
         let map = theme.map(view.colour_map).name;

@@ -3,7 +3,6 @@
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::text::{Line, Span};
-use ratatui::widgets::{Block, Widget};
 
 use super::plot::Plot;
 use super::shown::Shown;
@@ -136,18 +135,12 @@ fn draw_tile(
         height: rows + 2,
         ..area
     };
-    let block = Block::bordered()
-        .border_set(theme.glyphs().border)
-        .border_style(theme.muted());
-    let cells = block.inner(frame);
-    block.render(frame, buffer);
     let plot = Plot {
         state: &picture.state,
-        mesh: &setting.mesh,
-        interface_width: setting.scene.membrane.interface_width,
+        setting,
         view: app.view,
     };
-    plot.draw(theme, canvas, cells, buffer);
+    plot.draw(theme, canvas, frame, buffer);
     let mut list = area;
     if below {
         take_top(&mut list, frame.height);

@@ -1,18 +1,17 @@
 //! A field on a rectangle of cells: colours or a ramp of glyphs, the contour φ = 0, the director.
 
-use std::sync::Arc;
-
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::{Modifier, Style};
+use ratatui::widgets::{Block, Widget};
 
-use crate::fem::Mesh;
 use crate::scheme::State;
+use crate::simulation::Setting;
 use crate::tui::canvas::Canvas;
 use crate::tui::colour_map::{ColourMap, LEVELS};
 use crate::tui::field_image::FieldImage;
 use crate::tui::glyphs::Glyphs;
-use crate::tui::state::{DirectorStyle, Field, View};
+use crate::tui::state::{Director, Field, View};
 use crate::tui::theme::{ColorTier, Role, Theme};
 
 /// Below this |d| the director has no direction worth showing.
@@ -26,10 +25,8 @@ const STRONG: f64 = 1.15;
 pub struct Plot<'a> {
     /// The fields.
     pub state: &'a State,
-    /// Their mesh.
-    pub mesh: &'a Arc<Mesh>,
-    /// ε.
-    pub interface_width: f64,
+    /// Their mesh and scene.
+    pub setting: &'a Setting,
     /// Which field, which colours, which director.
     pub view: View,
 }
@@ -41,20 +38,30 @@ pub fn level(share: f64) -> usize {
 }
 
 impl Plot<'_> {
-    /// Draws into all cells of an area; gives back the values of the ends of the colour bar.
+    /// Draws a frame and fills it; returns the cells within it, and the values at the ends of the colour bar.
     pub fn draw(
         &self,
         theme: &Theme,
         canvas: &mut Canvas,
-        area: Rect,
+        frame: Rect,
         buffer: &mut Buffer,
-    ) -> [f64; 2] {
-        let area = area.intersection(buffer.area);
+    ) -> (Rect, [f64; 2]) {
+        let block = Block::bordered()
+            .border_set(theme.glyphs().border)
+            .border_style(theme.muted());
+        let cells = block.inner(frame);
+        block.render(frame, buffer);
+        let area = cells.intersection(buffer.area);
         let (columns, rows) = (usize::from(area.width), usize::from(area.height));
         let half = theme.glyphs().upper_half.filter(|_| theme.paints());
         let samples_a_cell = if half.is_some() { 2 } else { 1 };
-        let raster = canvas.raster(self.mesh, columns, rows * samples_a_cell);
-        let sampled = FieldImage::new(self.view.field, self.state, self.interface_width, &raster);
+        let raster = canvas.raster(&self.setting.mesh, columns, rows * samples_a_cell);
+        let sampled = FieldImage::new(
+            self.view.field,
+            self.state,
+            self.setting.scene.membrane.interface_width,
+            &raster,
+        );
         let mut contour = contour(&sampled.phase, columns);
         if self.view.field != Field::Phase {
             // What lies on the membrane is to be seen too.
@@ -69,7 +76,7 @@ impl Plot<'_> {
             None => self.ink(&sampled, &contour, theme, area, buffer),
         }
         self.director(&sampled, &contour, theme, canvas, area, buffer);
-        sampled.range
+        (cells, sampled.range)
     }
 
     /// Without colours: a ramp of glyphs, the contour above all.
@@ -110,14 +117,14 @@ impl Plot<'_> {
         area: Rect,
         buffer: &mut Buffer,
     ) {
-        let drawn = self.view.director != DirectorStyle::Off
+        let drawn = self.view.director != Director::Off
             && matches!(self.view.field, Field::Phase | Field::DirectorLength);
         let Some([dx, dy]) = self.state.director.as_ref().filter(|_| drawn) else {
             return;
         };
         let (columns, rows) = (usize::from(area.width), usize::from(area.height));
         let samples_a_cell = sampled.values.len() / (columns * rows).max(1);
-        let raster = canvas.raster(self.mesh, columns, rows);
+        let raster = canvas.raster(&self.setting.mesh, columns, rows);
         // About twenty in the height of the domain, as far apart in x as in y; two columns at least,
         // since the glyphs touch each other otherwise.
         let every = (rows / 20).max(1);
@@ -140,7 +147,7 @@ impl Plot<'_> {
                 let glyphs = theme.glyphs();
                 let symbol = match self.view.director {
                     _ if length < VANISHING => glyphs.dot,
-                    DirectorStyle::Strokes => glyphs.stroke(x, y),
+                    Director::Strokes => glyphs.stroke(x, y),
                     _ => glyphs.arrow(x, y),
                 };
                 let value = sampled.values.get(top * columns + column);

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use super::super::keys::Action;
 use super::super::message::Effect;
 use super::super::state::{
-    App, Beyond, DirectorStyle, Ending, Field, Keeping, Notice, Overlay, Panel, Question, Run,
-    Save, Screen, Slot, Status,
+    App, Beyond, Director, Ending, Field, Keeping, Notice, Overlay, Panel, Question, Run, Save,
+    Screen, Slot, Status,
 };
 use super::{leave, overlays, remark, saving};
 use crate::record::ShortNumber;
@@ -369,11 +369,11 @@ fn save_set(app: &mut App, effects: &mut Vec<Effect>) {
     }
 }
 
-fn next_style(style: DirectorStyle) -> DirectorStyle {
+fn next_style(style: Director) -> Director {
     match style {
-        DirectorStyle::Arrows => DirectorStyle::Strokes,
-        DirectorStyle::Strokes => DirectorStyle::Off,
-        DirectorStyle::Off => DirectorStyle::Arrows,
+        Director::Arrows => Director::Strokes,
+        Director::Strokes => Director::Off,
+        Director::Off => Director::Arrows,
     }
 }
 

@@ -69,7 +69,7 @@ fn frames(theme: &Theme) -> Vec<usize> {
             run: run.id,
             anchoring: None,
             report: run.report.clone(),
-            state,
+            state: Arc::new(state),
         }));
         terminal
             .draw(|frame| draw(&app, theme, &mut canvas, frame))

@@ -115,7 +115,7 @@ pub fn slot(name: &str, mesh: &Arc<Mesh>) -> Slot {
                 run: run.id,
                 anchoring: Some(AnchoringKind::Homeotropic),
                 report: report.clone(),
-                state,
+                state: Arc::new(state),
             });
             run.past.put(picture.clone());
             run.picture = Some(picture);

@@ -15,7 +15,7 @@ use crate::simulation::RunSnapshot;
 use crate::tui::colour_map::COLOUR_MAPS;
 use crate::tui::layout::divide;
 use crate::tui::state::{
-    App, DirectorStyle, Field, Keeping, Overlay, Panel, Question, Saving, Screen, Severity, Status,
+    App, Director, Field, Keeping, Overlay, Panel, Question, Saving, Screen, Severity, Status,
 };
 use crate::tui::theme::{ColorTier, Theme};
 
@@ -58,7 +58,7 @@ const CHANGES: &[Change] = &[
     }),
     ("area", |app| app.focus = Panel::Area),
     ("cost", |app| app.focus = Panel::Cost),
-    ("strokes", |app| app.view.director = DirectorStyle::Strokes),
+    ("strokes", |app| app.view.director = Director::Strokes),
     ("omega", |app| app.view.field = Field::Omega),
     ("mu", |app| {
         app.view.field = Field::Mu;
@@ -67,7 +67,7 @@ const CHANGES: &[Change] = &[
     ("length", |app| app.view.field = Field::DirectorLength),
     ("density", |app| {
         app.view.field = Field::EnergyDensity;
-        app.view.director = DirectorStyle::Off;
+        app.view.director = Director::Off;
     }),
     ("gallery", |app| app.screen = Screen::Gallery),
     ("help", |app| {
@@ -334,7 +334,7 @@ fn a_circle_looks_round() {
     let mesh = Arc::new(Mesh::structured(60, 0.0, 0).expect("a regular mesh"));
     let mut app = made_up::app();
     app.slots[2] = made_up::slot("case3", &mesh);
-    app.view.director = DirectorStyle::Off;
+    app.view.director = Director::Off;
     let mut state = made_up::state(&mesh, 0.0);
     let center = Point::new(0.5, 0.5);
     let circle = |node: &Point| (0.3 - length(node - center)) / 0.05;
@@ -344,7 +344,7 @@ fn a_circle_looks_round() {
         run: run.id,
         anchoring: None,
         report: run.report.clone(),
-        state,
+        state: Arc::new(state),
     }));
     for (columns, rows) in [(80, 24), (100, 30), (120, 40), (200, 60)] {
         let buffer = drawn(&app, &Theme::new(ColorTier::Basic, true), columns, rows);

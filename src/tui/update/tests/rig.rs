@@ -162,12 +162,12 @@ impl Played {
             run: self.orders.run,
             anchoring: Some(self.anchoring),
             report: self.report.clone(),
-            state: State {
+            state: Arc::new(State {
                 phi: field.clone(),
                 omega: field.clone(),
                 mu: field.clone(),
                 director: Some([field.clone(), field]),
-            },
+            }),
         })
     }
 }

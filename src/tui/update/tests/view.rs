@@ -3,7 +3,7 @@
 use crossterm::event::KeyCode;
 
 use super::super::super::message::Effect;
-use super::super::super::state::{DirectorStyle, Field, Panel};
+use super::super::super::state::{Director, Field, Panel};
 use super::rig::{Rig, scene, slot};
 
 /// A run with pictures of the steps 3, 6, …, 3n.
@@ -109,9 +109,9 @@ fn the_field_goes_through_those_that_there_are() {
 fn styles_colours_scales_and_panels() {
     let mut rig = Rig::new();
     rig.keys("dd");
-    assert_eq!(rig.app.view.director, DirectorStyle::Off);
+    assert_eq!(rig.app.view.director, Director::Off);
     rig.keys("dccl");
-    assert_eq!(rig.app.view.director, DirectorStyle::Arrows);
+    assert_eq!(rig.app.view.director, Director::Arrows);
     assert_eq!(rig.app.view.colour_map, 2);
     assert!(rig.app.view.logarithmic);
     rig.press(KeyCode::BackTab);
