@@ -29,7 +29,7 @@ use serde::{Deserialize, Serialize};
 use crate::fem::{Contour, GradientRecovery, Mesh, MeshQuality, Pieces, long_axis};
 use crate::geometry::Vector;
 use crate::scene::{AnchoringKind, Iteration, Order, Scene, Shape, Time, Warning};
-use crate::scheme::{Scheme, StepError, StepReport, initial_fields};
+use crate::scheme::{Scheme, StepError, initial_fields};
 
 pub use crate::fem::OutlineMeasure;
 pub use crate::physics::NamedValue;
@@ -56,7 +56,7 @@ pub use worker::{
 use controller::Controller;
 use last_whole_step::LastWholeStep;
 use memory_estimate::claim_memory;
-use partial_step::PartialStep;
+use partial_step::{PartialStep, StepDetails, StepOutcome};
 use presence::check_vesicle;
 use step_subdivision::StepSubdivision;
 use warnings::NearWall;
@@ -302,16 +302,19 @@ impl Simulation {
         let before = self.last_whole().0;
         let before = (before.step, before.t);
         let was_damped = self.report.effort.damping < 1.0;
-        let taken = match self.pacing {
+        let outcome = match self.pacing {
             Pacing::Fixed(_) => self.grid_step(left, &mut watch, leave)?,
             Pacing::Chosen(controller) => self.chosen_step(controller, left, &mut watch, leave)?,
         };
-        if let Some(left) = taken.left {
-            watch(Phase::Ledger);
-            self.left = Some(PartialStep { costs, ..left });
-            self.measure();
-            return Ok(false);
-        }
+        let taken = match outcome {
+            StepOutcome::Whole(taken) => taken,
+            StepOutcome::Interrupted(left) => {
+                watch(Phase::Ledger);
+                self.left = Some(PartialStep { costs, ..left });
+                self.measure();
+                return Ok(false);
+            }
+        };
         self.last_whole = None;
         if let Some(jump) = taken.switched {
             let kind = EventKind::FieldSwitched { jump };
@@ -352,19 +355,19 @@ impl Simulation {
         left: Option<PartialStep>,
         watch: &mut dyn FnMut(Phase),
         leave: &mut dyn FnMut(&StepProgress) -> bool,
-    ) -> Result<Taken, SimulationError> {
+    ) -> Result<StepOutcome, SimulationError> {
         let step = self.report.step + 1;
         let dt = self.scene.time.step;
         let (begin, end) = (grid_time(step - 1, dt), grid_time(step, dt));
-        let mut taken = Taken::begin(left.as_ref(), !self.scheme.uses_factor());
+        let mut taken = StepDetails::begin(left.as_ref(), !self.scheme.uses_factor());
         let Pacing::Fixed(subdivision) = &mut self.pacing else {
-            return Ok(taken);
+            return Ok(StepOutcome::Whole(taken));
         };
         if left.is_none() {
             subdivision.begin();
         }
         // Of the parts that were solved before the step was left.
-        let mut earlier = left.filter(|left| left.effort.parts > 0);
+        let mut earlier = left.filter(|left| left.details.effort.parts > 0);
         let mut is_begun = false;
         let mut has_news = false;
         loop {
@@ -378,11 +381,8 @@ impl Simulation {
                 refused: taken.effort.refused,
             };
             if has_news || is_begun && leave(&underway) {
-                taken.left = Some(match earlier {
-                    Some(earlier) => taken.leave(underway, earlier),
-                    None => taken.leave(underway, PartialStep::of(&self.report)),
-                });
-                return Ok(taken);
+                let sums = earlier.unwrap_or_else(|| PartialStep::of(&self.report));
+                return Ok(taken.interrupt(underway, sums));
             }
             is_begun = true;
             // What is solved next is a part of the step.
@@ -459,7 +459,7 @@ impl Simulation {
         }
         self.report.step = step;
         self.report.t = end;
-        Ok(taken)
+        Ok(StepOutcome::Whole(taken))
     }
 
     /// A step whose length is chosen.
@@ -469,12 +469,12 @@ impl Simulation {
         left: Option<PartialStep>,
         watch: &mut dyn FnMut(Phase),
         leave: &mut dyn FnMut(&StepProgress) -> bool,
-    ) -> Result<Taken, SimulationError> {
+    ) -> Result<StepOutcome, SimulationError> {
         let (step, t) = (self.report.step + 1, self.report.t);
         let landing = self.landing_after(t);
         let order = self.scene.time.order;
         let (chains, combine) = (order.chains(), order != Order::First);
-        let mut taken = Taken::begin(left.as_ref(), !self.scheme.uses_factor());
+        let mut taken = StepDetails::begin(left.as_ref(), !self.scheme.uses_factor());
         let mut work = left.map_or([0; 3], |left| left.work);
         let (mut is_begun, mut has_news) = (false, false);
         let longest = controller.attempt(t, landing).dt;
@@ -494,8 +494,7 @@ impl Simulation {
                     work,
                     ..PartialStep::default()
                 };
-                taken.left = Some(taken.leave(underway, sums));
-                return Ok(taken);
+                return Ok(taken.interrupt(underway, sums));
             }
             is_begun = true;
             let outcome = self
@@ -516,7 +515,7 @@ impl Simulation {
                     self.report.t = attempt.end;
                     self.report.step = step;
                     self.pacing = Pacing::Chosen(controller);
-                    return Ok(taken);
+                    return Ok(StepOutcome::Whole(taken));
                 }
                 Ok(difference) => {
                     let tried = self.scheme.tried_work();
@@ -565,7 +564,7 @@ impl Simulation {
     }
 
     /// What was tried in a step that was not solved.
-    fn tried(&self, taken: &Taken, steps: [f64; 2]) -> Tried {
+    fn tried(&self, taken: &StepDetails, steps: [f64; 2]) -> Tried {
         Tried {
             refused: taken.effort.refused,
             fast: (taken.was_fast || !self.scheme.uses_factor())
@@ -678,72 +677,6 @@ impl Simulation {
     /// How the linear systems of substep 2 are solved at present: "transform", "shifted" or "factor".
     pub fn linear_method(&self) -> &'static str {
         self.scheme.linear_method()
-    }
-}
-
-/// What is to be told of a step beyond its report.
-#[derive(Debug, Default)]
-struct Taken {
-    /// Whether the step began without the sparse factor.
-    was_fast: bool,
-    /// Why the transform gave way to the factor.
-    fallback: Option<StepError>,
-    /// Why Newton's method took over from the lagged iteration.
-    newton_took_over: Option<StepError>,
-    /// Why the step was taken in parts.
-    divided: Option<String>,
-    /// By how much the energy jumped before the step.
-    switched: Option<f64>,
-    effort: StepEffort,
-    /// What was done of it, where it was left before its end.
-    left: Option<PartialStep>,
-}
-
-impl Taken {
-    /// Begins a step, or goes on with one that was left. `is_fast`: without the sparse factor.
-    fn begin(left: Option<&PartialStep>, is_fast: bool) -> Self {
-        let Some(left) = left else {
-            return Self {
-                was_fast: is_fast,
-                ..Self::default()
-            };
-        };
-        Self {
-            was_fast: left.was_fast,
-            fallback: left.fallback.clone(),
-            newton_took_over: left.newton_took_over.clone(),
-            divided: left.divided.clone(),
-            switched: left.switched,
-            effort: left.effort,
-            left: None,
-        }
-    }
-
-    /// What is left of the step, given the sums of its report.
-    fn leave(&self, underway: StepProgress, sums: PartialStep) -> PartialStep {
-        PartialStep {
-            underway: Some(underway),
-            was_fast: self.was_fast,
-            fallback: self.fallback.clone(),
-            newton_took_over: self.newton_took_over.clone(),
-            divided: self.divided.clone(),
-            switched: self.switched,
-            effort: self.effort,
-            ..sums
-        }
-    }
-
-    /// Takes note of a step of the scheme.
-    fn note(&mut self, solved: &StepReport) {
-        if self.fallback.is_none() {
-            self.fallback.clone_from(&solved.fallback);
-        }
-        if self.newton_took_over.is_none() {
-            self.newton_took_over.clone_from(&solved.newton_took_over);
-        }
-        if let Some(jump) = solved.switched {
-            *self.switched.get_or_insert(0.0) += jump;
-        }
     }
 }
 

@@ -6,7 +6,7 @@ use std::fmt;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{Costs, Report, StepEffort};
-use crate::scheme::StepError;
+use crate::scheme::{StepError, StepReport};
 
 /// A hard step, between two attempts.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -48,20 +48,7 @@ impl fmt::Display for StepProgress {
 pub(super) struct PartialStep {
     /// Where it was left.
     pub(super) underway: Option<StepProgress>,
-    /// Whether the step began without the sparse factor.
-    pub(super) was_fast: bool,
-    /// The rungs that it has needed.
-    pub(super) effort: StepEffort,
-    /// Why it was divided.
-    pub(super) divided: Option<String>,
-    /// Why the fast linear solver gave way to the factor.
-    #[serde(serialize_with = "to_words", deserialize_with = "from_words")]
-    pub(super) fallback: Option<StepError>,
-    /// Why Newton's method took over from the lagged iteration.
-    #[serde(serialize_with = "to_words", deserialize_with = "from_words")]
-    pub(super) newton_took_over: Option<StepError>,
-    /// By how much the energy jumped before the step.
-    pub(super) switched: Option<f64>,
+    pub(super) details: StepDetails,
     /// Iterations of its parts, or of the attempts that were refused: of substep 2, Krylov's, of
     /// substep 1.
     pub(super) work: [u32; 3],
@@ -73,6 +60,67 @@ pub(super) struct PartialStep {
     pub(super) time_error: Option<f64>,
     /// What it has taken on the clock.
     pub(super) costs: Costs,
+}
+
+/// What is reported of a step beyond its report.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub(super) struct StepDetails {
+    /// Whether the step began without the sparse factor.
+    pub(super) was_fast: bool,
+    /// How hard it was to solve.
+    pub(super) effort: StepEffort,
+    /// Why it was divided.
+    pub(super) divided: Option<String>,
+    /// Why the fast linear solver gave way to the factor.
+    #[serde(serialize_with = "to_words", deserialize_with = "from_words")]
+    pub(super) fallback: Option<StepError>,
+    /// Why Newton's method took over from the lagged iteration.
+    #[serde(serialize_with = "to_words", deserialize_with = "from_words")]
+    pub(super) newton_took_over: Option<StepError>,
+    /// By how much the energy jumped before the step.
+    pub(super) switched: Option<f64>,
+}
+
+/// How an attempt at a step ends.
+#[derive(Debug)]
+pub(super) enum StepOutcome {
+    /// The step was taken.
+    Whole(StepDetails),
+    /// It was interrupted before its end.
+    Interrupted(PartialStep),
+}
+
+impl StepDetails {
+    /// Those of a step that begins or continues. `is_fast`: without the sparse factor.
+    pub(super) fn begin(left: Option<&PartialStep>, is_fast: bool) -> Self {
+        let new = || Self {
+            was_fast: is_fast,
+            ..Self::default()
+        };
+        left.map_or_else(new, |left| left.details.clone())
+    }
+
+    /// Takes note of a step of the scheme.
+    pub(super) fn note(&mut self, solved: &StepReport) {
+        if self.fallback.is_none() {
+            self.fallback.clone_from(&solved.fallback);
+        }
+        if self.newton_took_over.is_none() {
+            self.newton_took_over.clone_from(&solved.newton_took_over);
+        }
+        if let Some(jump) = solved.switched {
+            *self.switched.get_or_insert(0.0) += jump;
+        }
+    }
+
+    /// What is left of the step, given the sums of its report.
+    pub(super) fn interrupt(self, underway: StepProgress, sums: PartialStep) -> StepOutcome {
+        StepOutcome::Interrupted(PartialStep {
+            underway: Some(underway),
+            details: self,
+            ..sums
+        })
+    }
 }
 
 impl PartialStep {
