@@ -158,7 +158,13 @@ impl Slot {
     }
 
     pub(super) fn set_anchoring(&mut self, kind: AnchoringKind) {
-        let scene = Arc::make_mut(&mut self.scene);
+        set_anchoring(Arc::make_mut(&mut self.scene), kind);
+    }
+}
+
+/// Gives a scene another anchoring. A scene without a table needs none for the kind "none".
+pub(super) fn set_anchoring(scene: &mut Scene, kind: AnchoringKind) {
+    if scene.anchoring.is_some() || kind != AnchoringKind::None {
         scene.anchoring.get_or_insert_default().kind = kind;
     }
 }

@@ -14,6 +14,7 @@ use std::time::{Duration, Instant};
 
 use signal_hook::consts::{SIGINT, SIGQUIT};
 
+use super::app::set_anchoring;
 use super::autosave::{self, Autosave, SharedAutosave};
 use super::canvas::Canvas;
 use super::event::{AppEvent, spawn};
@@ -29,7 +30,7 @@ use super::theme::{ColorTier, Theme};
 use super::update::{expectation_wanted, update};
 use super::{allocator, editing, estimates, job_control, opening, panel};
 use crate::record::{self, Settings};
-use crate::scene::{AnchoringKind, Scene};
+use crate::scene::Scene;
 use crate::simulation::{
     Command, Continuity, RunId, RunSnapshot, Worker, WorkerConfig, free_memory, kept_free,
 };
@@ -510,13 +511,13 @@ impl Session {
         };
         let what = what(run);
         let mut switches = run.history.marks.clone();
-        let scene = match &what {
-            What::View(picture, _) => {
-                switches.retain(|(step, _)| *step < picture.report.step);
-                with_anchoring(&setting.scene, picture.anchoring)
+        let mut scene = setting.scene.clone();
+        if let What::View(picture, _) = &what {
+            switches.retain(|(step, _)| *step < picture.report.step);
+            if let Some(kind) = picture.anchoring {
+                set_anchoring(&mut scene, kind);
             }
-            What::Set(..) => setting.scene.clone(),
-        };
+        }
         self.saver.give(Job {
             name: slot.name.clone(),
             scene: Arc::new(scene),
@@ -688,15 +689,4 @@ fn call_off(measuring: &mut Option<Arc<AtomicBool>>) {
 
 fn lock(autosave: &SharedAutosave) -> std::sync::MutexGuard<'_, Autosave> {
     autosave.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// A scene with the anchoring that was in force at some time; `None`: there is nothing to anchor.
-fn with_anchoring(scene: &Scene, kind: Option<AnchoringKind>) -> Scene {
-    let mut scene = scene.clone();
-    if let Some(kind) = kind
-        && (scene.anchoring.is_some() || kind != AnchoringKind::None)
-    {
-        scene.anchoring.get_or_insert_default().kind = kind;
-    }
-    scene
 }
