@@ -2,9 +2,8 @@
 
 use super::data::Snapshot;
 use crate::fem::Mesh;
-use crate::record::Number;
+use crate::record::push_cells;
 use crate::scheme::State;
-use std::fmt::Write;
 use std::io;
 
 /// A table of numbers whose first column names the scene.
@@ -24,13 +23,12 @@ impl Table {
     pub fn row(&mut self, scene: &str, cells: impl IntoIterator<Item = Option<f64>>) {
         // Names of scenes for files have no comma.
         self.text.push_str(scene);
-        for cell in cells {
-            self.text.push(',');
-            if let Some(value) = cell.filter(|value| !value.is_nan()) {
-                // Writing to a String cannot fail.
-                let _ = write!(self.text, "{}", Number(value));
-            }
-        }
+        self.text.push(',');
+        let cells = cells.into_iter();
+        push_cells(
+            &mut self.text,
+            cells.map(|cell| cell.filter(|value| !value.is_nan())),
+        );
         self.text.push('\n');
     }
 

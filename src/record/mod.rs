@@ -55,6 +55,7 @@ pub use error::RecordError;
 pub(crate) use folder::make as make_folder;
 pub use folder::{IfOccupied, RunFolder, Whereabouts};
 pub use history::HISTORY_COLUMNS;
+pub(crate) use number::push_cells;
 pub use number::{Number, ShortNumber};
 pub use read::{ReadError, RecordedRun, Snapshot, StoredFields, WrongArray, read_fields, read_run};
 pub use recorder::{Recorder, RecorderBuilder, Settings};

@@ -1,7 +1,7 @@
 //! The scalars of a run in memory: columns over the rows of its tables.
 
 use super::history::{HISTORY_COLUMNS, SHAPE_COLUMNS, owned};
-use super::number::push_cells;
+use super::push_cells;
 use super::read::{ReadError, read_table};
 use crate::simulation::{NamedValue, Report};
 use std::collections::HashSet;
