@@ -6,7 +6,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// How the name of a file or a folder begins and ends that is not whole yet. Whoever writes it holds a
+/// How the name of a file or a folder begins and ends that is not whole yet. Its writer holds a
 /// lock on it.
 const PREFIX: &str = ".vesica-";
 const SUFFIX: &str = ".part";
@@ -60,8 +60,8 @@ fn keep(path: &Path, before: &Path) -> io::Result<()> {
     fs::hard_link(path, before).or_else(|_| fs::rename(path, before))
 }
 
-/// Makes a folder in `parent` whose name says that it is not whole yet. It is to be locked and filled, and
-/// then renamed.
+/// Makes a folder in `parent` whose name says that it is not whole yet. The caller locks and fills it, and
+/// then renames it.
 ///
 /// # Errors
 /// What the system says.

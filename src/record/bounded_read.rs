@@ -1,4 +1,4 @@
-//! Files that are read whole, within bounds: whatever stands under a name, nobody waits for ever, and
+//! Files that are read whole, within bounds: whatever a name stands for, nobody waits for ever, and
 //! memory has an end.
 
 use std::fs::{self, File};
@@ -14,7 +14,7 @@ const PATIENCE: Duration = Duration::from_secs(5);
 /// The text of a file that a person names: see [`read_bytes`].
 ///
 /// # Errors
-/// Those of [`read_bytes`], or that it is no text.
+/// Those of [`read_bytes`], or that it is not text.
 pub(super) fn read_text(path: &Path, limit: u64) -> io::Result<String> {
     text(read_bytes(path, limit)?)
 }
@@ -22,12 +22,12 @@ pub(super) fn read_text(path: &Path, limit: u64) -> io::Result<String> {
 /// The text of a file of a run's folder: see [`read_file`].
 ///
 /// # Errors
-/// Those of [`read_file`], or that it is no text.
+/// Those of [`read_file`], or that it is not text.
 pub(super) fn read_file_text(path: &Path, limit: u64) -> io::Result<String> {
     text(read_file(path, limit)?)
 }
 
-/// As [`read_file_text`], but what is no letter is � there.
+/// As [`read_file_text`], but what is not a letter becomes �.
 ///
 /// # Errors
 /// Those of [`read_file`].
@@ -78,7 +78,7 @@ fn utf_16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> Option<String> {
 /// have no end.
 ///
 /// # Errors
-/// What the system says, or that it is no regular file.
+/// What the system says, or that it is not a regular file.
 pub(super) fn open_file(path: &Path) -> io::Result<File> {
     let metadata = fs::metadata(path)?;
     if metadata.is_dir() {
@@ -157,7 +157,7 @@ fn open_pipe(path: &Path) -> io::Result<File> {
     let (sender, opened) = mpsc::channel();
     let path = path.to_owned();
     thread::Builder::new().spawn(move || {
-        // Whoever has lost patience has gone.
+        // The receiver may have given up waiting.
         let _ = sender.send(File::open(path));
     })?;
     opened.recv_timeout(PATIENCE).unwrap_or_else(|_| {

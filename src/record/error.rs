@@ -84,7 +84,7 @@ pub enum RecordError {
         /// The first file of a run that was found in it.
         found: &'static str,
     },
-    /// The folder is to be replaced, but is no run's.
+    /// The folder should be replaced, but is not a run's.
     #[error(
         "{} holds {found} but no run.json, so it is not the folder of a run, and --force does not replace it: \
          give another folder with --out, or remove {found}",
@@ -96,7 +96,7 @@ pub enum RecordError {
         /// The first file in it that a run would overwrite.
         found: &'static str,
     },
-    /// A folder has the name of a file that is to be written.
+    /// A folder has the name of a file that must be written.
     #[error(
         "{} is a folder, and the run is to write a file of this name: rename that folder, or move it away",
         path.display()

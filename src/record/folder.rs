@@ -23,7 +23,7 @@ pub(super) const FINAL: &str = "final.vtu";
 pub(super) const NEWEST: &str = "checkpoint.bin";
 pub(super) const OLDER: &str = "checkpoint-older.bin";
 
-/// The file that tells a run's folder from one with files of the same names.
+/// The file that marks a run's folder.
 pub(super) const SUMMARY: &str = "run.json";
 
 /// The scene, complete.
@@ -89,7 +89,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// [`RecordError::Occupied`] if it holds a run and is not to be replaced;
-    /// [`RecordError::NotARun`] if it is to be replaced, but what it holds may be a user's own, such
+    /// [`RecordError::NotARun`] if it must be replaced, but what it holds may be a user's own, such
     /// as a scene with comments; otherwise what could not be made or removed.
     pub fn at(path: &Path, if_occupied: IfOccupied) -> Result<RunFolder, RecordError> {
         make(path)?;
@@ -131,7 +131,7 @@ impl RunFolder {
         })
     }
 
-    /// Whether a process holds it at present: it records a run there, or goes on with the one that it has.
+    /// Whether a process holds it at present: it records a run there, or resumes the one that it holds.
     pub fn is_in_use(path: &Path) -> bool {
         matches!(lock(path), Err(RecordError::InUse { .. }))
     }
@@ -191,7 +191,7 @@ impl RunFolder {
         &self.path
     }
 
-    /// Whether it is still where it was, in words for whoever looks for its files.
+    /// Whether it is still where it was, in words for a user who looks for its files.
     pub fn whereabouts(&self) -> Whereabouts {
         let here = fs::canonicalize(&self.path).ok();
         let now = self.moved_to();
@@ -379,7 +379,7 @@ fn snapshots(folder: &Path, which: impl Fn(u64) -> bool) -> impl Iterator<Item =
         })
 }
 
-/// Looks whether the files of a run can be written into its folder, where a run goes on from a step;
+/// Checks whether the files of a run can be written into its folder, where a run continues from a step;
 /// changes nothing. The tables, which are read first, are not looked at.
 ///
 /// # Errors

@@ -41,7 +41,7 @@ struct PerTable<T> {
     history: T,
     shape: T,
     /// Made with the first report that has terms: the law is about steps, and the initial state
-    /// is none.
+    /// is not one.
     ledger: Option<T>,
 }
 
@@ -95,7 +95,7 @@ struct NextRow {
     terms: StepTerms,
 }
 
-/// The terms of the law of the last step that was observed. A run that is taken up again after it does not know them
+/// The terms of the law of the last step that was observed. A run that is resumed after it does not know them
 /// any more, and the step may yet get a row.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 struct StepTerms {
@@ -134,7 +134,7 @@ impl TablesRows {
 }
 
 impl FoundTables {
-    /// What is to be reported of the tables, in words.
+    /// What is reported of the tables, in words.
     pub fn remarks(&self) -> Vec<String> {
         self.tables
             .as_ref()
@@ -143,7 +143,7 @@ impl FoundTables {
             .collect()
     }
 
-    /// As [`FoundTables::remarks`], where the run goes on with them.
+    /// As [`FoundTables::remarks`], where the run continues with them.
     pub fn remarks_of_take_up(&self) -> Vec<String> {
         let tables = self.tables.as_ref().all();
         tables.flat_map(Found::remarks_of_take_up).collect()
@@ -167,7 +167,7 @@ impl FoundTables {
         Ok(columns)
     }
 
-    /// Looks whether the tables can be written; changes nothing.
+    /// Checks whether the tables can be written; changes nothing.
     ///
     /// # Errors
     /// [`RecordError::Write`], [`RecordError::FolderInTheWay`].
@@ -198,7 +198,7 @@ impl FoundTables {
 }
 
 impl Tables {
-    /// How far they have come. What was appended is to be flushed before.
+    /// How far they have come. What was appended must be flushed before.
     pub fn save(&self) -> TablesCheckpoint {
         let PerTable {
             history,
@@ -215,7 +215,7 @@ impl Tables {
         }
     }
 
-    /// Looks whether the tables in `folder` go as far as they did; changes nothing.
+    /// Checks whether the tables in `folder` go as far as they did; changes nothing.
     pub fn find(folder: &Path, memory: &TablesCheckpoint) -> FoundTables {
         let ledger_path = folder.join(LEDGER);
         let extents = memory.extents.as_ref();
@@ -256,7 +256,7 @@ impl Tables {
         }
     }
 
-    /// Goes on with them in another folder; the rows that are in a file stay where they are.
+    /// Continues them in another folder; the rows that are in a file stay where they are.
     pub fn move_to(&mut self, folder: &Path) {
         self.ledger_path = folder.join(LEDGER);
         let tables = self.tables.as_mut().all();
@@ -276,7 +276,7 @@ impl Tables {
 
     /// Takes note of a step, whether or not it gets a row.
     pub fn observe(&mut self, report: &Report) {
-        // Written so that a residual which is no number is not passed over.
+        // Written so that a residual that is not a number is not passed over.
         let NextRow {
             law_residual,
             terms,
@@ -304,7 +304,7 @@ impl Tables {
         self.append_ledger(report);
     }
 
-    /// Appends a row but for the ledger, which is about steps: of a state whose energy was measured anew.
+    /// Appends a row but for the ledger, which is about steps: of a state whose energy was computed again.
     /// Its step has two rows then.
     pub fn append_scalars(&mut self, report: &Report, wall: f64) {
         self.next_row.last_row = Some(report.step);
@@ -373,7 +373,7 @@ impl Tables {
         self.each(Table::finish)
     }
 
-    /// Every table is tried, also after one that fails; the first error is told.
+    /// Every table is tried, also after one that fails; returns the first error.
     fn each(
         &mut self,
         action: fn(&mut Table) -> Result<(), RecordError>,

@@ -180,7 +180,7 @@ impl<'a> LenientTable<'a> {
         &self.differences
     }
 
-    /// The text of a cell of a line as vesica would write it; `None`: it is no number.
+    /// The text of a cell of a line as vesica would write it; `None`: it is not a number.
     pub fn canonical(&mut self, cell: &str, line: usize) -> Option<String> {
         if cell.is_empty() {
             return Some(String::new());
@@ -221,7 +221,7 @@ impl<'a> LenientTable<'a> {
         for cell in &mut cells {
             let trimmed = cell.trim();
             if trimmed.len() < cell.len() {
-                // A line of blanks is told as a blank one.
+                // A line of blanks is reported as a blank one.
                 if !trimmed.is_empty() {
                     self.differences.note_line(Difference::Blanks, line.number);
                 }

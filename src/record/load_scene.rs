@@ -36,7 +36,7 @@ pub enum LoadError {
     /// Nothing was named.
     #[error("the scene's name is empty. Presets: {}", preset_names().collect::<Vec<_>>().join(", "))]
     Nameless,
-    /// A folder is no scene.
+    /// A folder is not a scene.
     #[error(
         "{} is a folder, not a scene{}",
         path.display(),
@@ -48,7 +48,7 @@ pub enum LoadError {
         /// Whether a run stands in it.
         is_run: bool,
     },
-    /// The run in a folder goes on.
+    /// The run in a folder is still computed.
     #[error(
         "the run in {} is in use by another process, or open here: end that first, or open {} to begin its \
          scene anew",

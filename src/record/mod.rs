@@ -11,8 +11,8 @@
 //! | `shape.csv` | length, waist and greatest width of the vesicle | grows by whole lines |
 //! | `fields/` | VTU files at evenly spaced times, and `fields.pvd`, their list | each whole |
 //! | `final.vtu` | the fields at the end | at the end, whole |
-//! | `checkpoint.bin` | the state, for the run to be taken up again; `checkpoint-older.bin` is the one before | every half minute and at the end, whole |
-//! | `history.csv.as-found` and the like | a table as somebody has left it who changed it, where not all of that is in the table now | when the run is taken up again |
+//! | `checkpoint.bin` | the state, for the run to be resumed; `checkpoint-older.bin` is the one before | every half minute and at the end, whole |
+//! | `history.csv.as-found` and the like | a table as somebody has left it who changed it, where not all of that is in the table now | when the run is resumed |
 //! | `run.json` | version, times, totals, warnings, events, status ([`RunSummary`]) | replaced whole |
 //!
 //! *Whole* means written beside its place and then renamed: a reader sees all of a file or none.
@@ -21,7 +21,7 @@
 //! solver and a killed run leaves readable tables. Their rest is written when a run ends, however
 //! it ends. A run that was killed is known by the status "running" in `run.json`.
 //!
-//! [`read_run`] reads a folder back, of a run that goes on too; [`Columns`] are the scalars of a run
+//! [`read_run`] reads a folder back, also of a run that is not finished; [`Columns`] are the scalars of a run
 //! in memory, read back or collected while it goes.
 
 mod app_checkpoint;

@@ -24,11 +24,11 @@ const MOST_UNWRITTEN: usize = 16;
 /// What of a run is recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settings {
-    /// A row every so many steps.
+    /// Steps from one row to the next.
     pub every: u64,
     /// Snapshots of the fields, evenly from t = 0 to T.
     pub snapshots: u64,
-    /// A checkpoint after so much time; after every step, if zero.
+    /// Time from one checkpoint to the next; zero: one after every step.
     pub checkpoint: Duration,
 }
 
@@ -79,7 +79,7 @@ impl RecorderBuilder {
             schedule,
             scene: identity(scene),
         };
-        // First what tells that the folder is a run's, however early the process is killed.
+        // First the file that marks the folder as a run's, however early the process is killed.
         preparation.summary.write(&preparation.summary_path())?;
         write_scene(preparation.folder.path(), scene)?;
         Ok(preparation)
@@ -144,7 +144,7 @@ impl RecorderBuilder {
     }
 }
 
-/// The record of a run that goes on.
+/// The record of a run that is computed.
 ///
 /// Call [`Recorder::step`] after every time step and [`Recorder::finish`] at the end, also of a
 /// run that failed: what was not written by then is lost otherwise.
@@ -222,7 +222,7 @@ impl Recorder {
         &self.summary.events
     }
 
-    /// The time of computing up to the state at which the record began or was taken up again.
+    /// The time of computing up to the state at which the record began or was resumed.
     pub fn computed(&self) -> Duration {
         Duration::try_from_secs_f64(self.summary.seconds).unwrap_or_default()
     }
@@ -232,7 +232,7 @@ impl Recorder {
     ///
     /// # Errors
     /// [`RecordError`] with the file that could not be written. Neither the simulation nor the record
-    /// is harmed: go on, and it will be tried again.
+    /// is harmed: continue, and it will be tried again.
     pub fn step(
         &mut self,
         simulation: &mut Simulation,
@@ -246,7 +246,7 @@ impl Recorder {
         let report = simulation.report();
         self.summary.step(report);
         self.tables.observe(report);
-        // The last row, where it is out of turn, is for the end: a run that is taken up again may have a
+        // The last row, where it is out of turn, is for the end: a run that is resumed may have a
         // later one.
         if self.schedule.row_in_turn(report.step) {
             self.tables.append(report, self.summary.seconds);
@@ -284,7 +284,7 @@ impl Recorder {
         self.saved.elapsed() >= self.checkpoint_interval
     }
 
-    /// Records a step that was left before its end: its state so far, if it is time for that, and what is
+    /// Records a step that was interrupted: its state so far, if it is time for that, and what is
     /// in memory only.
     ///
     /// # Errors
@@ -302,7 +302,7 @@ impl Recorder {
         let written = self.flush().and(self.write_unwritten(simulation.mesh()));
         let saved = match self.checkpoint_is_due() {
             true => self.checkpoint(simulation).and(self.summarise()),
-            // Told at once, for the step may take hours.
+            // Reported at once, because the step may take hours.
             false if self.summary.events.len() > known => self.summarise(),
             false => Ok(()),
         };
@@ -321,7 +321,7 @@ impl Recorder {
     /// one is in the checkpoint.
     ///
     /// # Errors
-    /// The first [`RecordError`]; `run.json` then tells of it, where it can be written.
+    /// The first [`RecordError`]; `run.json` then mentions it, if it can be written.
     /// [`RecordError::Lost`] where rows were written and have vanished since.
     pub fn finish(
         mut self,
@@ -362,7 +362,7 @@ impl Recorder {
         self.summary.events.extend(events.iter().map(Into::into));
     }
 
-    /// Saves the state, from which the run can be taken up again.
+    /// Saves the state from which the run can be resumed.
     fn checkpoint(&mut self, simulation: &Simulation) -> Result<(), RecordError> {
         self.saved = Instant::now();
         // What it says of the files must be there.
@@ -382,7 +382,7 @@ impl Recorder {
         outcome
     }
 
-    /// Writes the fields as they are, and the list of all snapshots anew.
+    /// Writes the present fields, and the list of all snapshots again.
     fn snapshot(&mut self, simulation: &Simulation) -> Result<(), RecordError> {
         let (mesh, state, t) = (simulation.mesh(), simulation.state(), simulation.report().t);
         let digits = STEP_DIGITS.max(self.schedule.steps.unwrap_or(0).to_string().len());
@@ -595,7 +595,7 @@ mod tests {
                 .to_string();
             assert!(error.contains(path.to_str().unwrap()), "{error}");
         }
-        // Someone makes the folder again: what was in memory is written, and what is lost is told.
+        // Someone creates the folder again: what was in memory is written, and what is lost is reported.
         fs::create_dir(&path).unwrap();
         simulation.advance().unwrap();
         recorder.step(&mut simulation, Duration::ZERO).unwrap();

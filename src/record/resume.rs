@@ -24,22 +24,22 @@ const LARGEST_SUMMARY: u64 = 1 << 28;
 /// Snapshots that are named one by one.
 const NAMED_SNAPSHOTS: usize = 4;
 
-/// What stands in a folder for a run to go on from.
+/// What a folder holds from which a run can be resumed.
 #[derive(Debug)]
 pub enum Found {
     /// Nothing: no folder, or no run in it.
     Nothing,
     /// A run that was killed before it had anything to keep.
     Abandoned,
-    /// A run of the scene that can be taken up again.
+    /// A run of the scene that can be resumed.
     Run(Box<Resumption>),
 }
 
-/// A run that is about to be taken up again. Nothing is changed yet.
+/// A run that is about to be resumed. Nothing is changed yet.
 #[derive(Debug)]
 pub struct Resumption {
     folder: RunFolder,
-    /// What can be gone on from, the newest first, with their names.
+    /// The states to resume from, the newest first, with their names.
     candidates: Vec<(&'static str, Content)>,
     /// What is wrong with the others.
     problems: Vec<String>,
@@ -49,7 +49,7 @@ impl Resumption {
     /// Looks for a run of `scene` in the folder at `path`.
     ///
     /// # Errors
-    /// [`CheckpointError`]: there is a run, and it cannot be taken up again.
+    /// [`CheckpointError`]: there is a run, and it cannot be resumed.
     pub fn find(path: &Path, scene: &Scene) -> Result<Found, CheckpointError> {
         if a_file_of(path).is_none() {
             return Ok(Found::Nothing);
@@ -70,7 +70,7 @@ impl Resumption {
         }
         let folder_path = || path.to_owned();
         if !candidates.is_empty() {
-            // That there is no older one yet is nothing to tell.
+            // That there is no older one yet is not reported.
             let told = |(name, problem): &(&str, Problem)| {
                 let untold = *name != Keeper::names()[0] && matches!(problem, Problem::Missing);
                 (!untold).then(|| format!("{name}: {problem}"))
@@ -110,7 +110,7 @@ impl Resumption {
     /// Looks for the latest run of `scene` among `parent/name`, `parent/name-2`, ….
     ///
     /// # Errors
-    /// [`CheckpointError`]: the latest run cannot be taken up again, or all are of other scenes.
+    /// [`CheckpointError`]: the latest run cannot be resumed, or all are of other scenes.
     pub fn find_latest(
         parent: &Path,
         name: &OsStr,
@@ -165,7 +165,7 @@ impl Resumption {
         })
     }
 
-    /// What the run goes on from, if it can be used.
+    /// What the run resumes from, if it can be used.
     pub(super) fn content(&self) -> Option<&Content> {
         self.candidates.first().map(|(_, newest)| newest)
     }
@@ -179,12 +179,12 @@ impl Resumption {
         self.content().map(|content| &content.simulation)
     }
 
-    /// The step that the run has come to.
+    /// The step that the run has reached.
     pub fn step(&self) -> u64 {
         self.memory().map_or(0, SimulationCheckpoint::step)
     }
 
-    /// The time that it has come to.
+    /// The time that it has reached.
     pub fn t(&self) -> f64 {
         self.memory().map_or(0.0, SimulationCheckpoint::t)
     }
@@ -261,7 +261,7 @@ impl Resumption {
         Ok((recorder, self.problems))
     }
 
-    /// Brings the simulation, which is new and of the same scene, to where the run was, and tells how that
+    /// Brings the simulation, which is new and of the same scene, to where the run was, and returns how that
     /// went. Changes no file.
     ///
     /// # Errors
@@ -330,7 +330,7 @@ impl Resumption {
     }
 }
 
-/// Takes those snapshots off the list that are not in the folder, or not whole; what is to be reported of
+/// Takes those snapshots off the list that are not in the folder, or not whole; returns what is reported of
 /// them, in words.
 fn lose_snapshots(fields: &Path, written: &mut Vec<(f64, String)>) -> Option<String> {
     let all = written.len();
@@ -419,7 +419,7 @@ mod tests {
         serde_json::from_str(&text).unwrap()
     }
 
-    /// What happened before the first checkpoint is known to a run that goes on from there.
+    /// What happened before the first checkpoint is known to a run that resumes from there.
     #[test]
     fn a_run_that_is_killed_in_its_first_step_knows_what_happened_at_the_start() {
         let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
@@ -440,7 +440,7 @@ mod tests {
         assert_eq!(kinds.collect::<Vec<_>>(), ["reached-wall", "resumed"]);
     }
 
-    /// A run that is ended again and again within its steps tells what an undisturbed one does; and whenever
+    /// A run that is ended again and again within its steps records the same as an undisturbed one; and whenever
     /// it is ended its files are about the same time.
     #[test]
     fn a_run_that_is_ended_within_its_steps_is_the_same_run() {

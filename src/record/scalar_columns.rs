@@ -164,7 +164,7 @@ impl Columns {
             .then_some(values)
     }
 
-    /// As CSV. Numbers read back exactly; what is no number is an empty cell.
+    /// As CSV. Numbers read back exactly; what is not a number is an empty cell.
     pub fn to_csv(&self) -> String {
         let names: Vec<&str> = self.names().collect();
         let mut text = names.join(",") + "\n";

@@ -15,9 +15,9 @@ pub(super) const INPUTS: &str = "inputs";
 pub(super) const MESH_NAME: &str = "mesh.msh";
 
 /// Writes the scene into a run's folder, with its nodal values beside it, so that the run can be
-/// made again from the folder alone.
+/// repeated from the folder alone.
 ///
-/// The values are those that are simulated, written anew: the files that they came from may have
+/// The values are those that are simulated, written again: the files that they came from may have
 /// changed since.
 ///
 /// # Errors
@@ -89,7 +89,7 @@ pub(super) fn identity(scene: &Scene) -> String {
     scene.to_toml() + &checksums
 }
 
-/// Whether a run of one scene can be gone on with as one of the other: they are the same but for their end.
+/// Whether a run of one scene can be resumed as one of the other: they are the same but for their end.
 pub fn same_run(one: &Scene, other: &Scene) -> bool {
     identity(one) == identity(other)
 }

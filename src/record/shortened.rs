@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-/// So many letters of what stands in a file are quoted, at most.
+/// At most this many letters of a file's content are quoted.
 const MOST: usize = 40;
 
 /// The beginning of a text, which may be megabytes long.

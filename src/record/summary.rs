@@ -19,14 +19,14 @@ const LAST_SECOND: u64 = 253_402_300_799;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Status {
-    /// It goes on, or was killed.
+    /// It is running, or was killed.
     #[default]
     Running,
     /// It reached its end.
     Done,
     /// Someone ended it before.
     Interrupted,
-    /// It could not go on.
+    /// It failed.
     Failed,
 }
 
@@ -37,7 +37,7 @@ pub enum Ending {
     Done,
     /// Someone ended it before.
     Interrupted,
-    /// It could not go on, and why.
+    /// It failed, and why.
     Failed(String),
 }
 
@@ -125,7 +125,7 @@ pub struct PhaseCosts {
 }
 
 impl PhaseCosts {
-    /// The mean over so many steps.
+    /// The mean over these steps.
     fn of(costs: &Costs, steps: u64) -> Self {
         let mean = |phase| 1e3 * seconds(costs.of(phase)) / steps.max(1) as f64;
         Self {
@@ -171,7 +171,7 @@ impl From<&Event> for EventRecord {
     }
 }
 
-/// What of a summary cannot be had from the state of the run.
+/// The part of a summary that does not follow from the state of the run.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Totals {
     started: String,
@@ -188,7 +188,7 @@ pub(super) struct Totals {
 }
 
 impl RunSummary {
-    /// What is to be kept for the run to go on with, when these events have happened since the last ones.
+    /// What must be kept for the run to be resumed, after these further events.
     pub(super) fn totals(&self, further: &[Event]) -> Totals {
         let events = self.events.iter().cloned();
         let events = events.chain(further.iter().map(Into::into));
@@ -211,7 +211,7 @@ impl RunSummary {
         }
     }
 
-    /// Of a run that is taken up again, at the state that the simulation has recalled.
+    /// Of a run that is resumed, at the state that the simulation has restored.
     pub(super) fn resumed(
         scene: &Scene,
         planned_steps: Option<u64>,
@@ -328,7 +328,7 @@ pub(super) fn seconds(duration: Duration) -> f64 {
     duration.as_micros() as f64 / 1e6
 }
 
-/// The larger one; what is no number counts as larger than any, and stays.
+/// The larger one; what is not a number counts as larger than any, and stays.
 fn largest(so_far: f64, next: f64) -> f64 {
     if so_far.is_nan() || next <= so_far {
         so_far

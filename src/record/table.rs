@@ -69,15 +69,15 @@ pub(super) struct Found {
 
 #[derive(Debug)]
 enum FoundContent {
-    /// The first so many bytes are what was written.
+    /// The first `length` bytes are what was written.
     Whole { length: u64 },
-    /// What was written can be had from it, or as much as there is.
+    /// What was written can be recovered, or a part of it.
     Repaired(Repaired),
-    /// Nothing can be had from it.
+    /// Nothing can be recovered.
     Lost(Loss),
 }
 
-/// Why nothing can be had from a table.
+/// Why nothing can be recovered from a table.
 #[derive(Debug)]
 enum Loss {
     /// It is not there.
@@ -90,7 +90,7 @@ enum Loss {
     Headless,
 }
 
-/// The rows that a table has at some moment: they can be copied while it goes on growing.
+/// The rows that a table has at some moment: they can be copied while it grows.
 #[derive(Debug)]
 pub(super) struct Rows {
     /// The file as it is open at that moment, and how much of it.
@@ -134,7 +134,7 @@ impl Table {
         }
     }
 
-    /// Looks whether a table goes as far as `extent`; changes nothing. One that another program has
+    /// Checks whether a table goes as far as `extent`; changes nothing. One that another program has
     /// rewritten is read as what was meant, and of one that is damaged as much as there is.
     pub fn find(path: PathBuf, extent: &Extent) -> Found {
         let content = match whole_length(&path, extent) {
@@ -157,7 +157,7 @@ impl Table {
         }
     }
 
-    /// How far it has come. What was appended is to be flushed before.
+    /// How far it has come. What was appended must be flushed before.
     pub fn extent(&self) -> Extent {
         Extent {
             columns: self.columns.clone(),
@@ -204,7 +204,7 @@ impl Table {
     ///
     /// # Errors
     /// [`RecordError::Vanished`] where the file is no longer under its name (a write would succeed
-    /// and be lost): the next flush begins it anew. [`RecordError::Write`] otherwise. The rows that are
+    /// and be lost): the next flush creates it again. [`RecordError::Write`] otherwise. The rows that are
     /// not written yet are kept for another try.
     pub fn flush(&mut self) -> Result<(), RecordError> {
         if self.file.is_none() {
@@ -233,7 +233,7 @@ impl Table {
         };
         if let Err(reason) = file.write_all(self.pending.as_bytes()) {
             // As much of the last line as did get written goes; if even that fails, the error
-            // below still tells.
+            // below still reports it.
             let _ = file.set_len(self.length);
             return Err(RecordError::write(&self.path)(reason));
         }
@@ -255,7 +255,7 @@ impl Table {
         }
     }
 
-    /// Goes on as a table in another folder, with the rows that are in no file yet.
+    /// Continues as a table in another folder, with the rows that are not in a file yet.
     pub fn move_to(&mut self, folder: &Path) {
         self.begin_anew();
         if let Some(name) = self.path.file_name() {
@@ -274,7 +274,7 @@ impl Table {
     /// The rows up to now, those too that are in no file yet.
     ///
     /// # Errors
-    /// [`RecordError`] where the file cannot be read, or must be written anew for late columns and
+    /// [`RecordError`] where the file cannot be read, or must be rewritten for late columns and
     /// cannot.
     pub fn rows_now(&mut self) -> Result<Rows, RecordError> {
         if self.late > 0 {
@@ -309,7 +309,7 @@ impl Table {
         self.open(text.len() as u64)
     }
 
-    /// Opens the file, which has so many bytes, for appending.
+    /// Opens the file, which has `length` bytes, for appending.
     fn open(&mut self, length: u64) -> Result<(), RecordError> {
         self.file = Some(open_for_appending(&self.path)?);
         (self.length, self.late) = (length, 0);
@@ -318,7 +318,7 @@ impl Table {
 }
 
 impl Found {
-    /// What is to be reported of it, in words.
+    /// What is reported of it, in words.
     pub fn remarks(&self) -> Vec<String> {
         let (path, rows) = (self.path.display(), self.extent.rows);
         match &self.content {
@@ -350,7 +350,7 @@ impl Found {
         }
     }
 
-    /// The name that the file gets when the run goes on, if not all that stands in it goes into the table.
+    /// The name that the file gets when the run is resumed, if not all of its content goes into the table.
     fn kept_as(&self) -> Option<PathBuf> {
         let is_kept = match &self.content {
             FoundContent::Whole { .. } | FoundContent::Lost(Loss::Gone | Loss::Empty) => false,
@@ -363,7 +363,7 @@ impl Found {
         is_kept.then(|| free_numbered(parent, &name))
     }
 
-    /// What is to be reported where the run goes on with it: as [`Found::remarks`], and where the file
+    /// What is reported where the run continues with it: as [`Found::remarks`], and where the file
     /// is kept that was found.
     pub fn remarks_of_take_up(&self) -> Vec<String> {
         let mut remarks = self.remarks();
@@ -373,7 +373,7 @@ impl Found {
         remarks
     }
 
-    /// Cuts the table back to what is to stay, and goes on with it. What was found and is left out stays
+    /// Cuts the table back to what must stay, and reopens it. What was found and is left out stays
     /// under another name.
     ///
     /// # Errors
@@ -512,7 +512,7 @@ fn is_later_row(line: &[u8], step: Option<u64>) -> bool {
     cell.is_some_and(|later: u64| step.is_none_or(|step| later >= step))
 }
 
-/// Lines with so many empty cells more.
+/// Lines with more empty cells at their ends.
 fn widened<'a>(lines: impl Iterator<Item = &'a str>, cells: usize) -> String {
     let empty = ",".repeat(cells);
     lines.map(|line| format!("{line}{empty}\n")).collect()

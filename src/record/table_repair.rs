@@ -19,7 +19,7 @@ pub(super) struct Repaired {
     pub text: String,
     /// How many rows it has.
     pub rows: u64,
-    /// What is to be reported.
+    /// What is reported.
     pub remarks: Vec<String>,
     /// Whether anything of the file is left out that the run may not have written.
     pub leaves_out: bool,
@@ -231,7 +231,7 @@ impl Content {
 /// Where the time does not grow with the step.
 fn backward_times(rows: &[Row]) -> Vec<String> {
     let pairs = rows.windows(2);
-    // A time that is no number counts.
+    // A time that is not a number counts.
     let wrong = pairs.filter(|pair| {
         let times = pair[0].t.partial_cmp(&pair[1].t);
         times != Some(pair[0].step.total_cmp(&pair[1].step))

@@ -1,4 +1,4 @@
-//! Everything that the rest of a run depends on, copied out and put back: a run goes on from it as if
+//! Everything that the rest of a run depends on, copied out and put back: a run continues from it as if
 //! nothing had happened.
 
 use serde::{Deserialize, Serialize};
@@ -27,7 +27,7 @@ pub struct SimulationCheckpoint {
     budget: ErrorEstimates,
     reached_wall: bool,
     effort: StepEffort,
-    /// What was done of a step that was left before its end.
+    /// What was done of a step that was interrupted.
     left: Option<PartialStep>,
     /// The last whole step, where the state is within the next one.
     last_whole: Option<LastWholeCheckpoint>,
@@ -61,7 +61,7 @@ impl SimulationCheckpoint {
 }
 
 impl Simulation {
-    /// Copies out everything that the rest of the run depends on; not the events, which are to be
+    /// Copies out everything that the rest of the run depends on; not the events, which must be
     /// drained before.
     pub fn save(&self, checkpoint: &mut SimulationCheckpoint) {
         let report = &self.report;
@@ -85,7 +85,7 @@ impl Simulation {
     /// The anchoring of the scene becomes the one that was in use. The report has no ledger.
     ///
     /// # Errors
-    /// [`RestoreError`]: the memory is of another scene. The state is then what it was.
+    /// [`RestoreError`]: the checkpoint is of another scene. The state is then unchanged.
     pub fn restore(&mut self, checkpoint: &SimulationCheckpoint) -> Result<(), RestoreError> {
         match (&checkpoint.pacing, &self.pacing) {
             (Pacing::Fixed(subdivision), Pacing::Fixed(_)) if subdivision.is_possible() => {}

@@ -1,5 +1,5 @@
-//! SimulationCheckpoint that is set aside before it is taken. An allocation that fails ends the program, and whatever it
-//! was about to keep is lost; so work that takes much asks beforehand.
+//! Memory that is reserved before it is allocated. An allocation that fails ends the program, and what it
+//! was about to keep is lost; so work that takes much memory asks beforehand.
 
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -71,10 +71,10 @@ impl Drop for KeptFree {
     }
 }
 
-/// Told when some of them are given back.
+/// Notified when some of them are given back.
 static RELEASED: Condvar = Condvar::new();
 
-/// Whoever waits for another's claim asks so often whether to go on.
+/// How often a claim that waits for another's asks whether to continue.
 const PAUSE: Duration = Duration::from_millis(50);
 
 /// SimulationCheckpoint that is set aside until this is dropped: by then it is taken, and counts as that, or it is not
@@ -85,11 +85,11 @@ pub struct Claim {
 }
 
 impl Claim {
-    /// Sets so many bytes aside. Where they are there but for the claims of others it waits until those are
+    /// Reserves this many bytes. If only the claims of others stand in the way it waits until those are
     /// dropped, unless `leave` says not to: then `None`.
     ///
     /// # Errors
-    /// [`Shortage`]: so much is not to be had.
+    /// [`Shortage`]: this much is not available.
     pub fn unless(bytes: u64, leave: &mut dyn FnMut() -> bool) -> Result<Option<Self>, Shortage> {
         let mut claimed = CLAIMED.lock().unwrap_or_else(PoisonError::into_inner);
         loop {
@@ -136,8 +136,8 @@ enum Verdict {
     Refused(Shortage),
 }
 
-/// Whether so many bytes are to be had beside those that are kept free, and those that others claimed. All is
-/// well where the system does not tell what is free.
+/// Whether this many bytes are available beside those that are kept free and those that others claimed. They
+/// are, where the system does not report what is free.
 fn judge(bytes: u64, kept: u64, claimed: u64, free: Option<FreeMemory>) -> Verdict {
     let Some(free) = free else {
         return Verdict::Fits;

@@ -29,7 +29,7 @@ const STRETCH: f64 = 1.05;
 /// After a step that could not be solved.
 const AFTER_FAILURE: f64 = 0.25;
 
-/// So many failures and refusals one after the other, and the run gives up.
+/// After this many consecutive failures and refusals the run gives up.
 const MOST_ATTEMPTS: u32 = 60;
 
 /// Where a run stands in the choice of its steps.
@@ -67,7 +67,7 @@ impl Controller {
         }
     }
 
-    /// Whether a run that is to be paced as `own` can go on with it: one that comes from a file may hold
+    /// Whether a run that is paced as `own` can continue with it: one that comes from a file may hold
     /// any numbers.
     pub(super) fn fits(&self, own: &Self) -> bool {
         let is_length = |value: f64| value.is_finite() && value > 0.0;

@@ -1,4 +1,4 @@
-//! Why a run cannot start or go on.
+//! Why a run cannot start or continue.
 
 use thiserror::Error;
 
@@ -9,7 +9,7 @@ use crate::fem::FemError;
 use crate::linalg::LinalgError;
 use crate::scheme::{InitialError, RestoreError, StepError};
 
-/// Why a run cannot start or go on.
+/// Why a run cannot start or continue.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SimulationError {
     /// The run would need more memory than there is.
@@ -22,7 +22,7 @@ pub enum SimulationError {
         /// What can be done.
         remedy: &'static str,
     },
-    /// The set-up was ended by whoever watched it.
+    /// The set-up was ended by its caller.
     #[error("the set-up was ended")]
     Ended,
     /// The mesh cannot be made.
@@ -46,7 +46,7 @@ pub enum SimulationError {
     /// The sparse factor cannot be set up.
     #[error("the linear solver: {0}")]
     Factor(LinalgError),
-    /// The state to go on from is of another scene.
+    /// The state to continue from is of another scene.
     #[error("the state to go on from cannot be used: {0}")]
     Recall(#[from] RestoreError),
     /// Anchoring without anything to anchor.

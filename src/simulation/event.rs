@@ -16,7 +16,7 @@ pub struct Event {
     pub kind: EventKind,
 }
 
-/// A Δt below this part of the first is told of at once.
+/// A Δt below this part of the first is reported at once.
 const SHORT: f64 = 1e-6;
 
 /// What happened.
@@ -45,7 +45,7 @@ pub enum EventKind {
         /// Why the last of the longer ones failed.
         reason: String,
     },
-    /// Within the step Δt has fallen below a millionth of that with which the run began: told at once, for the
+    /// Within the step Δt has fallen below a millionth of that with which the run began: reported at once, because the
     /// step may take hours.
     ShortSteps {
         /// The Δt that is tried next.

@@ -21,7 +21,7 @@ pub enum MemoryBound {
 }
 
 impl MemoryBound {
-    /// By what factor more than a run's fields and matrices is to be there. Beyond `ulimit` the program
+    /// By what factor the free memory must exceed a run's fields and matrices. Beyond `ulimit` the program
     /// is ended at once, and blocks that were freed and not yet given back count: case 3, clamped, at 100
     /// cells needs 111 MB and was ended with 117 left, not with 127.
     pub(super) fn margin(self) -> f64 {
@@ -43,7 +43,7 @@ impl fmt::Display for MemoryBound {
     }
 }
 
-/// SimulationCheckpoint that is to be had.
+/// Memory that is available.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FreeMemory {
     /// How much.
@@ -52,8 +52,8 @@ pub struct FreeMemory {
     pub bound: MemoryBound,
 }
 
-/// The memory that is to be had at present, by the narrowest bound. `None` where the system does not
-/// tell.
+/// The memory that is available at present, by the narrowest bound. `None` where the system does not
+/// report it.
 pub fn free_memory() -> Option<FreeMemory> {
     let memory = MemoryRefreshKind::nothing().with_ram();
     let of_machine = System::new_with_specifics(RefreshKind::nothing().with_memory(memory))
@@ -67,7 +67,7 @@ pub fn free_memory() -> Option<FreeMemory> {
     narrowest(of_machine, Path::new("/"))
 }
 
-/// By the narrowest bound, of the machine and of those that are told of below `root`.
+/// By the narrowest bound, of the machine and of those in the files below `root`.
 fn narrowest(of_machine: Option<FreeMemory>, root: &Path) -> Option<FreeMemory> {
     of_machine
         .into_iter()
@@ -75,7 +75,7 @@ fn narrowest(of_machine: Option<FreeMemory>, root: &Path) -> Option<FreeMemory> 
         .min_by_key(|free| free.bytes)
 }
 
-/// The bounds that Linux tells of in files below `root`: none elsewhere.
+/// The bounds that Linux reports in files below `root`: none elsewhere.
 fn bounds(root: &Path) -> impl Iterator<Item = FreeMemory> {
     let free = |bound| move |bytes| FreeMemory { bytes, bound };
     let groups = groups(root).into_iter().map(free(MemoryBound::Group));
@@ -164,7 +164,7 @@ fn limits(root: &Path) -> [Option<u64>; 2] {
         ("Max data size", "VmData:"),
     ]
     .map(|(limit, usage)| {
-        // The soft one; "unlimited" is no number.
+        // The soft one; "unlimited" is not a number.
         let limit = after(&limits, limit)?.parse::<u64>().ok()?;
         let used = after(&status, usage)?.parse::<u64>().ok()?;
         Some(limit.saturating_sub(1024 * used))

@@ -13,7 +13,7 @@ pub(super) struct LastWholeStep {
     pub(super) state: State,
 }
 
-/// The part of it that cannot be had from the rest of a checkpoint.
+/// The part of it that does not follow from the rest of a checkpoint.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct LastWholeCheckpoint {
     state: State,
@@ -55,7 +55,7 @@ impl LastWholeCheckpoint {
     }
 
     /// Puts it back: `within` is the report of the state within the step, which has everything else in
-    /// common with it but the vesicle's sizes, which are to be measured.
+    /// common with it but the vesicle's sizes, which the caller measures.
     pub(super) fn restore(&self, within: &Report) -> LastWholeStep {
         let mut report = Report {
             t: self.t,

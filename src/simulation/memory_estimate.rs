@@ -116,7 +116,7 @@ fn refuse(scene: &Scene, free: Option<FreeMemory>) -> Result<(), SimulationError
 /// Sets aside what a run of the scene needs, for its set-up.
 ///
 /// # Errors
-/// [`SimulationError::SimulationCheckpoint`]; `Ended` where it was left while it waited for the claims of others.
+/// [`SimulationError::SimulationCheckpoint`]; `Ended` if it was ended while it waited for the claims of others.
 pub(super) fn claim_memory(
     scene: &Scene,
     leave: &mut dyn FnMut() -> bool,

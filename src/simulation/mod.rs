@@ -61,7 +61,7 @@ use presence::check_vesicle;
 use step_subdivision::StepSubdivision;
 use warnings::NearWall;
 
-/// The error of the mesh is estimated at every so many steps: it changes slowly.
+/// The error of the mesh is estimated every so many steps: it changes slowly.
 const SPACE_ERROR_EVERY: u64 = 8;
 
 /// A part of setting a run up.
@@ -86,7 +86,7 @@ impl SetUp {
     }
 }
 
-/// What can be told of a scene from its initial state, without the scheme that would run it.
+/// What a scene's initial state shows, without the scheme that would run it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Examination {
     /// What is allowed but probably not meant.
@@ -97,7 +97,7 @@ pub struct Examination {
     pub quality: MeshQuality,
 }
 
-/// Makes a scene's mesh and initial state, and tells what they are like.
+/// Makes a scene's mesh and initial state, and describes them.
 ///
 /// # Errors
 /// `Mesh` and `Initial`: the state could not be made; `NoVesicle`: there is none in the domain.
@@ -128,7 +128,7 @@ pub struct Simulation {
     axis: Vector,
     near_wall: NearWall,
     pacing: Pacing,
-    /// What was done of a step that was left before its end.
+    /// What was done of a step that was interrupted.
     left: Option<PartialStep>,
     /// The last whole step, while the state is within the next one.
     last_whole: Option<Box<LastWholeStep>>,
@@ -190,11 +190,11 @@ impl Simulation {
         Self::new_unless(scene, &mut |_| false)
     }
 
-    /// [`new`](Self::new), which says what it is about to do, and asks `leave` before that, and now and
-    /// then while it makes a mesh, whether to give up.
+    /// [`new`](Self::new), but asks `leave` before each part, and now and
+    /// then while it makes a mesh, whether to stop.
     ///
     /// # Errors
-    /// [`SimulationError`]: what could not be built; `Ended` where it was left.
+    /// [`SimulationError`]: what could not be built; `Ended` if `leave` asked for that.
     pub fn new_unless(
         scene: &Scene,
         leave: &mut dyn FnMut(SetUp) -> bool,
@@ -203,7 +203,7 @@ impl Simulation {
             true => Err(SimulationError::Ended),
             false => Ok(()),
         };
-        // Until the set-up has taken it: others that are set up meanwhile are to count with it.
+        // Until the set-up has allocated it: others that are set up meanwhile must count it.
         let _claim = claim_memory(scene, &mut || go_on(SetUp::Mesh).is_err())?;
         go_on(SetUp::Mesh)?;
         let mesh = Mesh::of_unless(scene, &mut || go_on(SetUp::Mesh).is_err())?;
@@ -279,11 +279,11 @@ impl Simulation {
         Ok(&self.report)
     }
 
-    /// [`advance`](Self::advance), which asks `leave` before each further attempt at a step that takes
-    /// more than one; whether the step was taken. It is also left where an event is to be told at once. One that
-    /// was left goes on with the next call where it was, also after [`remember`](Self::save) and
-    /// [`recall`](Self::restore), and becomes bit for bit what it had become otherwise. Until then the report's t
-    /// says how far the state is, its step is the last whole one.
+    /// [`advance`](Self::advance), but asks `leave` before each further attempt at a step that takes more
+    /// than one whether to interrupt it; returns whether the step was completed. It is also interrupted for
+    /// an event that is reported at once. A step that was interrupted continues with the next call, also
+    /// after [`save`](Self::save) and [`restore`](Self::restore), and its result is the same bit for bit.
+    /// Until then the report's t is that of the state, its step is the last whole one.
     ///
     /// # Errors
     /// Those of [`advance`](Self::advance).
@@ -366,7 +366,7 @@ impl Simulation {
         if left.is_none() {
             subdivision.begin();
         }
-        // Of the parts that were solved before the step was left.
+        // Of the parts that were solved before the step was interrupted.
         let mut earlier = left.filter(|left| left.details.effort.parts > 0);
         let mut is_begun = false;
         let mut has_news = false;
@@ -576,8 +576,8 @@ impl Simulation {
         }
     }
 
-    /// Another anchoring for the state as it is, with the scene's weight, or the scene's own default
-    /// where it has none. The report has the energies measured anew; the step stays what it is.
+    /// Another anchoring for the present state, with the scene's weight, or the scene's own default
+    /// where it has none. The energies of the report are computed again; the step is unchanged.
     ///
     /// # Errors
     /// `NoDirector`: there is nothing to anchor.
@@ -606,7 +606,7 @@ impl Simulation {
             let error = self.recovery.interpolation_error(&self.mesh, phi);
             self.report.budget.space = Some(error);
         }
-        // φ > 0 throughout is no vesicle.
+        // φ > 0 everywhere is not a vesicle.
         if presence::sign(phi).is_none() && self.near_wall.is_reached(phi) {
             let (step, t) = (self.report.step, self.report.t);
             self.events.push(Event {
@@ -654,7 +654,7 @@ impl Simulation {
         }
     }
 
-    /// How far the step is that was left before its end.
+    /// The progress of the step that was interrupted.
     pub fn underway(&self) -> Option<StepProgress> {
         self.left.as_ref()?.underway
     }

@@ -1,5 +1,5 @@
 //! Steps that take more than one attempt, and may be left between two of them: to save the state, or
-//! because the run is to end. The step goes on later as if nothing had happened.
+//! because the run ends. The step continues later as if nothing had happened.
 
 use std::fmt;
 
@@ -43,10 +43,10 @@ impl fmt::Display for StepProgress {
     }
 }
 
-/// What was done of a step that was left before its end, beyond what the state tells.
+/// What was done of a step that was interrupted, beyond what the state holds.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct PartialStep {
-    /// Where it was left.
+    /// Where it was interrupted.
     pub(super) underway: Option<StepProgress>,
     pub(super) details: StepDetails,
     /// Iterations of its parts, or of the attempts that were refused: of substep 2, Krylov's, of

@@ -30,7 +30,7 @@ pub enum NoVesicle {
         /// The greatest ones.
         upper: Point,
     },
-    /// An outline is where there are no triangles, though not beyond all of them.
+    /// An outline lies where there are no triangles, though not beyond all of them.
     #[error(
         "{which} lies {}, about {}, where the mesh has no triangles: move it into the domain (center)",
         if *is_hole { "in a hole of the domain" } else { "beside the domain" },

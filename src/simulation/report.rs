@@ -1,4 +1,4 @@
-//! What is told of a step.
+//! What is reported of a step.
 
 use std::time::Duration;
 
@@ -17,7 +17,7 @@ pub struct Report {
     pub t: f64,
     /// The smallest Δt that was used.
     pub dt: f64,
-    /// Attempts at this step that were refused, for their error was too large or they could not be
+    /// Attempts at this step that were refused because their error was too large or they could not be
     /// solved; only where Δt is chosen.
     pub refused: u32,
     /// The estimated error of φ in this step, in L2. Where steps are extrapolated it is that of the
@@ -89,7 +89,7 @@ impl Costs {
         result
     }
 
-    /// Part by part: a share of so many. Nothing of none.
+    /// Part by part: the mean over `count`; zero if `count` is 0.
     pub fn divided(&self, count: u32) -> Self {
         Self(
             self.0

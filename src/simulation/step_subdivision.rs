@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// strict area need.
 const DEEPEST: u32 = 50;
 
-/// So many pieces must go well before they are made longer.
+/// After this many successful pieces they become longer.
 const STREAK: u32 = 4;
 
 /// A grid step's length in the smallest pieces.

@@ -111,7 +111,7 @@ fn the_energies_are_those_of_a_new_run_from_that_state() {
         scene.anchoring.as_mut().unwrap().kind = kind;
         let new = Simulation::new(&scene).unwrap();
         assert_eq!(new.state().phi, state.phi);
-        // Not the bending energy: its ω is an unknown of the step, and a new run makes it anew.
+        // Not the bending energy: its ω is an unknown of the step, and a new run computes it again.
         // Not the area's: its target is relative to the initial shape.
         for name in ["nematic", "anchoring"] {
             assert_eq!(energy(report, name), energy(new.report(), name), "{name}");
@@ -421,7 +421,7 @@ fn what_noise_does_is_no_unexplained_rise() {
     assert!(rises > 0);
 }
 
-/// A step that is left before each of its attempts, by a run that is taken up again each time, is bit
+/// A step that is interrupted before each of its attempts, by a run that is resumed each time, is bit
 /// for bit the step that was never left, with the same events; and meanwhile the last whole step is known.
 #[test]
 fn a_step_that_is_left_goes_on_as_if_nothing_had_happened() {
@@ -450,7 +450,7 @@ fn a_step_that_is_left_goes_on_as_if_nothing_had_happened() {
         let scene = small(settings);
         let mut whole = Simulation::new(&scene).unwrap();
         let mut parted = Simulation::new(&scene).unwrap();
-        // What happened at the start is not to be told again.
+        // What happened at the start must not be reported again.
         assert_eq!(whole.drain_events(), parted.drain_events());
         let mut left = 0;
         for _ in 0..2 {
@@ -510,7 +510,7 @@ fn a_step_that_is_left_goes_on_as_if_nothing_had_happened() {
     }
 }
 
-/// A step whose parts have become a millionth of it is left to tell of that, once, and goes on.
+/// A step whose parts have become a millionth of it is interrupted to report that, once, and continues.
 #[test]
 fn steps_that_become_short_are_told_within_the_step() {
     let hard: [&[&str]; 2] = [
@@ -578,7 +578,7 @@ fn a_damped_step_is_an_event() {
     assert!(seen > 0);
 }
 
-/// The names of the solvers that a run has, and of no other, in its error and in what it tells on the way.
+/// The names of the solvers that a run has, and of no other, in its error and in what it reports.
 #[test]
 fn errors_name_the_solvers_that_the_mesh_has() {
     let square = include_bytes!("../../tests/meshes/square-22.msh");

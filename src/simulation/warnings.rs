@@ -1,4 +1,4 @@
-//! What a scene's numbers alone do not tell: the vesicle's place, and whether β can be reached.
+//! What a scene's numbers alone do not say: the vesicle's place, and whether β can be reached.
 
 use super::presence::sign;
 use crate::fem::{Contour, Mesh, MeshQuality, SLIVER, Wall};
@@ -113,7 +113,7 @@ impl NearWall {
         self.reached
     }
 
-    /// For a run that goes on from another.
+    /// For a run that continues another.
     pub(super) fn set_reached(&mut self, reached: bool) {
         self.reached = reached;
     }

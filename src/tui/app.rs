@@ -18,7 +18,7 @@ use crate::scene::{AnchoringKind, Scene};
 use crate::simulation::{Report, RunId, RunSnapshot};
 
 impl App {
-    /// Asks whether to go on with the runs of an earlier time, where there are any; no run starts before
+    /// Asks whether to resume the runs of an earlier session, if there are any; no run starts before
     /// that is answered.
     pub(super) fn offer_to_go_on(&mut self) {
         if let Some(slot) = self.slots.get_mut(self.active) {
@@ -105,7 +105,7 @@ impl App {
         0..Self::CASES.min(self.slots.len())
     }
 
-    /// Whether the space key pauses: the run that is looked at is to go on, or any of the gallery's.
+    /// Whether the space key pauses: the shown run should run, or any of the gallery's.
     pub fn is_going(&self) -> bool {
         let goes = |slot: &Slot| {
             let run = slot.run.as_ref();
@@ -225,7 +225,7 @@ impl Run {
         self.status == Status::Done
     }
 
-    /// The end of a run that goes on beyond its own: twice as late, or so much later that it is to come.
+    /// The end of a run that continues beyond its own: twice as late, or later still if that is past.
     pub fn later_end(&self) -> Option<f64> {
         let mut end = 2.0 * self.setting.as_ref()?.scene.time.end;
         while end <= self.report.t {

@@ -1,5 +1,5 @@
-//! The runs of the app, kept from one time to the next: what a worker tells is noted down on its own
-//! thread, and written about once a second; its state whenever it tells that.
+//! The runs of the app, kept from one session to the next: what a worker reports is recorded on its own
+//! thread, and written about once a second; its state whenever it is reported.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
@@ -10,10 +10,10 @@ use crate::simulation::{Failure, Report, StepProgress, WorkerEvent};
 use super::saving::PARENT;
 use super::state::{History, Keeping, Slot};
 
-/// The folder of the runs that can be gone on with, beside what was saved.
+/// The folder of the runs that can be resumed, beside what was saved.
 const UNFINISHED: &str = "unfinished";
 
-/// A run of an earlier time.
+/// A run of an earlier session.
 #[derive(Debug, Default)]
 pub struct Kept {
     /// The run.
@@ -53,8 +53,8 @@ pub(super) fn runs_of(slot: &Slot) -> KeptRuns {
     )
 }
 
-/// Looks for a run that a slot can go on with: one that the app has kept, or the one that its folder
-/// holds, whichever has come further. What is wrong with any is to be said.
+/// Looks for a run that a slot can resume: one that the app has kept, or the one that its folder
+/// holds, whichever has come further. What is wrong with any is reported.
 pub(super) fn look_for(slot: &mut Slot) {
     let runs = runs_of(slot);
     let mut search = runs.find();
@@ -89,7 +89,7 @@ pub(super) fn look_for(slot: &mut Slot) {
     }
 }
 
-/// Begins the autosave of a slot's run, which may go on from a kept one. With it comes what is lost where that
+/// Begins the autosave of a slot's run, which may resume a kept one. With it comes what is lost if that
 /// cannot be written any more.
 pub(super) fn begin(slot: &Slot, kept: Option<&Kept>) -> (Autosave, Option<String>) {
     let runs = runs_of(slot);
@@ -120,10 +120,10 @@ pub(super) fn put_aside(slots: &[Slot], kept: &[(usize, Arc<Kept>)]) -> String {
     )
 }
 
-/// The autosave of a run, for its worker's thread and whoever saves.
+/// The autosave of a run, for its worker's thread and the saving thread.
 pub type SharedAutosave = Arc<Mutex<Autosave>>;
 
-/// What is known of a run, noted down as its worker tells it.
+/// What is known of a run, recorded as its worker reports it.
 #[derive(Debug)]
 pub struct Autosave {
     keeper: RunKeeper,
@@ -131,14 +131,14 @@ pub struct Autosave {
     from: Option<u64>,
     /// Why nothing could be written when it was tried last.
     failure: Option<String>,
-    /// Why the run has ended before its end.
+    /// Why the run has failed.
     failed: Option<Failure>,
 }
 
-/// What remains to be told of news that were noted down.
+/// What remains of an event after the autosave has taken it.
 #[derive(Debug, Default)]
 pub(super) struct Noted {
-    /// The news, unless they were for the autosave alone.
+    /// The event, unless it was for the autosave alone.
     pub event: Option<WorkerEvent>,
     /// Whether the run is kept, where that has changed.
     pub keeping: Option<Keeping>,
@@ -157,7 +157,7 @@ impl Autosave {
         }
     }
 
-    /// Notes news down.
+    /// Takes an event.
     pub(super) fn take(&mut self, event: WorkerEvent) -> Noted {
         let mut noted = Noted::default();
         match event {
@@ -214,7 +214,7 @@ impl Autosave {
         self.keeper.underway()
     }
 
-    /// Why the run could not go on.
+    /// Why the run failed.
     pub fn failed(&self) -> Option<&Failure> {
         self.failed.as_ref()
     }

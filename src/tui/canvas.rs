@@ -9,7 +9,7 @@ use crate::fem::{Mesh, Raster, Rectangle};
 /// Rasters kept: those of a gallery of four and of the single view, twice over for a resize.
 const KEPT: usize = 16;
 
-/// The rasters of the meshes that were last drawn. It lives with whoever draws, next to the terminal.
+/// The rasters of the meshes that were last drawn. It belongs to the drawing code, next to the terminal.
 #[derive(Debug, Default)]
 pub struct Canvas {
     /// The last used last.
@@ -26,7 +26,7 @@ impl Canvas {
         region
     }
 
-    /// Samples of so many columns and rows over the rectangle that a mesh covers.
+    /// Samples of these columns and rows over the rectangle that a mesh covers.
     pub fn raster(&mut self, mesh: &Arc<Mesh>, columns: usize, rows: usize) -> Arc<Raster> {
         let fits = |raster: &Arc<Raster>| raster.columns() == columns && raster.rows() == rows;
         let raster = take(&mut self.rasters, mesh, fits).unwrap_or_else(|| {

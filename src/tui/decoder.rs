@@ -7,7 +7,7 @@
 //! and only what is kept of it is bounded.
 //!
 //! It differs from the VT500 where that would make keys of damaged sequences. A control or a byte above ASCII
-//! within a sequence is skipped, and what it broke is no key. In a control string Escape begins something
+//! within a sequence is skipped, and what it broke is not a key. In a control string Escape begins something
 //! else only before the byte of an introducer; before another byte both are a part of the string.
 //!
 //! CAN, SUB and Ctrl-C leave a sequence at once, and any letter ends it. CAN and SUB leave a control string,
@@ -34,7 +34,7 @@ const LATE: Timespec = Timespec {
     tv_sec: 3,
     tv_nsec: 0,
 };
-/// How long a string or a paste may pause before the user is told, and can leave it.
+/// How long a string or a paste may pause before that is reported, and the user can leave it.
 const QUIET: Timespec = Timespec {
     tv_sec: 1,
     tv_nsec: 0,
@@ -42,7 +42,7 @@ const QUIET: Timespec = Timespec {
 
 /// A key's sequence is shorter than this.
 const LONGEST_KEY: usize = 64;
-/// Of a pasted text so many bytes are kept: it goes into a line for a path, and this is the longest path.
+/// Bytes of a pasted text that are kept: it goes into a line for a path, and this is the longest path.
 const LONGEST_TEXT: usize = 4096;
 
 const PASTE_BEGIN: &[u8] = b"\x1b[200~";
@@ -74,7 +74,7 @@ enum State {
     /// Between keys.
     #[default]
     Ground,
-    /// In a character, of which so many bytes are to come.
+    /// In a character, with this many bytes still to come.
     Character(u8),
     /// Behind ESC: the key, or the begin of a sequence.
     Escape,
@@ -88,12 +88,12 @@ enum State {
     SingleShift3,
     /// In a control sequence, as in `ESC [ 1 ; 5 C`.
     ControlSequence {
-        /// Whether something stood in it that cannot: it is no key then.
+        /// Whether it contained something that it cannot: it is not a key then.
         is_broken: bool,
-        /// So many bytes are to come of a character in it.
+        /// Bytes still to come of a character in it.
         continuation: u8,
     },
-    /// So many bytes are to come that follow a sequence and belong to it.
+    /// Bytes still to come that follow a sequence and belong to it.
     Appendix(u8),
     /// In a control string.
     String(ControlString),
@@ -105,7 +105,7 @@ enum State {
     },
     /// In a pasted text.
     Paste {
-        /// So many bytes of [`PASTE_END`] have come.
+        /// Bytes of [`PASTE_END`] that have come.
         matched: usize,
         /// Whether it was reported that it does not end.
         is_reported: bool,
@@ -117,7 +117,7 @@ enum State {
 struct ControlString {
     /// Whether it is an OSC, which BEL ends, too.
     is_osc: bool,
-    /// So many bytes are to come of a character in it.
+    /// Bytes still to come of a character in it.
     continuation: u8,
     /// Whether it was reported that it does not end.
     is_reported: bool,
@@ -152,7 +152,7 @@ impl Decoder {
         }
     }
 
-    /// No byte came for so long.
+    /// No byte came for that long.
     pub fn lose_patience(&mut self, sink: &mut dyn FnMut(AppEvent)) {
         match &mut self.state {
             State::Escape => {
@@ -292,7 +292,7 @@ impl Decoder {
         }
     }
 
-    /// The state after a byte that does not belong to the sequence which has begun: that goes on in `state`,
+    /// The state after a byte that does not belong to the sequence which has begun: that continues in `state`,
     /// or is left.
     fn within(&mut self, byte: u8, state: State, sink: &mut dyn FnMut(AppEvent)) -> State {
         match byte {

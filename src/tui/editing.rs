@@ -67,7 +67,7 @@ fn text(slot: &Slot) -> String {
 /// Runs the editor on the terminal and waits until it ends.
 ///
 /// # Errors
-/// It could not be started, or tells that it failed.
+/// It could not be started, or reports that it failed.
 pub(super) fn edit(editor: &str, file: &Path) -> Result<(), String> {
     // As git does it: the shell splits the command, and the path stays one word.
     let status = Command::new("sh")

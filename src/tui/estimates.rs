@@ -1,4 +1,4 @@
-//! What a scene and its effects cost, for the screen: measured beside the run that is looked at.
+//! What a scene and its effects cost, for the screen: measured beside the run that is shown.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -32,7 +32,7 @@ pub(super) fn expected(
     Some(words)
 }
 
-/// Measures until it is done or `end` is set; tells how far it is, and at last the table.
+/// Measures until it is done or `end` is set; reports its progress, and at last the table.
 pub(super) fn measure(scene: &Scene, end: &AtomicBool, tell: &mut dyn FnMut(String)) {
     let mut told = 0;
     let outcome = prices(scene, Plan::default(), &mut |progress| {

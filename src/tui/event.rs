@@ -22,9 +22,9 @@ pub(super) enum AppEvent {
     Written(io::Result<Vec<u8>>),
     /// The process is asked to stop, as by Ctrl-Z.
     Stop,
-    /// The process goes on after a stop.
+    /// The process continues after a stop.
     Continued,
-    /// The editor of a scene has ended; the file to load anew, or why there is none.
+    /// The editor of a scene has ended; the file to load again, or why there is none.
     Edited(Result<PathBuf, String>),
     /// A thread of the app's own has panicked: these were its words.
     Crashed(String),
@@ -43,7 +43,7 @@ pub(super) fn spawn(
     thread::Builder::new().name(name.to_owned()).spawn(move || {
         if let Err(payload) = catch_unwind(AssertUnwindSafe(body)) {
             let words = panic_words(payload.as_ref());
-            // If the loop has ended, nobody is left to tell.
+            // If the loop has ended, nobody is left to report to.
             let _ = incoming.send(AppEvent::Crashed(format!("{told_name}: {words}")));
         }
     })

@@ -26,13 +26,13 @@ pub(super) struct Left {
     pub scalars: Option<(f64, f64)>,
     /// How far it is kept in the next step.
     pub underway: Option<StepProgress>,
-    /// Why it could not go on.
+    /// Why it failed.
     pub failed: Option<Failure>,
     /// Whether its state is kept.
     pub keeping: Keeping,
 }
 
-/// How the runs are left, whose workers have been told to end: what their logbooks know, for the last news are
+/// How the runs are left whose workers have been asked to end: what their autosaves know, because the last events are
 /// not on the screen any more.
 pub(super) fn left(app: &App, logbooks: &BTreeMap<RunId, SharedAutosave>) -> Vec<Left> {
     let of_slot = |(slot, place): (usize, &Slot)| {
@@ -65,7 +65,7 @@ pub(super) fn left(app: &App, logbooks: &BTreeMap<RunId, SharedAutosave>) -> Vec
         };
         let left = left(autosave.latest(), keeping);
         Some(Left {
-            // Before it has told its first state it is where it was kept.
+            // Before it has reported its first state it is where it was kept.
             step: left.scalars.map_or(kept_step, |_| left.step),
             underway: autosave.underway(),
             failed: autosave.failed().cloned(),

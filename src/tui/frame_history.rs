@@ -37,7 +37,7 @@ impl Default for FrameHistory {
 }
 
 impl FrameHistory {
-    /// An empty past that will take up to so many bytes, or two pictures where they need more.
+    /// An empty history that will take at most `budget` bytes, or two pictures where they need more.
     pub fn new(budget: usize) -> Self {
         Self {
             pictures: Vec::new(),
@@ -88,8 +88,8 @@ impl FrameHistory {
         self.bytes
     }
 
-    /// Keeps the picture of this step from being thinned out; the one that was kept so before is no
-    /// more.
+    /// Keeps the picture of this step from being thinned out; the one that was pinned before is no
+    /// longer pinned.
     pub fn pin(&mut self, step: Option<u64>) {
         self.pinned = step;
     }
@@ -113,7 +113,7 @@ impl FrameHistory {
         self.fit();
     }
 
-    /// Takes up to so many bytes from now on: other runs have come or gone.
+    /// Takes at most `budget` bytes from now on: other runs have started or ended.
     pub fn set_budget(&mut self, budget: usize) {
         self.budget = budget;
         self.fit();

@@ -20,7 +20,7 @@ pub struct Glyphs {
     pub strokes: [&'static str; 4],
     /// Bars of one cell's height, from empty to full: what curves are drawn with.
     pub levels: &'static [&'static str],
-    /// Between the least and the greatest value of a column, where there is no colour to tell it.
+    /// Between the least and the greatest value of a column, where there is no colour to show it.
     pub band: &'static str,
     /// Bars of one cell's breadth, from empty to full: what shares are drawn with.
     pub shares: &'static [&'static str],

@@ -29,7 +29,7 @@ pub struct History {
     pub width: Series,
     /// Where the anchoring was switched: step and new kind.
     pub marks: Vec<(u64, AnchoringKind)>,
-    /// What E_tot is to be compared with: its value at the start, or just after the last switch of
+    /// What E_tot is compared with: its value at the start, or just after the last switch of
     /// the anchoring, since which it can only have fallen.
     pub baseline: Option<f64>,
     /// ∫φ⁰.
@@ -37,7 +37,7 @@ pub struct History {
 }
 
 impl History {
-    /// The scalars of a run that goes on from a kept one with these rows.
+    /// The scalars of a run that resumes a kept one with these rows.
     pub fn of(rows: &Columns, switches: &[(u64, AnchoringKind)]) -> Self {
         let steps = rows.column("step").unwrap_or_default();
         let series = |name: &str, from: f64, change: &dyn Fn(f64) -> f64| {
@@ -95,7 +95,7 @@ impl History {
         }
     }
 
-    /// Takes a switch of the anchoring: the energies of the unchanged state, measured anew.
+    /// Takes a switch of the anchoring: the energies of the unchanged state, computed again.
     pub fn switch(&mut self, kind: AnchoringKind, report: &Report) {
         self.take_energies(report);
         self.baseline = Some(report.total_energy);
@@ -173,7 +173,7 @@ mod tests {
             }
         }
         let mut again = History::of(&rows, &[(7, AnchoringKind::Parallel)]);
-        // The last step is told again.
+        // The last step is reported again.
         again.take(&report(2999, &[("bending", 5.0 - 2.999)]));
         let curves = |history: &History| {
             [

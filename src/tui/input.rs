@@ -50,7 +50,7 @@ impl Drop for Input {
     fn drop(&mut self) {
         self.stop = None;
         if let Some(thread) = self.thread.take() {
-            // Its panic was told already.
+            // Its panic was reported already.
             let _ = thread.join();
         }
     }

@@ -28,7 +28,7 @@ pub(super) fn can_stop() -> bool {
     same_session && getpgid(Some(starter)).is_ok_and(|theirs| theirs != group)
 }
 
-/// Stops the process and whatever else the shell started with it, and returns when it goes on.
+/// Stops the process and what else the shell started with it, and returns when it continues.
 ///
 /// # Errors
 /// What the system says.

@@ -40,7 +40,7 @@ pub enum Message {
     Signal(i32),
     /// The terminal is gone.
     HungUp,
-    /// So many bytes of memory are to be had.
+    /// This many bytes of memory are available.
     FreeMemory(u64),
     /// Something to say in passing.
     Remark(String),
@@ -53,7 +53,7 @@ pub enum Message {
 pub enum Effect {
     /// Start a worker.
     Start(WorkerConfig, Arc<Scene>),
-    /// Tell a worker something.
+    /// Send a worker a command.
     Tell(RunId, Command),
     /// End a worker and forget it; its state stays kept.
     Drop(RunId),
@@ -67,7 +67,7 @@ pub enum Effect {
     Price(Arc<Scene>),
     /// Measure what a scene would take on this machine: a given one, or that of the name; in the background.
     Expect(String, Option<Arc<Scene>>),
-    /// Edit the scene of the slot in $EDITOR and load it anew. A preset is written to a file first.
+    /// Edit the scene of the slot in $EDITOR and load it again. A preset is written to a file first.
     Edit(usize),
     /// Save one view: PNG, SVG, CSV, VTU.
     SaveView(Arc<RunSnapshot>, usize),

@@ -24,7 +24,7 @@ use rustix::termios::{
 
 use super::output::Output;
 
-/// How long a terminal may take to be taken over or put back before the app goes on without.
+/// How long a terminal may take to be taken over or put back before the app continues without.
 const PATIENCE: Duration = Duration::from_secs(1);
 /// How often room is made in a terminal that takes nothing, and how long the writer may take to use it.
 const ROUNDS: u32 = 10;
@@ -120,7 +120,7 @@ impl Modes {
         entered
     }
 
-    /// Has every key reach the app at once and as it is. Also where somebody else has changed that.
+    /// Has every key reach the app at once and unchanged. Also where somebody else has changed that.
     ///
     /// # Errors
     /// What the system says.
@@ -184,7 +184,7 @@ impl Modes {
     }
 }
 
-/// What is to be put back; from then on it is nobody else's affair.
+/// What must be put back; from then on nobody else does it.
 fn take_before() -> Option<&'static Before> {
     // SAFETY: what was put there is never freed or changed.
     unsafe { BEFORE.swap(ptr::null_mut(), Ordering::AcqRel).as_ref() }
@@ -217,7 +217,7 @@ pub(super) fn sequence(commands: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) ->
     bytes
 }
 
-/// The signals of a process that cannot go on: memory that is refused, a stack that is full, a mistake.
+/// The signals of a process that cannot continue: memory that is refused, a stack that is full, a mistake.
 const ABORTS: [i32; 7] = [
     libc::SIGABRT,
     libc::SIGSEGV,

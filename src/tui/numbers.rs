@@ -4,7 +4,7 @@ use std::time::Duration;
 
 pub use crate::scene::significant;
 
-/// To so many significant digits, without the zeros at its end: for numbers that are round.
+/// To `digits` significant digits, without the zeros at its end: for numbers that are round.
 pub fn brief(value: f64, digits: usize) -> String {
     let text = significant(value, digits);
     let (digits, exponent) = match text.split_once('e') {
@@ -19,7 +19,7 @@ pub fn brief(value: f64, digits: usize) -> String {
     format!("{digits}{exponent}")
 }
 
-/// To so many significant digits, with its sign.
+/// To `digits` significant digits, with its sign.
 pub fn signed(value: f64, digits: usize) -> String {
     let text = significant(value, digits);
     if value > 0.0 {

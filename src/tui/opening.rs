@@ -66,7 +66,7 @@ pub fn open(source: &OsStr, overrides: &[String]) -> Result<Slot, LoadError> {
     open_file(path, overrides)
 }
 
-/// Checks that nobody goes on with the run whose folder was opened: whoever names it means that run and not
+/// Checks that no other process computes the run whose folder was opened: a user who names it means that run and not
 /// another of its scene.
 ///
 /// # Errors
@@ -165,7 +165,7 @@ mod tests {
         let scene = folder.join("scene.toml");
         assert!(matches!(error, LoadError::InUse { .. }), "{error}");
         assert!(error.to_string().contains(scene.to_str().unwrap()));
-        // Its scene can be begun anew.
+        // Its scene can be started again.
         assert!(open_with_cases(scene.as_os_str(), &[]).is_ok());
         drop(held);
         assert!(open_with_cases(folder.as_os_str(), &[]).is_ok());

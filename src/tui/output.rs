@@ -1,11 +1,11 @@
 //! Bytes to the terminal, written by a thread of its own.
 //!
 //! A write to a terminal waits until the other side has read, and the other side may be a slow
-//! link. Polling for writability does not help: it tells that some bytes fit, not that a frame
-//! does. So a thread writes, and only the thread waits: keys, signals and the solvers' news are
+//! link. Polling for writability does not help: it says that some bytes fit, not that a frame
+//! does. So a thread writes, and only the thread waits: keys, signals and the solvers' events are
 //! answered meanwhile.
 //!
-//! One buffer goes back and forth between the main loop and the writer. Whoever has not got it
+//! One buffer goes back and forth between the main loop and the writer. The one that does not have it
 //! cannot draw: frames are skipped while the link is busy, and never queued.
 
 use std::io::{self, Write};
@@ -57,7 +57,7 @@ impl Output {
                         let _ = written.send(AppEvent::Written(result));
                     }
                     Job::Awaited(bytes, done) => {
-                        // Whoever waited may have lost patience.
+                        // The receiver may have given up waiting.
                         let _ = done.send(write_whole(&mut terminal, &bytes));
                     }
                 }
@@ -66,9 +66,9 @@ impl Output {
         Ok(Self { jobs })
     }
 
-    /// Sends a frame; [`AppEvent::Written`] tells when it is out.
+    /// Sends a frame; [`AppEvent::Written`] follows when it is out.
     pub fn send(&self, frame: Vec<u8>) {
-        // If the thread has gone, its panic was told.
+        // If the thread has ended, its panic was reported.
         let _ = self.jobs.send(Job::Frame(frame));
     }
 

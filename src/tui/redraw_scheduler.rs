@@ -1,11 +1,11 @@
-//! When the screen is drawn: not before something has changed, soon after a key, at most so many
-//! times a second for what the solvers tell, and once for a storm of sizes.
+//! When the screen is drawn: not before something has changed, soon after a key, at a limited number of
+//! times a second for events of the solvers, and once for a storm of sizes.
 
 use std::time::{Duration, Instant};
 
 /// Between two frames that keys ask for: a key that is held down is not to draw more often.
 const KEY_INTERVAL: Duration = Duration::from_millis(20);
-/// A size is drawn when no other one has followed for so long …
+/// A size is drawn when no other one has followed for this long …
 const CALM: Duration = Duration::from_millis(60);
 /// … or when the first of a storm is so old.
 const STORM: Duration = Duration::from_millis(300);
@@ -31,7 +31,7 @@ pub(super) enum Occasion {
 }
 
 impl RedrawScheduler {
-    /// Asks for a frame. `interval` is the time between two frames for news.
+    /// Asks for a frame. `interval` is the time between two frames for events.
     pub fn ask(&mut self, now: Instant, occasion: Occasion, interval: Duration) {
         let wait = match occasion {
             Occasion::Key => KEY_INTERVAL.min(interval),

@@ -1,7 +1,7 @@
-//! What the user wants of a run, what its worker was told, and what that has answered.
+//! What the user wants of a run, the commands to its worker, and what that has answered.
 //!
-//! Commands and news cross on their way: a run that was told to pause goes on until it says that
-//! it stands still. What is shown is what the worker has said.
+//! Commands and events cross on their way: a run that was asked to pause continues until it reports that
+//! it is paused. What is shown is what the worker has reported.
 
 use super::state::Status;
 use crate::scene::AnchoringKind;
@@ -10,13 +10,13 @@ use crate::simulation::Command;
 /// The control of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RunControl {
-    /// Whether the user wants it to go on whenever it is looked at.
+    /// Whether the user wants it to run whenever it is shown.
     pub wanted: bool,
-    /// Whether the worker was last told to go on.
+    /// Whether the last command to the worker was to run.
     pub going: bool,
-    /// The horizon that the worker was last told.
+    /// The horizon that was last sent to the worker.
     pub horizon: Option<f64>,
-    /// What the worker has said last.
+    /// What the worker has reported last.
     pub stand: WorkerState,
     /// `Pause` and `Step` that the worker has not answered yet.
     pub unanswered: u32,
@@ -26,14 +26,14 @@ pub struct RunControl {
     pub anchoring: Option<AnchoringKind>,
 }
 
-/// What a worker has said that it does.
+/// The state that a worker has reported.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WorkerState {
-    /// Nothing yet: it makes the mesh and the first fields.
+    /// None yet: it makes the mesh and the first fields.
     SettingUp,
     /// It takes steps.
     Computing,
-    /// It was told to stand still.
+    /// It is paused.
     Paused,
     /// It waits at its horizon.
     AtHorizon,
@@ -42,7 +42,7 @@ pub enum WorkerState {
 }
 
 impl RunControl {
-    /// Those of a run that is started with this horizon and is to go on.
+    /// That of a run that is started with this horizon and runs.
     pub fn new(horizon: Option<f64>) -> Self {
         Self {
             wanted: true,
@@ -55,7 +55,7 @@ impl RunControl {
         }
     }
 
-    /// What the worker must be told so that it goes on (or not) and has this horizon. In an order
+    /// The commands to the worker so that it runs (or not) and has this horizon. In an order
     /// in which it takes no step that is not wanted.
     pub fn guide(&mut self, going: bool, horizon: Option<f64>) -> Vec<Command> {
         let mut commands = Vec::new();
@@ -77,7 +77,7 @@ impl RunControl {
         commands
     }
 
-    /// What the worker must be told so that it takes one step and then stands still.
+    /// The command to the worker so that it takes one step and pauses.
     pub fn step(&mut self) -> Command {
         self.wanted = false;
         self.going = false;
@@ -86,8 +86,8 @@ impl RunControl {
         Command::Step
     }
 
-    /// The run was over and gets a later end. What was not answered before never will be, but this is: the
-    /// worker stands still then.
+    /// The run was over and gets a later end. Earlier commands without an answer never get one, but this does: the
+    /// worker is paused then.
     pub fn reopen(&mut self) {
         self.stand = WorkerState::Paused;
         self.going = false;
@@ -95,7 +95,7 @@ impl RunControl {
         self.stepping = false;
     }
 
-    /// Takes what the worker has said.
+    /// Takes what the worker has reported.
     pub fn hear(&mut self, stand: WorkerState) {
         if self.stand == WorkerState::Over {
             return;
@@ -117,8 +117,8 @@ impl RunControl {
         }
     }
 
-    /// How this shows; `None` for a run that is over, which its status tells already. `waits`: a
-    /// run that stands still does so for the others of the gallery.
+    /// How this shows; `None` for a run that is over, which its status says already. `waits`: a
+    /// run that is paused waits for the others of the gallery.
     pub fn status(&self, waits: bool) -> Option<Status> {
         let asked = self.unanswered > 0;
         Some(match self.stand {

@@ -35,7 +35,7 @@ pub struct Job {
     pub what: What,
 }
 
-/// What is to be saved.
+/// What is saved.
 #[derive(Debug)]
 pub enum What {
     /// One picture, shown in this way.
@@ -55,7 +55,7 @@ impl Job {
     }
 }
 
-/// How a job is carried out: writes its files into a new folder. An error is told in words.
+/// How a job is carried out: writes its files into a new folder. An error is in words.
 pub type Save = fn(&Job, &RunFolder) -> Result<(), String>;
 
 /// Saves the states alone: fields as VTU, scalars as tables, the scene.
@@ -122,7 +122,7 @@ impl Saver {
 
     /// Gives the thread a job. The state of the app sees to it that they do not pile up.
     pub fn give(&mut self, job: Job) {
-        // If the thread has gone, its panic was told.
+        // If the thread has ended, its panic was reported.
         if self.jobs.send(job).is_ok() {
             self.pending += 1;
         }
@@ -272,7 +272,7 @@ mod tests {
         };
         carry_out(looks, &job(0), parent.path()).unwrap();
         std::fs::remove_dir_all(parent.path().join("circle-set")).unwrap();
-        // It goes on saving when the process ends.
+        // It is still saving when the process ends.
         let endless: Save = |_, folder| {
             while std::fs::write(folder.path().join("a"), [0; 1000]).is_ok() {}
             Err("it has gone".to_owned())

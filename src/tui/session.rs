@@ -2,7 +2,7 @@
 //! and draws what has changed.
 //!
 //! The loop waits for nothing but its channel. Keys, signals, output, saving, loading and the runs
-//! have their own threads, which tell it. While nothing happens nothing runs: no tick, no draw.
+//! have their own threads, which send to it. While nothing happens nothing runs: no tick, no draw.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -54,15 +54,15 @@ pub struct Options {
     pub slots: Vec<Slot>,
     /// Which of them is looked at.
     pub active: usize,
-    /// Frames a second at most, for what the solver tells.
+    /// Frames a second at most, for events of the solver.
     pub frames_per_second: u32,
-    /// The colours to use, if not those that the environment tells.
+    /// The colours to use, if not those of the environment.
     pub tier: Option<ColorTier>,
     /// How things are saved.
     pub save: Save,
 }
 
-/// Why the app could not start or go on.
+/// Why the app could not start or continue.
 #[derive(Debug, thiserror::Error)]
 pub enum AppError {
     /// The terminal cannot be used.
@@ -98,7 +98,7 @@ pub struct Failed {
     pub is_of_scene: bool,
 }
 
-/// Runs the app on the terminal that the standard input and output are, until it ends: how, is told.
+/// Runs the app on the terminal that the standard input and output are, until it ends; returns how.
 /// A line stays in the scrollback.
 ///
 /// # Errors
@@ -169,9 +169,9 @@ struct Session {
     saved: Vec<PathBuf>,
     incoming: Sender<AppEvent>,
     queue: Receiver<AppEvent>,
-    /// Where effects are being priced: tells that to end.
+    /// Ends the pricing of effects, while there is one.
     pricing: Option<Arc<AtomicBool>>,
-    /// Where it is measured what a scene would take: likewise.
+    /// Ends the measurement of what a scene would take, while there is one.
     expecting: Option<Arc<AtomicBool>>,
     /// When it was asked last how much memory there is.
     memory_asked: Option<Instant>,
@@ -239,7 +239,7 @@ impl Session {
                 self.terminal.written(buffer);
                 Ok(())
             }
-            // A terminal that takes no bytes is no terminal any more.
+            // A terminal that takes no bytes is gone.
             AppEvent::Written(Err(_)) => self.message(Message::HungUp),
             AppEvent::Stop => self.suspend(),
             AppEvent::Continued => self.resume(),
@@ -253,7 +253,7 @@ impl Session {
         match &message {
             // Ctrl-C on a program that has the terminal is its affair.
             Message::Signal(SIGINT | SIGQUIT) if self.input.is_none() => return Ok(()),
-            // What will be saved is to be the latest.
+            // What will be saved must be the latest.
             Message::Signal(_) | Message::HungUp => self.look()?,
             // Also where nothing of it shows: pictures are fetched when it is time.
             Message::Solver(_) => self.ask(Occasion::WorkerEvent),
@@ -291,7 +291,7 @@ impl Session {
             .iter()
             .map(|(run, worker)| (*run, worker.computing(), worker.mailbox().fetch()))
             .collect();
-        // Before older fields are stored. Nothing is there to be told where the system does not.
+        // Before older fields are stored. Nothing follows where the system does not report its memory.
         let is_due = self
             .memory_asked
             .is_none_or(|at| at.elapsed() >= MEMORY_ASKED);
@@ -560,7 +560,7 @@ impl Session {
         job_control::stop().map_err(AppError::Terminal)
     }
 
-    /// The process goes on after a stop.
+    /// The process continues after a stop.
     fn resume(&mut self) -> Result<(), AppError> {
         if self.input.is_none() {
             return Ok(());
@@ -680,7 +680,7 @@ impl Session {
     }
 }
 
-/// Tells what is being measured, if anything is, to end.
+/// Ends what is being measured, if anything is.
 fn call_off(measuring: &mut Option<Arc<AtomicBool>>) {
     if let Some(end) = measuring.take() {
         end.store(true, Ordering::Relaxed);

@@ -24,7 +24,7 @@ use crate::signals::{ending, survive_file_size_limit};
 /// Those that concern the terminal alone.
 const OF_TERMINAL: [i32; 3] = [SIGTSTP, SIGCONT, SIGWINCH];
 
-/// How long the app may take to end by itself once it was told to.
+/// How long the app may take to end by itself once a signal asked for it.
 const PATIENCE: Duration = Duration::from_millis(1600);
 /// How long the terminal may take to be put back after that.
 const LAST_PATIENCE: Duration = Duration::from_millis(100);

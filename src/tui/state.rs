@@ -93,26 +93,26 @@ pub struct Slot {
     pub file: Option<PathBuf>,
     /// The folder of the run that it came from.
     pub folder: Option<PathBuf>,
-    /// What is to be said when it is looked at first.
+    /// What is reported when it is shown first.
     pub remark: Option<String>,
     /// The scene as loaded, with the anchoring in force: the one that the worker has confirmed.
     pub scene: Arc<Scene>,
     /// The scene as loaded: by it a kept run is known again.
     pub loaded: Arc<Scene>,
-    /// The run of an earlier time, from which the first one goes on.
+    /// The run of an earlier session that the first one resumes.
     pub kept: Option<Arc<Kept>>,
-    /// The run; `None` until the slot is looked at for the first time.
+    /// The run; `None` until the slot is shown for the first time.
     pub run: Option<Run>,
 }
 
 /// What is known of a run.
 #[derive(Debug)]
 pub struct Run {
-    /// Its number: news of another are not its own.
+    /// Its number: events of another are not its own.
     pub id: RunId,
     /// Running, paused, ….
     pub status: Status,
-    /// What the user wants of it, what its worker was told, and what that has answered.
+    /// What the user wants of it, the commands to its worker, and what that has answered.
     pub control: RunControl,
     /// The part of the set-up that is being done, or was done last.
     pub setting_up: Option<SetUp>,
@@ -122,7 +122,7 @@ pub struct Run {
     pub report: Report,
     /// How far the next step is, while it takes long.
     pub underway: Option<StepProgress>,
-    /// The run of an earlier time that this one goes on from, until its first news.
+    /// The run of an earlier session that this one resumes, until its first report.
     pub before: Option<Arc<Kept>>,
     /// The scalars of all steps, decimated.
     pub history: History,
@@ -158,7 +158,7 @@ pub enum Keeping {
     Failed(String),
 }
 
-/// What a run is doing, as its worker has told it: a wish that is under way shows as such.
+/// What a run is doing, as its worker has reported it: a command without an answer shows as such.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Status {
     /// Mesh and first fields are made.
@@ -167,13 +167,13 @@ pub enum Status {
     Running,
     /// Asked to pause; the step in hand is not finished.
     Pausing,
-    /// Stands still.
+    /// No steps are taken.
     Paused,
     /// Waits for the other runs of the gallery: for the common clock, or for a core.
     Waiting,
     /// T is reached.
     Done,
-    /// Could not go on; the words are the error's.
+    /// It failed; the words are the error's.
     Failed(String),
 }
 
@@ -250,28 +250,28 @@ pub enum Overlay {
 /// What is asked before a run is lost.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Question {
-    /// Begin the active run anew?
+    /// Restart the active run?
     Restart,
     /// Leave the app?
     Quit,
-    /// Begin anew with the scene as it stands in its file now?
+    /// Restart with the scene as its file has it now?
     Reload,
-    /// Go on with the runs of an earlier time?
+    /// Resume the runs of an earlier session?
     GoOn,
-    /// Go on with the active run beyond its end, which it has reached?
+    /// Continue the active run beyond its end, which it has reached?
     GoBeyond(Beyond),
     /// Begin another run, with the change that the estimated errors suggest?
     Improve,
 }
 
-/// What a run that has reached its end is to do first, if it goes on.
+/// What a run that has reached its end does first, if it continues.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Beyond {
-    /// Go on.
+    /// Continue.
     Run,
     /// Take a step and pause.
     Step,
-    /// Go on with this anchoring.
+    /// Run with this anchoring.
     Anchor(AnchoringKind),
 }
 

@@ -78,12 +78,12 @@ impl Drop for Synchronized {
     }
 }
 
-/// The backend: crossterm's, but with a size that is told, and silent where nothing changes.
+/// The backend: crossterm's, but with a size that is given, and silent where nothing changes.
 #[derive(Debug)]
 pub(super) struct Surface {
     inner: CrosstermBackend<Bytes>,
     size: Size,
-    /// Whether the cursor is to be seen; the guard of the terminal has hidden it.
+    /// Whether the cursor is visible; the guard of the terminal has hidden it.
     cursor: bool,
 }
 
@@ -97,7 +97,7 @@ impl Surface {
         }
     }
 
-    /// Takes another size; the next frame fills it anew.
+    /// Takes another size; the next frame fills it again.
     pub fn set_size(&mut self, (width, height): (u16, u16)) {
         self.size = Size { width, height };
     }

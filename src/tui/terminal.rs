@@ -26,7 +26,7 @@ use super::surface::{Bytes, Surface, Synchronized};
 
 /// How long the last line may take. There is room for it, unless the terminal is gone.
 const LAST_WORDS: Duration = Duration::from_millis(100);
-/// What a terminal has that does not tell its size.
+/// The size of a terminal that does not report one.
 const USUAL_SIZE: (u16, u16) = (80, 24);
 /// The most columns and rows that are drawn on: more than the largest screens have in the smallest letters.
 /// What some programs claim, 65535 of each, would take more memory than there is.
@@ -39,7 +39,7 @@ pub(super) struct Terminal {
     bytes: Bytes,
     /// The buffer of the next frame; away while the last one is being written.
     buffer: Option<Vec<u8>>,
-    /// What is to be written with the next frame.
+    /// What is written with the next frame.
     unsent: Vec<u8>,
     hook: Arc<Hook>,
 }
@@ -74,7 +74,7 @@ impl Terminal {
     /// is not waited for.
     pub fn leave_behind(&self, line: &str) {
         if !self.is_ours() {
-            // Nobody is there to be told that it could not be said.
+            // Nobody is there to report this failure to.
             let line = format!("{line}\n");
             let _ = self.modes.output.write_within(line.as_bytes(), LAST_WORDS);
         }
@@ -138,7 +138,7 @@ impl Terminal {
         self.modes.restore();
     }
 
-    /// Takes the terminal back; the next frame fills it anew.
+    /// Takes the terminal back; the next frame fills it again.
     ///
     /// # Errors
     /// What the system says.
@@ -184,7 +184,7 @@ fn bounded((columns, rows): (u16, u16)) -> (u16, u16) {
 }
 
 /// From here on a panic of the current thread restores the terminal before it speaks, and a panic
-/// of another one, which its own thread must catch and tell, is silent. Returns the hook before.
+/// of another one, which its own thread must catch and report, is silent. Returns the hook before.
 fn guard_panics(modes: Arc<Modes>) -> Arc<Hook> {
     let owner = thread::current().id();
     let before: Arc<Hook> = Arc::from(panic::take_hook());
@@ -228,7 +228,7 @@ mod tests {
         let mut child = pair.slave.spawn_command(command).unwrap();
         drop(pair.slave);
         let mut written = Vec::new();
-        // The end of the terminal may be told as an error.
+        // The end of the terminal may be reported as an error.
         let _ = pair
             .master
             .try_clone_reader()

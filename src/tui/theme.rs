@@ -27,7 +27,7 @@ pub enum Role {
     Accent,
     /// Runs; is as it should be.
     Good,
-    /// Waits, stands still, or should be looked at.
+    /// Waits, is paused, or needs attention.
     Warning,
     /// Wrong.
     Bad,

@@ -20,13 +20,13 @@ pub struct Throughput {
     sum: Costs,
 }
 
-/// The pace is that of the steps of so much computing.
+/// The pace is that of the steps of this much computing,
 const WINDOW: Duration = Duration::from_secs(3);
-/// And of so many steps at most.
+/// and of at most this many steps.
 const STEPS: usize = 4096;
 
 impl Throughput {
-    /// Takes a step of a run of so many.
+    /// Takes a step of a run of `steps` steps.
     pub fn take(&mut self, report: &Report, steps: u64) {
         if report.step == 0 || report.costs.total().is_zero() {
             return;

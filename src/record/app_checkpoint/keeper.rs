@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 
 /// How long rows stay in memory only.
 const FLUSH_INTERVAL: Duration = Duration::from_secs(1);
-/// So many steps have a row each; of as many that follow every second one has, of twice as many after
+/// This many steps have a row each; of as many that follow every second one has, of twice as many after
 /// these every fourth, and so on: the rows of a day of 40,000 steps a second are a million.
 pub(super) const STEPS_WITH_ROWS: u64 = 1 << 17;
 /// Whether a step has a row in the tables of a kept run.
@@ -44,8 +44,8 @@ impl KeptRuns {
         }
     }
 
-    /// Goes on with a kept run. Its rows after the state are taken back; those of a recorded one are copied.
-    /// What is not right with its tables was noted when it was found.
+    /// Resumes a kept run. Its rows after the state are removed; those of a recorded one are copied.
+    /// What is wrong with its tables was reported when it was found.
     ///
     /// # Errors
     /// [`RecordError`] where its files cannot be read or written any more.
@@ -101,7 +101,7 @@ pub struct RunKeeper {
     folder: Option<RunFolder>,
     tables: Option<Tables>,
     keeper: Option<Keeper>,
-    /// The last step that was noted down.
+    /// The last step that was taken in.
     reached: Option<u64>,
     /// Its scalars, where they are known.
     latest: Option<Report>,
@@ -113,7 +113,7 @@ pub struct RunKeeper {
 }
 
 impl RunKeeper {
-    /// Notes the scalars of a step down. Those of the state that a run goes on from come again.
+    /// Takes in the scalars of a step. Those of the state that a run continues from come again.
     pub fn step(&mut self, report: &Report) {
         if self.reached.is_none_or(|reached| reached < report.step) {
             self.reached = Some(report.step);
@@ -129,7 +129,7 @@ impl RunKeeper {
         self.latest = Some(report.clone());
     }
 
-    /// Notes down that the anchoring is another one, and the energies of the unchanged state.
+    /// Takes in a switch of the anchoring, with the energies of the unchanged state.
     pub fn switch(&mut self, kind: AnchoringKind, report: &Report) {
         let computed = self.content.computed;
         if let Some(tables) = &mut self.tables {
@@ -176,19 +176,19 @@ impl RunKeeper {
         self.kept.as_ref()
     }
 
-    /// How far the run was in the step after the last one that was noted down, when it was kept.
+    /// How far the run was in the step after the last one that was taken in, when it was kept.
     pub fn underway(&self) -> Option<StepProgress> {
         let memory = &self.content.memory;
         let is_kept = self.kept.is_some() && self.reached == Some(memory.step());
         memory.underway().filter(|_| is_kept)
     }
 
-    /// The scalars of the last step that was noted down, where they are known.
+    /// The scalars of the last step that was taken in, where they are known.
     pub fn latest(&self) -> Option<&Report> {
         self.latest.as_ref()
     }
 
-    /// The last step that was noted down.
+    /// The last step that was taken in.
     pub fn reached(&self) -> Option<u64> {
         self.reached
     }
@@ -243,7 +243,7 @@ impl RunKeeper {
         }
         let outcome = self.tables.as_mut().map_or(Ok(()), Tables::flush);
         if let Err(lost @ RecordError::Vanished { .. }) = outcome {
-            // The next time the table begins anew.
+            // The next flush starts a new table.
             self.lost = Some(lost);
             return self.tables.as_mut().map_or(Ok(()), Tables::flush);
         }

@@ -1,7 +1,7 @@
 //! Runs of the app, kept from one time to the next: a folder each.
 //!
 //! In the folder stand `scene.toml`, the tables of a run, which grow, and the state in two generations,
-//! `checkpoint.bin` and `checkpoint-older.bin`. It is locked as long as a process goes on with the run.
+//! `checkpoint.bin` and `checkpoint-older.bin`. It is locked while a process computes the run.
 
 mod keeper;
 mod note;
@@ -40,7 +40,7 @@ struct Content {
     computed: f64,
 }
 
-/// A run of an earlier time. While this is held no other process goes on with it.
+/// A run of an earlier session. While this is held no other process resumes it.
 #[derive(Debug, Default)]
 pub struct KeptRun {
     content: Content,
@@ -55,7 +55,7 @@ impl KeptRun {
         &self.content.memory
     }
 
-    /// The step that it has come to.
+    /// The step that it has reached.
     pub fn step(&self) -> u64 {
         self.content.memory.step()
     }
@@ -82,16 +82,16 @@ impl KeptRun {
 /// What was found.
 #[derive(Debug, Default)]
 pub struct Search {
-    /// The run to go on with, if there is one.
+    /// The run to resume, if there is one.
     pub run: Option<KeptRun>,
     /// The folders of others that are kept behind it, in their order.
     pub others: Vec<PathBuf>,
-    /// What is to be said.
+    /// What is reported.
     pub notes: Vec<KeptNote>,
 }
 
 impl Search {
-    /// Says what is not right with tables.
+    /// Reports what is wrong with tables.
     fn note_tables(&mut self, remarks: Vec<String>) {
         if !remarks.is_empty() {
             self.notes.push(KeptNote::Tables { remarks });
@@ -100,7 +100,7 @@ impl Search {
 }
 
 /// The kept runs of a scene: folders `NAME-CHECKSUM`, `NAME-CHECKSUM-2`, … among those of others. The first
-/// of them is the one that is gone on with the next time.
+/// of them is the one that is resumed the next time.
 #[derive(Debug, Clone)]
 pub struct KeptRuns {
     parent: PathBuf,
@@ -123,7 +123,7 @@ impl KeptRuns {
         }
     }
 
-    /// Looks for the first that can be gone on with. What is damaged is put aside; those behind it are only
+    /// Looks for the first that can be resumed. What is damaged is renamed; those behind it are only
     /// named.
     pub fn find(&self) -> Search {
         let mut search = Search::default();
@@ -253,8 +253,8 @@ impl KeptRuns {
         });
     }
 
-    /// Puts a kept run aside, so that the next one of the scene is the first: under a number, where it is the
-    /// first now. Tells where it is.
+    /// Renames a kept run, so that the next one of the scene is the first: to a numbered name, if it is the
+    /// first now. Returns where it is.
     ///
     /// # Errors
     /// [`RecordError::Rename`]; it stands where it was.
@@ -267,7 +267,7 @@ impl KeptRuns {
     }
 }
 
-/// Puts something aside that is damaged. What cannot be read at present may be good another time, and what is of
+/// Renames something that is damaged. What cannot be read at present may be good another time, and what is of
 /// another scene is good for that.
 fn aside(problem: &Problem, rename: impl FnOnce() -> Option<PathBuf>) -> Option<PathBuf> {
     match problem {

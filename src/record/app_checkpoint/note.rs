@@ -1,12 +1,12 @@
-//! What is to be said of kept runs.
+//! What is reported of kept runs.
 
 use crate::record::checkpoint::Problem;
 use std::path::PathBuf;
 
-/// What is to be said of kept runs that were looked for.
+/// What is reported of kept runs that were looked for.
 #[derive(Debug, thiserror::Error)]
 pub enum KeptNote {
-    /// Somebody goes on with it.
+    /// Another process computes it.
     #[error(
         "the run that is kept in {} is in use by another app: the run here is kept beside it",
         folder.display()
@@ -46,7 +46,7 @@ pub enum KeptNote {
         /// The new name of the folder, if it has one.
         aside: Option<PathBuf>,
     },
-    /// A run that was recorded has no state to go on from.
+    /// A recorded run has no state to resume from.
     #[error("{} has no checkpoint to go on from: the run begins anew", folder.display())]
     NoCheckpoint {
         /// The run's folder.
@@ -60,7 +60,7 @@ pub enum KeptNote {
         /// What is wrong with the newest.
         problems: Vec<String>,
     },
-    /// A run that was recorded cannot be gone on with.
+    /// A recorded run cannot be resumed.
     #[error("{} cannot be gone on with, and the run begins anew: {problem}", folder.display())]
     Recorded {
         /// The run's folder.

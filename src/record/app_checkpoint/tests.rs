@@ -39,7 +39,7 @@ impl Place {
         kept.folder
     }
 
-    /// A run of so many steps that is kept, by a process that has ended then.
+    /// A run of this many steps that is kept, by a process that has ended since.
     fn kept(&mut self, steps: usize) -> PathBuf {
         let mut keeper = self.runs.begin();
         keeper.step(self.simulation.report());
@@ -188,7 +188,7 @@ fn a_run_has_one_process_and_a_second_one_a_folder_of_its_own() {
     );
     let beside = place.kept(1);
     assert_eq!(beside, PathBuf::from(format!("{}-2", first.display())));
-    // While the first is in use the second can be gone on with, and then the first again.
+    // While the first is in use the second can be resumed, and then the first again.
     assert_eq!(place.runs.find().run.unwrap().folder(), beside);
     drop(held);
     assert_eq!(place.runs.find().run.unwrap().folder(), first);
@@ -206,7 +206,7 @@ fn what_is_put_aside_stays_whole_under_another_name() {
     assert_eq!(fs::read(aside.join("checkpoint.bin")).unwrap(), state);
     assert_eq!(place.kept(2), first);
     assert_eq!(place.runs.find().run.unwrap().step(), 3);
-    // It is still to be had, by its folder, and goes on there.
+    // It can still be opened by its folder, and continues there.
     let search = place.runs.find_in(&aside);
     let run = search.run.unwrap();
     assert_eq!(run.step(), 1);

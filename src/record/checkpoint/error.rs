@@ -1,4 +1,4 @@
-//! Why a run cannot be taken up again.
+//! Why a run cannot be resumed.
 
 use super::VERSION;
 use crate::record::RecordError;
@@ -53,7 +53,7 @@ pub enum Problem {
     State(RestoreError),
 }
 
-/// Why a run cannot be taken up again. Nothing was changed.
+/// Why a run cannot be resumed. Nothing was changed.
 #[derive(Debug, thiserror::Error)]
 pub enum CheckpointError {
     /// There is a run but no checkpoint.

@@ -1,4 +1,4 @@
-//! Checkpoints: the state of a run in a file, from which it goes on bit for bit.
+//! Checkpoints: the state of a run in a file, from which it continues bit for bit.
 //!
 //! A checkpoint is a binary file:
 //!
@@ -51,7 +51,7 @@ pub(super) struct Content {
     pub tables: TablesCheckpoint,
     /// What `run.json` sums up.
     pub totals: Totals,
-    /// A row every so many steps.
+    /// Steps from one row to the next.
     pub every: u64,
     /// How many snapshots were ordered.
     pub snapshots: u64,
@@ -62,7 +62,7 @@ pub(super) struct Content {
 /// Puts the bytes of a checkpoint in the place of what `bytes` holds.
 ///
 /// # Errors
-/// What the encoder says; there is no reason known for which it would.
+/// An error of the encoder; no cause of one is known.
 pub(super) fn encode(
     magic: Magic,
     content: &impl Serialize,

@@ -61,7 +61,7 @@ pub enum ReadError {
         /// The cells of the header.
         expected: usize,
     },
-    /// A cell of a table is no number.
+    /// A cell of a table is not a number.
     #[error(
         "{} is damaged: line {line}, column {column} has {text:?}, which is no number",
         path.display()

@@ -73,7 +73,7 @@ pub fn read_fields(path: &Path) -> Result<StoredFields, ReadError> {
 fn triangles(arrays: &Arrays, nodes: usize) -> Result<Vec<[u32; 3]>, ReadError> {
     let name = "connectivity";
     let corners = arrays.integers(name)?;
-    // The offsets tell where each cell ends: of triangles, after every third corner.
+    // The offsets say where each cell ends: of triangles, after every third corner.
     let offsets = arrays.integers("offsets")?;
     let is_triangle = |(number, end): (usize, &i64)| *end == 3 * (number as i64 + 1);
     if 3 * offsets.len() != corners.len() || !offsets.iter().enumerate().all(is_triangle) {

@@ -35,7 +35,7 @@ pub struct RecordedRun {
 }
 
 /// Reads a run's folder: `scene.toml`, `history.csv`, `shape.csv`, `fields/step-*.vtu` and
-/// `final.vtu`. A run that goes on, or was ended early, gives what there is.
+/// `final.vtu`. A run that is not finished, or was ended early, gives what there is.
 ///
 /// # Errors
 /// [`ReadError`]: what is missing or damaged.

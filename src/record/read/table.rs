@@ -8,7 +8,7 @@ use super::{LARGEST, ReadError};
 use std::path::Path;
 
 /// Reads a table, also one that a spreadsheet has rewritten. An empty cell is NaN. What follows the last
-/// whole line is left out: a run that goes on, or was killed, may have left a part of a line.
+/// whole line is left out: a run that is not finished, or was killed, may have left a part of a line.
 ///
 /// # Errors
 /// [`ReadError`] with line and column.

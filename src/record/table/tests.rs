@@ -49,7 +49,7 @@ fn a_vanished_folder_is_an_error_with_the_path() {
     assert!(matches!(&error, RecordError::Vanished { path } if *path == table.path));
     let error = table.flush().unwrap_err();
     assert!(matches!(&error, RecordError::Write { path, .. } if *path == table.path));
-    // Whoever makes the folder again gets the rows that were not lost.
+    // A folder that is created again gets the rows that were not lost.
     fs::create_dir(table.path.parent().unwrap()).unwrap();
     table.append([Some(1.0), Some(0.5)]);
     table.flush().unwrap();
@@ -252,7 +252,7 @@ fn a_number_that_was_changed_is_told_with_its_place() {
         told.contains("in the lines 3 and 4, column t: numbers are not those that the run wrote"),
         "{told}"
     );
-    // Of a table that was taken up again as well.
+    // Also of a table that was reopened.
     fs::write(&path, "step,t\n0,0\n1,0.5\n2,1\n3,1.5\n").unwrap();
     let mut table = Table::find(path.clone(), &extent).reopen().unwrap();
     table.append([Some(4.0), Some(2.0)]);

@@ -40,7 +40,7 @@ const CANVASES: usize = 3;
 
 impl SnapshotPool {
     /// A copy of `picture` in a canvas that is free, or in a new one. A canvas that is kept
-    /// elsewhere (an older state to look back at) is given up to whoever keeps it.
+    /// elsewhere (an older state to look back at) stays with its holder.
     pub(super) fn paint(&mut self, picture: SnapshotOf<'_>) -> Arc<RunSnapshot> {
         let free = self
             .0

@@ -1,4 +1,4 @@
-//! What is told to a worker, and what it tells.
+//! The messages to and from a worker.
 
 use std::fmt;
 use std::sync::Arc;
@@ -9,53 +9,53 @@ use crate::fem::Mesh;
 use crate::scene::{AnchoringKind, Scene, Warning};
 use crate::scheme::State;
 
-/// Tells the runs of a process apart: news of a run that was ended may still be under way.
+/// Identifies a run of a process: events of a run that was ended may still arrive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct RunId(pub u64);
 
-/// What a worker is told when it is started.
+/// How a worker is started.
 #[derive(Debug, Clone)]
 pub struct WorkerConfig {
     /// The run's number.
     pub run: RunId,
     /// Whether it waits for `Resume` at step 0.
     pub paused: bool,
-    /// The run does not go beyond the first grid time at or after this one, until told otherwise:
-    /// a common clock for runs that are watched side by side. `None`: it goes on to T.
+    /// The run does not go beyond the first grid time at or after this one until another command:
+    /// a common clock for runs that are watched side by side. `None`: it runs to T.
     pub horizon: Option<f64>,
-    /// WorkerEvent of scalars are gathered for so long before they are sent.
+    /// Reports are gathered for this long before they are sent.
     pub gathering: Duration,
-    /// So many states, evenly from t = 0 to T, are sent as [`WorkerEvent::Snapshot`]: none is lost.
+    /// This many states, evenly from t = 0 to T, are sent as [`WorkerEvent::Snapshot`]: none is lost.
     pub snapshots: u64,
 }
 
-/// What can be asked of a worker. Each is carried out between two steps, in the order in which they
-/// are told. When T is reached `Anchor` and `Until` alone are still answered, for no step is left to be
+/// What can be asked of a worker. Commands are carried out between two steps, in the order in which they
+/// are sent. After T is reached only `Anchor` and `Until` are answered, because no step is left to be
 /// taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Command {
-    /// Stop after the step in hand. Answered by [`WorkerEvent::Paused`], always, also when it stands still
+    /// Stop after the current step. Always answered by [`WorkerEvent::Paused`], even when it is paused
     /// already.
     Pause,
-    /// Go on.
+    /// Continue.
     Resume,
     /// Take one step, even beyond the horizon, and pause. Answered by [`WorkerEvent::Paused`].
     Step,
-    /// Another anchoring for the state as it is, from the next step on. Answered by
+    /// Another anchoring for the present state, from the next step on. Answered by
     /// [`WorkerEvent::Anchored`]; where there is no director to anchor nothing happens.
     Anchor(AnchoringKind),
     /// Move the horizon (see [`WorkerConfig`]).
     Horizon(Option<f64>),
-    /// Another T. A run that had reached its end then stands still until it is to go on: answered by
+    /// Another T. A run that had reached its end is then paused: answered by
     /// [`WorkerEvent::Paused`].
     Until(f64),
-    /// Tell the state now. Answered by [`WorkerEvent::State`] where that is ordered at all.
+    /// Report the state now. Answered by [`WorkerEvent::State`] if states are reported at all.
     Keep,
     /// End the run. Dropping the worker does the same.
     End,
 }
 
-/// WorkerEvent of a run.
+/// An event of a run.
 #[derive(Debug, Clone)]
 pub struct Message {
     /// Whose.
@@ -64,20 +64,20 @@ pub struct Message {
     pub event: WorkerEvent,
 }
 
-/// What a worker tells.
+/// What a worker reports.
 #[derive(Debug, Clone)]
 pub enum WorkerEvent {
     /// A part of the set-up begins.
     SettingUp(SetUp),
-    /// The run was set up: first of all news but those.
+    /// The run was set up: the first event after those.
     Ready(Arc<Setting>),
     /// The scalars of steps, in order, none left out; the first is step 0.
     Reports(Vec<Report>),
     /// How far a step is that takes long: after a second, and every half second from then on.
     StepProgress(StepProgress),
-    /// Something happened. (That the anchoring was switched is told as `Anchored`.)
+    /// Something happened. (A switched anchoring is reported as `Anchored`.)
     Event(Event),
-    /// The anchoring is another one: the same state as in the last report, its energy measured anew.
+    /// The anchoring was switched: the same state as in the last report, its energy computed again.
     Anchored {
         /// The new kind.
         kind: AnchoringKind,
@@ -86,25 +86,25 @@ pub enum WorkerEvent {
     },
     /// One of the evenly spaced states that were ordered.
     Snapshot(Arc<RunSnapshot>),
-    /// The state, from which the run can be gone on with: where that was ordered, every so often, when it is
-    /// asked for, and before the worker ends, also in the midst of a step; but for the asking, unless nothing
+    /// The state from which the run can be resumed: if ordered, at regular intervals, when it is
+    /// asked for, and before the worker ends, also within a step; unless asked for, only if something
     /// was computed since the last time.
     State(Box<SimulationCheckpoint>),
-    /// The worker stands still, as asked: the answer to every `Pause` and every `Step`, and told at
-    /// the start where it was ordered to wait.
+    /// The worker is paused, as asked: the answer to every `Pause` and every `Step`, and reported at
+    /// the start if it was ordered to wait.
     Paused,
     /// The worker computes again, after a pause or at a moved horizon.
     Resumed,
     /// The worker waits at its horizon.
     AtHorizon,
-    /// T is reached: the last of all reports was sent before. Told once, and again at a later T.
+    /// T is reached: all reports were sent before. Reported once, and again at a later T.
     Done,
-    /// The run cannot start or go on, and why; the last good state stays what it is. After this the
+    /// The run cannot start or continue, and why; the last good state is kept. After this the
     /// thread has ended. A panic of the thread arrives here too.
     Failed(Failure),
 }
 
-/// Why a run cannot start or go on.
+/// Why a run cannot start or continue.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Failure {
     /// In words.

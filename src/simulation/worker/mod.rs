@@ -1,7 +1,7 @@
-//! A run on a thread of its own: commands in, scalars and life-cycle news out on a channel that
+//! A run on a thread of its own: commands in, scalars and life-cycle events out on a channel that
 //! loses nothing, fields through a mailbox in which the latest wins.
 //!
-//! The worker never waits for whoever watches: news go to a *sink* that must not block, and a field
+//! The worker never waits for its observer: events go to a *sink* that must not block, and a field
 //! that nobody has fetched is overwritten. What a watched run computes is, bit for bit, what
 //! [`Simulation`](super::Simulation) computes without a worker.
 
@@ -31,9 +31,9 @@ pub(crate) use runner::panic_words;
 /// How a run hangs together with those before and after it.
 #[derive(Debug, Default)]
 pub struct Continuity {
-    /// The state to go on from; `None`: φ⁰ and d⁰ of the scene.
+    /// The state to continue from; `None`: φ⁰ and d⁰ of the scene.
     pub from: Option<Box<SimulationCheckpoint>>,
-    /// How often [`WorkerEvent::State`] is told; `None`: never.
+    /// How often [`WorkerEvent::State`] is reported; `None`: never.
     pub keep: Option<Duration>,
 }
 
@@ -49,13 +49,13 @@ pub struct Worker {
 }
 
 impl Worker {
-    /// The name of every worker's thread begins with this: a panic there is caught, and told as
+    /// The name of every worker's thread begins with this: a panic there is caught, and reported as
     /// [`WorkerEvent::Failed`].
     pub const THREAD_NAME: &str = "vesica run";
 
-    /// Starts a run. `sink` is called on the run's thread with all its news and must not block.
+    /// Starts a run. `sink` is called on the run's thread with all its events and must not block.
     ///
-    /// Whatever goes wrong is told to the sink, a thread that cannot be started too.
+    /// Every failure is reported to the sink, also a thread that cannot be started.
     pub fn start(
         config: WorkerConfig,
         scene: Arc<Scene>,
@@ -64,7 +64,7 @@ impl Worker {
         Self::start_from(config, scene, Continuity::default(), sink)
     }
 
-    /// Starts a run that goes on from where another was, or that is to be gone on with.
+    /// Starts a run that continues another, or that can be resumed later.
     pub fn start_from(
         config: WorkerConfig,
         scene: Arc<Scene>,
@@ -75,7 +75,7 @@ impl Worker {
         let (commands, received) = mpsc::channel();
         let mailbox = Mailbox::default();
         let computing = Arc::new(AtomicU64::new(0));
-        // Shared until the thread has it, so that it can be told if there is no thread.
+        // Shared until the thread has it, so that a thread that cannot be started can be reported.
         let sink = Arc::new(Mutex::new(Some(sink)));
         let taken = {
             let (sink, mailbox, computing) = (sink.clone(), mailbox.clone(), computing.clone());
@@ -113,13 +113,13 @@ impl Worker {
         self.run
     }
 
-    /// Tells the worker something. A run that has ended takes no notice.
+    /// Sends the worker a command. A run that has ended ignores it.
     pub fn tell(&self, command: Command) {
-        // An error means that the thread has ended, as it has told its sink.
+        // An error means that the thread has ended, which it has reported to its sink.
         let _ = self.commands.send(command);
     }
 
-    /// Where its latest picture is to be fetched.
+    /// Where its latest picture can be fetched.
     pub fn mailbox(&self) -> Mailbox {
         self.mailbox.clone()
     }
@@ -139,7 +139,7 @@ impl Drop for Worker {
     fn drop(&mut self) {
         self.tell(Command::End);
         if let Some(thread) = self.thread.take() {
-            // A panic of the thread was caught and told.
+            // A panic of the thread was caught and reported.
             let _ = thread.join();
         }
     }

@@ -16,7 +16,7 @@ use super::mailbox::{Mailbox, SnapshotOf, SnapshotPool};
 use super::{Command, Continuity, Failure, Message, RunId, Setting, WorkerConfig, WorkerEvent};
 use crate::scene::{AnchoringKind, Scene, Time};
 
-/// Bytes that telling a state takes: a copy of it, and whoever keeps it makes bytes of that, in a block that grows by
+/// Bytes that reporting a state takes: a copy of it, and its bytes when it is written, in a block that grows by
 /// doubling. What is kept of case 3 has 370 bytes a node (`ls -l` of its file).
 const KEEPING: u64 = 4 << 20;
 const KEEPING_A_NODE: u64 = 1200;
@@ -35,7 +35,7 @@ pub(super) struct Runner<Sink> {
     step_in_hand: StepInHand,
 }
 
-/// When the state was told last, and how often it is to be told.
+/// When the state was reported last, and how often it is reported.
 struct Kept {
     interval: Option<Duration>,
     /// Whether nothing was computed since.
@@ -50,19 +50,19 @@ impl Kept {
     }
 }
 
-/// When the step in hand was begun, and when it is to be told how far it is.
+/// When the current step was begun, and when its progress is reported next.
 struct StepInHand {
     step: u64,
     told_at: Instant,
 }
 
 impl StepInHand {
-    /// A step that takes longer than this is told.
+    /// The progress of a step that takes longer than this is reported.
     const PATIENCE: Duration = Duration::from_secs(1);
     /// And again after this.
     const INTERVAL: Duration = Duration::from_millis(500);
 
-    /// Whether it is time to tell how far this step is.
+    /// Whether it is time to report the progress of this step.
     fn is_due(&mut self, step: u64) -> bool {
         if self.step != step {
             *self = Self {
@@ -78,7 +78,7 @@ impl StepInHand {
     }
 }
 
-/// Why a worker stands still.
+/// Why a worker is idle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum IdleReason {
     Paused,
@@ -130,7 +130,7 @@ impl<Sink: Fn(Message)> Runner<Sink> {
         }
     }
 
-    /// Runs the scene until it is told to end or cannot go on, which it tells.
+    /// Runs the scene until it is asked to end or fails, which it reports.
     pub(super) fn run(mut self, scene: &Scene, continuity: Continuity) {
         let outcome = catch_unwind(AssertUnwindSafe(|| self.simulate(scene, continuity)));
         let failure = match outcome {
@@ -141,14 +141,14 @@ impl<Sink: Fn(Message)> Runner<Sink> {
                 panic_words(&*panic)
             ))),
         };
-        // The sink itself may be what panicked; then there is nobody left to tell.
+        // The sink itself may have panicked; then nobody is left to report to.
         let _ = catch_unwind(AssertUnwindSafe(|| match failure {
             Some(failure) => self.events.tell(WorkerEvent::Failed(failure)),
             None => self.events.flush(),
         }));
     }
 
-    /// Sets the run up and goes on until `End`.
+    /// Sets the run up and computes until `End`.
     fn simulate(&mut self, scene: &Scene, continuity: Continuity) -> Result<(), SimulationError> {
         let mut simulation = match self.set_up(scene) {
             Err(SimulationError::Ended) => return Ok(()),
@@ -169,7 +169,7 @@ impl<Sink: Fn(Message)> Runner<Sink> {
         };
         let mut schedule = Schedule::new(&scene.time, 1, self.config.snapshots);
         simulation.follow(&schedule);
-        // Before the news, so that whoever hears them finds it; so everywhere.
+        // Before the event, so that its receiver finds it; the same everywhere.
         self.show(&simulation);
         self.events.tell(WorkerEvent::Ready(Arc::new(Setting {
             scene: scene.clone(),
@@ -256,14 +256,14 @@ impl<Sink: Fn(Message)> Runner<Sink> {
         })
     }
 
-    /// Tells the state, if that was ordered and anything was computed since.
+    /// Reports the state, if that was ordered and anything was computed since.
     fn keep(&mut self, simulation: &Simulation) {
         if !self.kept.is_current {
             self.tell_state(simulation);
         }
     }
 
-    /// Tells the state, if that was ordered.
+    /// Reports the state, if that was ordered.
     fn tell_state(&mut self, simulation: &Simulation) {
         if self.kept.interval.is_none() {
             return;
@@ -275,7 +275,7 @@ impl<Sink: Fn(Message)> Runner<Sink> {
         self.kept.at = Instant::now();
     }
 
-    /// Why the run stands still at present; `None`: it goes on.
+    /// Why the run is idle at present; `None`: it computes.
     fn rest(
         &self,
         simulation: &Simulation,
@@ -312,8 +312,8 @@ impl<Sink: Fn(Message)> Runner<Sink> {
         Ok(())
     }
 
-    /// One step and all that is to be told of it; whether it was taken. One that takes long is left when a
-    /// command comes, and when it is time to tell how far it is, or its state.
+    /// Takes one step and reports it; returns whether it was completed. One that takes long is interrupted when a
+    /// command arrives, and when it is time to report its progress or its state.
     fn attempt(
         &mut self,
         simulation: &mut Simulation,
@@ -388,8 +388,8 @@ impl<Sink: Fn(Message)> Runner<Sink> {
         self.events.tell(WorkerEvent::Anchored { kind, report });
     }
 
-    /// Puts the present state into the mailbox: that of the last whole step, with which all else that is
-    /// told and saved agrees.
+    /// Puts the present state into the mailbox: that of the last whole step, with which everything else that is
+    /// reported and saved agrees.
     fn show(&mut self, simulation: &Simulation) {
         let picture = self.canvases.paint(self.picture(simulation));
         self.mailbox.put(picture);
@@ -410,7 +410,7 @@ impl<Sink: Fn(Message)> Runner<Sink> {
     }
 }
 
-/// What was asked for and not yet heard; an end where nobody is left to ask.
+/// The next command, if there is one; an end where nobody is left to send one.
 fn next_command(commands: &Receiver<Command>) -> Option<Command> {
     match commands.try_recv() {
         Ok(command) => Some(command),
@@ -419,7 +419,7 @@ fn next_command(commands: &Receiver<Command>) -> Option<Command> {
     }
 }
 
-/// Tells the news of a run in order, and gathers reports so that they do not come one by one.
+/// Sends the events of a run in order, and gathers reports so that they are not sent one by one.
 struct EventSender<Sink> {
     run: RunId,
     gathering: Duration,
@@ -438,7 +438,7 @@ impl<Sink: Fn(Message)> EventSender<Sink> {
         }
     }
 
-    /// Tells something, after all that came before it.
+    /// Sends an event, after all that came before it.
     fn tell(&mut self, event: WorkerEvent) {
         self.flush();
         (self.sink)(Message {

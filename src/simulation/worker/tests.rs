@@ -12,7 +12,7 @@ use crate::scene::{AnchoringKind, InitialDirector, NodalValues};
 /// Long enough for anything but a hang.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// A worker and what it has told.
+/// A worker and what it has reported.
 struct Watched {
     worker: Worker,
     event: Receiver<Message>,
@@ -31,7 +31,7 @@ fn config() -> WorkerConfig {
 fn start(config: WorkerConfig, scene: Scene) -> Watched {
     let (sender, event) = mpsc::channel();
     let sink = move |message| {
-        // Whoever listens may have gone.
+        // The receiver may have been dropped.
         let _ = sender.send(message);
     };
     let worker = Worker::start(config, Arc::new(scene), sink);
@@ -39,7 +39,7 @@ fn start(config: WorkerConfig, scene: Scene) -> Watched {
 }
 
 impl Watched {
-    /// The next news, but for those of the set-up, and for how far a step is: that depends on the clock.
+    /// The next event, without those of the set-up and the progress within a step, which depend on the clock.
     fn next(&self) -> WorkerEvent {
         loop {
             let message = self.event.recv_timeout(PATIENCE).unwrap();
@@ -53,7 +53,7 @@ impl Watched {
         }
     }
 
-    /// All news up to the first of which this holds.
+    /// All events up to the first for which this holds.
     fn until(&self, is_last: impl Fn(&WorkerEvent) -> bool) -> Vec<WorkerEvent> {
         let mut event = vec![self.next()];
         while !event.last().is_some_and(&is_last) {
@@ -62,7 +62,7 @@ impl Watched {
         event
     }
 
-    /// The words of the news up to the first such word.
+    /// The words of the events up to the first such word.
     fn words_until(&self, last: &str) -> Vec<String> {
         let event = self.until(|event| word(event) == last);
         event.iter().map(word).collect()
@@ -300,7 +300,7 @@ fn a_picture_is_painted_only_when_the_last_one_was_fetched() {
     mailbox.set(worker.mailbox()).unwrap();
     worker.tell(Command::Resume);
     let fetched: Vec<_> = (0..4).map(|_| steps.recv_timeout(PATIENCE)).collect();
-    // At 1 what was shown at rest; then the one of the next step, before whose news the place was free.
+    // At 1 what was shown at rest; then the one of the next step, before whose event the place was free.
     assert_eq!(
         fetched,
         [Ok(Some(0)), Ok(Some(2)), Ok(Some(5)), Ok(Some(8))]
@@ -322,7 +322,7 @@ fn reports_are_gathered_and_none_is_held_back_at_rest() {
     assert_eq!(words, ["resumed", "[2, 3, 4, 5]", "done"]);
 }
 
-/// Carries out the switches that a worker has told on a simulation that nobody watches.
+/// Repeats the switches that a worker has reported in a simulation without a worker.
 fn replay(scene: &Scene, event: &[WorkerEvent]) -> (Vec<Report>, State) {
     let mut simulation = Simulation::new(scene).unwrap();
     let mut expected = vec![simulation.report().clone()];
@@ -421,7 +421,7 @@ fn a_thousand_commands_lose_nothing_and_double_nothing() {
     check_life_cycle(&event);
 }
 
-/// Whoever stands still takes no step but one that is asked for, and goes on only from standing.
+/// A worker that is paused takes only the steps that are asked for, and resumes only from a pause.
 fn check_life_cycle(event: &[WorkerEvent]) {
     let (mut stands, mut steps_while_standing) = (false, 0);
     for event in &event[2..] {
@@ -444,8 +444,8 @@ fn check_life_cycle(event: &[WorkerEvent]) {
     }
 }
 
-/// A step that takes many seconds: how far it is is told, and its state in the midst of it; whoever goes on
-/// from there is told the last whole step first.
+/// A step that takes many seconds: its progress is reported, and its state in the middle of it; a run that continues
+/// from there reports the last whole step first.
 #[test]
 fn a_hard_step_is_told_and_kept_in_its_midst() {
     let text = "
@@ -460,7 +460,7 @@ fn a_hard_step_is_told_and_kept_in_its_midst() {
     let start = |from: Option<Box<SimulationCheckpoint>>| {
         let (sender, event) = mpsc::channel();
         let sink = move |message: Message| {
-            // Whoever listens may have gone.
+            // The receiver may have been dropped.
             let _ = sender.send(message.event);
         };
         let continuity = Continuity {
@@ -613,7 +613,7 @@ fn dropping_ends_a_run_within_a_step() {
         let watched = start(config, endless.clone());
         watched.next();
         drop(watched.worker);
-        // All that was told is here, and the thread with its sender is gone.
+        // All events are here, and the thread with its sender has ended.
         let told = watched.event.iter().count();
         assert!(told < 1_000_000);
     }
@@ -676,7 +676,7 @@ fn a_run_goes_on_from_the_state_of_another() {
     let start_from = |from: Option<Box<SimulationCheckpoint>>| {
         let (sender, event) = mpsc::channel();
         let sink = move |message| {
-            // Whoever listens may have gone.
+            // The receiver may have been dropped.
             let _ = sender.send(message);
         };
         let continuity = Continuity {
@@ -706,7 +706,7 @@ fn a_run_goes_on_from_the_state_of_another() {
     (0..3).for_each(|_| drop(simulation.advance().unwrap().clone()));
     assert_eq!(fetched(&second.worker), (3, simulation.state().clone()));
 
-    // The state of another scene is told, and nothing is computed.
+    // The state of another scene is reported as an error, and nothing is computed.
     let other = Simulation::new(&small(&["mesh.cells=9"])).unwrap();
     let mut checkpoint = Box::new(SimulationCheckpoint::default());
     other.save(&mut checkpoint);

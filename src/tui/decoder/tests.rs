@@ -193,7 +193,7 @@ const ANSWERS: [&[u8]; 62] = [
     b"\x1b[1;1111111111111111111111111111111111111111111111111111111111111111111111111111A",
 ];
 
-/// The intermediates that are keys of the app: they are no part of a sequence whose ESC came long before.
+/// The intermediates that are keys of the app: they are not part of a sequence whose ESC came long before.
 const KEYS_AFTER_ESCAPE: [&[u8]; 3] = [b"\x1b 2", b"\x1b+2", b"\x1b-q"];
 
 /// What is reported of an answer where it is cut, and of a key behind it.
@@ -206,7 +206,7 @@ fn assert_no_key(answer: &[u8], cuts: &[usize], expected: &[Reported]) {
     }
     pieces.push(b"z");
     let mut right = Vec::new();
-    // Only time tells an Escape that is cut off from the key.
+    // Only time distinguishes an Escape that is cut off from the key.
     if cuts.contains(&1) && answer[0] == ESC {
         right.push(code(KeyCode::Esc));
     }
@@ -352,7 +352,7 @@ fn nonsense_does_not_hide_what_follows() {
     }
 }
 
-/// A piece of what a terminal may send, and what is to be reported of it.
+/// A piece of what a terminal may send, and what is reported of it.
 fn piece() -> impl Strategy<Value = (Vec<u8>, Vec<Reported>)> {
     let answer = prop::sample::select(&ANSWERS[..]).prop_map(|answer| (answer.to_vec(), vec![]));
     let typed = prop::sample::select(&['q', '2', 'e', ']', '[', 'O', 'P', 'φ', '✜'][..])

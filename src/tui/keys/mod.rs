@@ -19,7 +19,7 @@ pub enum Action {
     PauseOrResume,
     /// One step.
     Step,
-    /// Begin the run anew.
+    /// Restart the run.
     Restart,
     /// Look at a slot.
     Show(usize),
@@ -27,9 +27,9 @@ pub enum Action {
     NextAnchoring,
     /// Into the gallery or out of it.
     Gallery,
-    /// So many stored pictures back.
+    /// This many stored pictures back.
     Older(usize),
-    /// So many stored pictures on.
+    /// This many stored pictures on.
     Newer(usize),
     /// The oldest picture.
     Oldest,
@@ -55,11 +55,11 @@ pub enum Action {
     Faster,
     /// Fewer frames a second.
     Slower,
-    /// Edit the scene and load it anew.
+    /// Edit the scene and load it again.
     Edit,
     /// Offer a run that is more accurate or cheaper.
     Improve,
-    /// Tell what each effect costs.
+    /// Show what each effect costs.
     Prices,
     /// Open another scene.
     Open,

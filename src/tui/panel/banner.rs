@@ -10,19 +10,19 @@ use crate::tui::keys::{self, Action};
 use crate::tui::state::{App, Keeping, Notice, Saving, Severity, Status};
 use crate::tui::theme::{Role, Theme};
 
-/// What the banner says: a word for its kind, how it is to be seen, and the text.
+/// What the banner says: a word for its kind, its style, and the text.
 struct Words {
     kind: String,
     role: Option<Role>,
     text: String,
-    /// Whether it is to be read whole here; else it may be cut, and a key shows all of it.
+    /// Whether it must be readable in full here; else it may be cut, and a key shows all of it.
     whole: bool,
 }
 
-/// Rows of a text that is to be read whole, at most.
+/// Rows of a text that must be readable in full, at most.
 const ROWS: usize = 4;
 
-/// A text that may be cut has one in so many of the screen's rows.
+/// The rows of the screen to one row of a text that may be cut.
 const SHARE: usize = 20;
 
 /// The rows that the banner needs in a given width: one at least, so that the screen does not jump

@@ -1,4 +1,4 @@
-//! What asks or tells something over the screen: questions, the name of a scene, long texts.
+//! Dialogs over the screen: questions, the name of a scene, long texts.
 
 use std::path::PathBuf;
 
@@ -15,7 +15,7 @@ use crate::tui::state::{App, Beyond, Keeping, Question, Run};
 use crate::tui::theme::{Role, Theme};
 use crate::tui::update::{expectation_wanted, offered};
 
-/// Of other kept runs of a scene so many are named beside the first.
+/// Other kept runs of a scene that are named beside the first.
 const NAMED_OTHERS: usize = 4;
 
 /// Draws a question.
@@ -79,7 +79,7 @@ fn place(run: &Run) -> String {
     }
 }
 
-/// To what end a run would go on, and with what.
+/// To what end a run would continue, and with what.
 fn beyond_words(app: &App, beyond: Beyond) -> String {
     let Some(slot) = app.active_slot() else {
         return String::new();
@@ -97,7 +97,7 @@ fn beyond_words(app: &App, beyond: Beyond) -> String {
     format!("{name} has reached its end, t = {t}. Go on to t = {end}{first}?")
 }
 
-/// Which runs can be gone on with.
+/// Which runs can be resumed.
 pub(in crate::tui) fn kept_words(app: &App) -> String {
     let kept: Vec<String> = app
         .slots

@@ -62,7 +62,7 @@ fn clock(slots: &[Slot], theme: &Theme, area: Rect, buffer: &mut Buffer) {
     }
 }
 
-/// The tiles of so many pictures: in that number of columns that makes the pictures largest.
+/// The tiles of `count` pictures: in the number of columns that makes the pictures largest.
 fn tiles(area: Rect, count: usize) -> Vec<Rect> {
     let size = |columns: usize| {
         let rows = count.div_ceil(columns);

@@ -60,7 +60,7 @@ fn progress(shown: &Shown<'_>, theme: &Theme, area: Rect, buffer: &mut Buffer) {
     let steps = shown.setting.and_then(|setting| setting.steps);
     let digits = steps.unwrap_or(0).max(report.step).max(1).ilog10() as usize + 1;
     let muted = |words: &str| Span::styled(words.to_owned(), theme.muted());
-    // Within a step that takes long its own figures tell more than those of the last one.
+    // Within a step that takes long its own figures say more than those of the last one.
     let underway = run.underway.filter(|_| shown.back.is_none());
     let (t, dt) = underway.map_or((report.t, report.dt), |underway| (underway.t, underway.dt));
     let mut parts = vec![Line::from(vec![
@@ -75,7 +75,7 @@ fn progress(shown: &Shown<'_>, theme: &Theme, area: Rect, buffer: &mut Buffer) {
             Span::raw(underway.step.to_string()),
         ]));
     }
-    // Rates are those of the present, whatever is looked at.
+    // Rates are those of the present, whatever is shown.
     let pace = &run.pace;
     if let Some(left) = pace.left.filter(|_| shown.back.is_none()) {
         parts.push(Line::from(vec![Span::raw(duration(left)), muted(" left")]));

@@ -9,7 +9,7 @@ use crate::tui::keys;
 use crate::tui::layout::centred;
 use crate::tui::theme::{Role, Theme};
 
-/// Draws the list, scrolled by so many lines, over the middle of the screen.
+/// Draws the list, scrolled by `scroll` lines, over the middle of the screen.
 pub fn draw(scroll: u16, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
     let width = screen.width.saturating_sub(4).min(88);
     let lines = lines(theme, usize::from(width).saturating_sub(4));

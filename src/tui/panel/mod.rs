@@ -45,7 +45,7 @@ struct Look {
 }
 
 /// Draws everything. The [`Canvas`] keeps from frame to frame where the samples of a picture lie in
-/// their mesh: it belongs to whoever draws, begins as `Canvas::default()`, and only saves time.
+/// their mesh: it belongs to the caller, begins as `Canvas::default()`, and only saves time.
 pub fn draw(app: &App, theme: &Theme, canvas: &mut Canvas, frame: &mut Frame<'_>) {
     let screen = frame.area();
     let buffer = frame.buffer_mut();

@@ -64,7 +64,7 @@ impl Plot<'_> {
         );
         let mut contour = contour(&sampled.phase, columns);
         if self.view.field != Field::Phase {
-            // What lies on the membrane is to be seen too.
+            // What lies on the membrane must be visible too.
             dash(&mut contour, columns);
         }
         let map = theme.map(self.view.colour_map);
@@ -322,7 +322,7 @@ fn contour(phase: &[Option<f64>], columns: usize) -> Vec<bool> {
     on_contour
 }
 
-/// Takes every other piece out of a contour, whatever direction it goes in.
+/// Removes every other piece of a contour, in any direction.
 fn dash(on_contour: &mut [bool], columns: usize) {
     for (index, on_contour) in on_contour.iter_mut().enumerate() {
         let (row, column) = (index / columns, index % columns);

@@ -1,4 +1,4 @@
-//! What is looked at: a run as it is now, or as it was.
+//! What is shown: a run as it is now, or as it was.
 
 use crate::scene::{AnchoringKind, Scene};
 use crate::simulation::{Report, RunSnapshot, Schedule, SetUp, Setting};
@@ -6,7 +6,7 @@ use crate::tui::curve;
 use crate::tui::state::{App, Run, Slot, Status};
 use crate::tui::theme::Role;
 
-/// A run as it is shown: with the figures of the time that is looked at.
+/// A run as it is shown: with the figures of the time that is shown.
 #[derive(Debug, Clone, Copy)]
 pub struct Shown<'a> {
     /// The scene and its run.
@@ -145,7 +145,7 @@ impl<'a> Shown<'a> {
         }
     }
 
-    /// The word for what the run is doing, and how it is to be seen.
+    /// The word for what the run is doing, and its style.
     pub fn status(&self) -> (&'static str, Role) {
         let setting_up = self.run.and_then(|run| run.setting_up);
         match self.run.map(|run| &run.status) {

@@ -27,7 +27,7 @@ pub fn line<'a>(buffer: &mut Buffer, area: Rect, row: u16, spans: impl Into<Line
     }
 }
 
-/// Where a line is to end so that no number is cut: at `width`, or before the word that goes on beyond
+/// Where a line must end so that no number is cut: at `width`, or before the word that extends beyond
 /// it, if a digit of it can be seen.
 fn cut_number(line: &Line<'_>, width: usize) -> usize {
     let spans = line.spans.iter();
@@ -174,7 +174,7 @@ pub fn wrap(text: &str, width: usize) -> Vec<String> {
     lines
 }
 
-/// The first so many cells of a text as a number of bytes, at least one character.
+/// The first cells of a text as a number of bytes, at least one character.
 fn cut(text: &str, width: usize) -> usize {
     let mut cells = 0;
     for (index, character) in text.char_indices() {
@@ -186,7 +186,7 @@ fn cut(text: &str, width: usize) -> usize {
     text.len()
 }
 
-/// A text in so many cells, its end cut and marked where it is too long.
+/// A text in `width` cells, its end cut and marked where it is too long.
 pub fn shorten(text: &str, width: usize) -> String {
     let end = cut(text, width);
     if end == text.len() {

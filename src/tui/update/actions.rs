@@ -232,7 +232,7 @@ fn gallery(app: &mut App) {
     }
 }
 
-/// Goes on with the active run, which has reached its end, to a later one.
+/// Continues the active run, which has reached its end, to a later one.
 fn go_beyond(app: &mut App, beyond: Beyond, effects: &mut Vec<Effect>) {
     look_back(app, None);
     let Some(slot) = app.slots.get_mut(app.active) else {

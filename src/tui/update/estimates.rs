@@ -27,7 +27,7 @@ pub(super) fn follow(app: &mut App, effects: &mut Vec<Effect>) {
     effects.push(Effect::Expect(name, scene));
 }
 
-/// The name of the scene whose price is to be shown.
+/// The name of the scene whose price is shown.
 pub fn wanted(app: &App) -> Option<String> {
     match &app.overlay {
         Some(Overlay::Open { text, chosen, .. }) => candidate(text, *chosen),

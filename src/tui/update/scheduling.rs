@@ -1,4 +1,4 @@
-//! Which runs go on: those that are looked at and wanted. Every other one stands still.
+//! Which runs compute: those that are shown and wanted. Every other one is paused.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -8,7 +8,7 @@ use super::super::run_control::WorkerState;
 use super::super::state::{App, Overlay, Question, Run, Screen, Slot};
 use crate::simulation::{RunId, WorkerConfig};
 
-/// Reports are gathered for so long: shorter than the 50 ms in which a key is to be answered.
+/// Reports are gathered for this long: shorter than the 50 ms in which a key must be answered.
 const GATHERING: Duration = Duration::from_millis(40);
 /// The report's set shows φ at t = 0, T/4, T/2, 3T/4 and T.
 pub(in crate::tui) const SNAPSHOTS: u64 = 5;
@@ -17,7 +17,7 @@ const CLOCK_PARTS: f64 = 500.0;
 /// A time that misses the clock's tick by rounding is on it; in ticks.
 const ROUNDING: f64 = 1e-6;
 
-/// Starts, resumes and pauses runs so that those go on that should.
+/// Starts, resumes and pauses runs so that those compute that should.
 pub(super) fn direct(app: &mut App, effects: &mut Vec<Effect>) {
     if app.overlay == Some(Overlay::Confirm(Question::GoOn)) {
         return;
@@ -42,7 +42,7 @@ pub(super) fn direct(app: &mut App, effects: &mut Vec<Effect>) {
     tell_statuses(app);
 }
 
-/// As many of the cases go on as there are cores: those that are furthest behind the clock, each
+/// As many of the cases compute as there are cores: those that are furthest behind the clock, each
 /// until it has come up to it. When all have, the clock moves on.
 fn direct_gallery(app: &mut App, effects: &mut Vec<Effect>) {
     let cases = app.cases();
@@ -53,7 +53,7 @@ fn direct_gallery(app: &mut App, effects: &mut Vec<Effect>) {
         .clone()
         .filter(|index| behind(&app.slots[*index]))
         .collect();
-    // Whoever is at it stays at it: to change places at every step would cost pauses.
+    // A run that computes keeps its turn: to change places at every step would cost pauses.
     turns.sort_by(|first, second| {
         let [first, second] = [first, second].map(|index| {
             let run = app.slots[*index].run.as_ref();
@@ -75,7 +75,7 @@ fn direct_gallery(app: &mut App, effects: &mut Vec<Effect>) {
     let mut free = app.cores.max(1).saturating_sub(others);
     let mut turn = vec![false; cases.end];
     for index in turns {
-        // A run that is on its way to a pause has its core until it stands still.
+        // A run that is about to pause has its core until it is paused.
         let run = app.slots[index].run.as_ref();
         let leaving = run.is_some_and(|run| !run.control.going && run.control.is_busy());
         turn[index] = free > 0 && !leaving;
@@ -91,7 +91,7 @@ fn direct_gallery(app: &mut App, effects: &mut Vec<Effect>) {
     }
 }
 
-/// The common clock: where it is until every run that goes on has come up to it, then its next tick
+/// The common clock: unchanged until every run that computes has reached it, then its next tick
 /// after the last of them.
 fn clock(cases: &[Slot], present: Option<f64>) -> f64 {
     let times = || cases.iter().filter(|slot| wants(slot));
@@ -122,13 +122,13 @@ fn time(run: Option<&Run>) -> f64 {
     run.map_or(0.0, |run| run.report.t)
 }
 
-/// Whether the user wants this run to go on when it is looked at, and it can.
+/// Whether the user wants this run to compute when it is shown, and it can.
 fn wants(slot: &Slot) -> bool {
     let run = slot.run.as_ref();
     run.is_none_or(|run| run.control.wanted && run.control.stand != WorkerState::Over)
 }
 
-/// Tells the worker of a slot what has changed for it; starts one if there is none and it is to go.
+/// Sends the worker of a slot the commands for a change; starts one if there is none and it should run.
 fn guide(
     app: &mut App,
     index: usize,
@@ -167,7 +167,7 @@ fn guide(
     }
 }
 
-/// Brings the statuses up to what the workers have told.
+/// Updates the statuses to what the workers have reported.
 fn tell_statuses(app: &mut App) {
     let cases = match app.screen {
         Screen::Run => 0..0,

@@ -1,4 +1,4 @@
-//! What the workers tell.
+//! What the workers report.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::simulation::{
     EventKind, Message as WorkerMessage, Report, RunId, RunSnapshot, WorkerEvent,
 };
 
-/// The slot and the run of this number; `None`: it was ended, and what is told of it came late.
+/// The slot and the run of this number; `None`: it was ended, and its event came late.
 pub(super) fn run_of(app: &mut App, id: RunId) -> Option<(usize, &mut Run)> {
     app.slots
         .iter_mut()
@@ -68,7 +68,7 @@ fn follow(app: &mut App) {
     }
 }
 
-/// Takes what a worker tells.
+/// Takes what a worker reports.
 pub(super) fn hear(app: &mut App, message: WorkerMessage) {
     let Some((index, _)) = run_of(app, message.run) else {
         return;
@@ -95,7 +95,7 @@ pub(super) fn hear(app: &mut App, message: WorkerMessage) {
             run.unsaved = true;
         }
         WorkerEvent::Event(event) => {
-            // A switch is told as `Anchored` too, and marked then.
+            // A switch is reported as `Anchored` too, and marked then.
             if !matches!(event.kind, EventKind::AnchoringSwitched { .. }) {
                 run.notify(Notice {
                     severity: Severity::Warning,

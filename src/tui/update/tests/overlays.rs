@@ -263,9 +263,9 @@ fn runs_of_an_earlier_time_are_offered_before_anything_begins() {
             Effect::PutAside(kept) => Some(kept),
             _ => None,
         });
-        // Where it began anew what was kept is not lost.
+        // Where it was restarted what was kept is not lost.
         assert_eq!(aside.is_some_and(|kept| kept[0].0 == 2), !offered_again);
-        // Begun anew it begins at the beginning.
+        // A restarted run begins at step 0.
         rig.keys("ry");
         assert!(rig.app.slots[2].kept.is_none());
         let run = rig.app.active_run().expect("it has begun");

@@ -190,7 +190,7 @@ fn what_always_holds_holds() {
                 match effect {
                     Effect::SaveView(..) | Effect::SaveSet(_) => saves += 1,
                     Effect::Quit => {
-                        // Whoever has not saved was asked before.
+                        // A user who has not saved was asked before.
                         quits += 1;
                         rig.app.ending = None;
                         rig.app.overlay = None;

@@ -1,5 +1,5 @@
 //! The app with workers that are played: they keep to what the real ones promise, but take a step
-//! only when they are told to, and what they tell arrives only when it is delivered.
+//! only when they are asked to, and what they report arrives only when it is delivered.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -99,7 +99,7 @@ impl Played {
         event.push(WorkerEvent::Reports(vec![self.report.clone()]));
     }
 
-    /// One turn of the worker's loop: a command or a step. Returns what it tells.
+    /// One turn of the worker's loop: a command or a step. Returns what it reports.
     fn turn(&mut self) -> Vec<WorkerEvent> {
         let mut event = Vec::new();
         if self.failed {
@@ -151,7 +151,7 @@ impl Played {
         event
     }
 
-    /// Whether there is anything to be done or told but the next step.
+    /// Whether there is anything to be done or reported but the next step.
     fn is_pending(&self) -> bool {
         !self.failed && (!self.ready || !self.commands.is_empty() || self.told != self.rest())
     }
@@ -205,7 +205,7 @@ impl Rig {
         Self::with(["case1", "case2", "case3", "case4"].map(slot).into())
     }
 
-    /// At the question whether to go on with runs of an earlier time.
+    /// At the question whether to resume runs of an earlier session.
     pub(super) fn asked(slots: Vec<Slot>) -> Self {
         let mut rig = Self {
             app: App::new(slots, 2, (80, 24), 10),
@@ -230,7 +230,7 @@ impl Rig {
         rig
     }
 
-    /// Tells the app something and carries out what it wants of the workers.
+    /// Sends the app a message and carries out its commands to the workers.
     pub(super) fn tell(&mut self, message: Message) {
         for effect in update(&mut self.app, message) {
             match effect {
@@ -267,7 +267,7 @@ impl Rig {
         }
     }
 
-    /// One turn of a worker; what it tells is on the way then.
+    /// One turn of a worker; what it reports is on the way then.
     pub(super) fn turn(&mut self, run: RunId) {
         if let Some(worker) = self.workers.get_mut(&run) {
             let event = worker.turn().into_iter();
@@ -304,7 +304,7 @@ impl Rig {
         }
     }
 
-    /// So many turns of every worker, and all that they tell.
+    /// This many turns of every worker, and all that they report.
     pub(super) fn work(&mut self, turns: usize) {
         for _ in 0..turns {
             for run in self.workers.keys().copied().collect::<Vec<_>>() {
@@ -314,7 +314,7 @@ impl Rig {
         }
     }
 
-    /// Lets all workers carry out what they were told, without a step more than that takes.
+    /// Lets all workers carry out their commands, without a step more than that takes.
     pub(super) fn settle(&mut self) {
         self.deliver_all();
         loop {

@@ -104,7 +104,7 @@ fn a_hard_first_step_is_shown_and_asked_about() {
     assert_eq!(rig.run(2).underway, None);
 }
 
-/// A run that has reached its end goes on to a later one if that is wanted, and else stays as it was.
+/// A run that has reached its end continues to a later one if that is wanted, and otherwise stays as it was.
 #[test]
 fn keys_that_a_run_at_its_end_cannot_follow_ask_whether_it_goes_on() {
     for (key, beyond) in [
@@ -157,7 +157,7 @@ fn keys_that_a_run_at_its_end_cannot_follow_ask_whether_it_goes_on() {
             (rig.run(2).report.step, status(&rig, 2)),
             (2000, Status::Done)
         );
-        // Once more, and anew to the end that the scene has.
+        // Once more, and again to the end that the scene has.
         rig.keys(" y");
         rig.settle();
         assert_eq!(rig.run(2).steps(), Some(4000));
