@@ -216,9 +216,9 @@ impl Tables {
     }
 
     /// Checks whether the tables in `folder` go as far as they did; changes nothing.
-    pub fn find(folder: &Path, memory: &TablesCheckpoint) -> FoundTables {
+    pub fn find(folder: &Path, checkpoint: &TablesCheckpoint) -> FoundTables {
         let ledger_path = folder.join(LEDGER);
-        let extents = memory.extents.as_ref();
+        let extents = checkpoint.extents.as_ref();
         let ledger = extents.ledger;
         FoundTables {
             tables: PerTable {
@@ -227,7 +227,7 @@ impl Tables {
                 ledger: ledger.map(|extent| Table::find(ledger_path.clone(), extent)),
             },
             ledger_path,
-            next_row: memory.next_row.clone(),
+            next_row: checkpoint.next_row.clone(),
         }
     }
 

@@ -175,18 +175,18 @@ impl Resumption {
         &self.problems
     }
 
-    fn memory(&self) -> Option<&SimulationCheckpoint> {
+    fn checkpoint(&self) -> Option<&SimulationCheckpoint> {
         self.content().map(|content| &content.simulation)
     }
 
     /// The step that the run has reached.
     pub fn step(&self) -> u64 {
-        self.memory().map_or(0, SimulationCheckpoint::step)
+        self.checkpoint().map_or(0, SimulationCheckpoint::step)
     }
 
     /// The time that it has reached.
     pub fn t(&self) -> f64 {
-        self.memory().map_or(0.0, SimulationCheckpoint::t)
+        self.checkpoint().map_or(0.0, SimulationCheckpoint::t)
     }
 
     /// What the run had recorded, but for how often it is saved.

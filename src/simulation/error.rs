@@ -14,7 +14,7 @@ use crate::scheme::{InitialError, RestoreError, StepError};
 pub enum SimulationError {
     /// The run would need more memory than there is.
     #[error("a mesh {mesh} would need {shortage}: {remedy}")]
-    SimulationCheckpoint {
+    Memory {
         /// How large the mesh is, in words.
         mesh: String,
         /// What it needs, and what there is.
@@ -48,7 +48,7 @@ pub enum SimulationError {
     Factor(LinalgError),
     /// The state to continue from is of another scene.
     #[error("the state to go on from cannot be used: {0}")]
-    Recall(#[from] RestoreError),
+    Restore(#[from] RestoreError),
     /// Anchoring without anything to anchor.
     #[error("the scene has no director to anchor: give it a table [nematic]")]
     NoDirector,
@@ -71,7 +71,7 @@ impl SimulationError {
     pub fn is_of_scene(&self) -> bool {
         matches!(
             self,
-            Self::Mesh(_) | Self::NoVesicle(_) | Self::SimulationCheckpoint { .. }
+            Self::Mesh(_) | Self::NoVesicle(_) | Self::Memory { .. }
         )
     }
 }

@@ -142,7 +142,7 @@ fn too_large(scene: &Scene, shortage: Shortage) -> SimulationError {
             "take a coarser one",
         ),
     };
-    SimulationError::SimulationCheckpoint {
+    SimulationError::Memory {
         mesh,
         shortage,
         remedy,

@@ -27,8 +27,12 @@ pub struct Kept {
 impl Kept {
     /// How far it has come: at a step, or within one.
     pub fn place(&self) -> String {
-        let memory = self.run.memory();
-        place(memory.step(), memory.t(), memory.underway().as_ref())
+        let checkpoint = self.run.checkpoint();
+        place(
+            checkpoint.step(),
+            checkpoint.t(),
+            checkpoint.underway().as_ref(),
+        )
     }
 }
 
@@ -67,7 +71,7 @@ pub(super) fn look_for(slot: &mut Slot) {
             .run
             .into_iter()
             .chain(there.run)
-            .max_by(|one, other| one.memory().t().total_cmp(&other.memory().t()));
+            .max_by(|one, other| one.checkpoint().t().total_cmp(&other.checkpoint().t()));
     }
     let mut words: Vec<String> = search.notes.iter().map(ToString::to_string).collect();
     slot.kept = search.run.map(|run| {
@@ -176,8 +180,8 @@ impl Autosave {
                 self.keeper.switch(kind, &report);
                 noted.event = Some(WorkerEvent::Anchored { kind, report });
             }
-            WorkerEvent::State(memory) => {
-                let outcome = self.keeper.keep(*memory);
+            WorkerEvent::State(checkpoint) => {
+                let outcome = self.keeper.keep(*checkpoint);
                 self.hear(outcome);
                 noted.keeping = Some(self.keeping());
             }

@@ -388,7 +388,7 @@ impl Session {
             self.logbooks.insert(run, Arc::clone(autosave));
         }
         let continuity = Continuity {
-            from: kept.map(|kept| Box::new(kept.run.memory().clone())),
+            from: kept.map(|kept| Box::new(kept.run.checkpoint().clone())),
             keep: Some(Settings::CHECKPOINT),
         };
         let worker = Worker::start_from(orders, scene, continuity, move |message| {

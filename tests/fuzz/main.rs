@@ -310,7 +310,7 @@ fn checkpoint_targets(folder: &Path) -> Vec<Target> {
                     continue;
                 };
                 let mut simulation = Simulation::new(&scene).expect("a small scene");
-                if simulation.restore(run.memory()).is_ok() {
+                if simulation.restore(run.checkpoint()).is_ok() {
                     let _ = simulation.advance();
                 }
                 let _ = kept.go_on(&run);

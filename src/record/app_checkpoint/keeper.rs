@@ -53,7 +53,7 @@ impl KeptRuns {
         let content = &kept.content;
         let mut keeper = RunKeeper {
             content: content.clone(),
-            reached: Some(content.memory.step()),
+            reached: Some(content.checkpoint.step()),
             ..self.begin()
         };
         let found = Tables::find(&kept.folder, &content.tables);
@@ -153,8 +153,8 @@ impl RunKeeper {
     ///
     /// # Errors
     /// [`RecordError`]: what could not be written. What was kept before stands.
-    pub fn keep(&mut self, memory: SimulationCheckpoint) -> Result<(), RecordError> {
-        self.content.memory = memory;
+    pub fn keep(&mut self, checkpoint: SimulationCheckpoint) -> Result<(), RecordError> {
+        self.content.checkpoint = checkpoint;
         self.flush()?;
         if let Some(tables) = &self.tables {
             self.content.tables = tables.save();
@@ -165,7 +165,7 @@ impl RunKeeper {
         keeper.write(&self.content)?;
         self.kept = Some(KeptAt {
             folder: folder.path().to_owned(),
-            step: self.content.memory.step(),
+            step: self.content.checkpoint.step(),
             bytes: size(folder.path()),
         });
         Ok(())
@@ -178,9 +178,9 @@ impl RunKeeper {
 
     /// How far the run was in the step after the last one that was taken in, when it was kept.
     pub fn underway(&self) -> Option<StepProgress> {
-        let memory = &self.content.memory;
-        let is_kept = self.kept.is_some() && self.reached == Some(memory.step());
-        memory.underway().filter(|_| is_kept)
+        let checkpoint = &self.content.checkpoint;
+        let is_kept = self.kept.is_some() && self.reached == Some(checkpoint.step());
+        checkpoint.underway().filter(|_| is_kept)
     }
 
     /// The scalars of the last step that was taken in, where they are known.

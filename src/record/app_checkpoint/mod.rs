@@ -33,7 +33,7 @@ const DAMAGED: &str = "checkpoint-damaged.bin";
 struct Content {
     /// By which the scene is known.
     scene: String,
-    memory: SimulationCheckpoint,
+    checkpoint: SimulationCheckpoint,
     tables: TablesCheckpoint,
     switches: Vec<(u64, AnchoringKind)>,
     /// Seconds of computing.
@@ -51,13 +51,13 @@ pub struct KeptRun {
 
 impl KeptRun {
     /// The state.
-    pub fn memory(&self) -> &SimulationCheckpoint {
-        &self.content.memory
+    pub fn checkpoint(&self) -> &SimulationCheckpoint {
+        &self.content.checkpoint
     }
 
     /// The step that it has reached.
     pub fn step(&self) -> u64 {
-        self.content.memory.step()
+        self.content.checkpoint.step()
     }
 
     /// The steps at which the anchoring was switched, and to what.
@@ -243,7 +243,7 @@ impl KeptRuns {
         search.run = Some(KeptRun {
             content: Content {
                 scene: self.identity.clone(),
-                memory: content.simulation.clone(),
+                checkpoint: content.simulation.clone(),
                 tables: content.tables.clone(),
                 switches: Vec::new(),
                 computed: 0.0,

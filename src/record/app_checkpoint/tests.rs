@@ -30,9 +30,9 @@ impl Place {
     }
 
     fn keep(&self, keeper: &mut RunKeeper) -> PathBuf {
-        let mut memory = SimulationCheckpoint::default();
-        self.simulation.save(&mut memory);
-        keeper.keep(memory).unwrap();
+        let mut checkpoint = SimulationCheckpoint::default();
+        self.simulation.save(&mut checkpoint);
+        keeper.keep(checkpoint).unwrap();
         let kept = keeper.kept().expect("it is kept").clone();
         assert_eq!(kept.step, self.simulation.report().step);
         assert_eq!(kept.bytes, size(&kept.folder));
@@ -103,7 +103,7 @@ fn the_rows_after_the_state_are_taken_back_and_the_file_grows() {
     assert_eq!((text(), keeper.reached()), (kept, Some(1)));
     let again = scene("[nematic]\n");
     place.simulation = Simulation::new(&again).unwrap();
-    place.simulation.restore(run.memory()).unwrap();
+    place.simulation.restore(run.checkpoint()).unwrap();
     keeper.step(place.simulation.report());
     place.advance(&mut keeper);
     keeper.switch(AnchoringKind::Parallel, place.simulation.report());
@@ -368,9 +368,9 @@ fn what_cannot_be_written_is_an_error_and_written_as_soon_as_it_can_be() {
     let mut keeper = place.runs.begin();
     keeper.step(place.simulation.report());
     place.advance(&mut keeper);
-    let mut memory = SimulationCheckpoint::default();
-    place.simulation.save(&mut memory);
-    let error = keeper.keep(memory).unwrap_err().to_string();
+    let mut checkpoint = SimulationCheckpoint::default();
+    place.simulation.save(&mut checkpoint);
+    let error = keeper.keep(checkpoint).unwrap_err().to_string();
     assert!(error.contains("there is a file of this name"), "{error}");
     // What is saved on demand has all rows nevertheless.
     let copy = place.parent.path().join("copy");

@@ -149,7 +149,7 @@ fn guide(
         app.next_run = RunId(run.0 + 1);
         let kept = slot.kept.take();
         if let Some(kept) = &kept {
-            Arc::make_mut(&mut slot.scene).anchoring = kept.run.memory().anchoring();
+            Arc::make_mut(&mut slot.scene).anchoring = kept.run.checkpoint().anchoring();
         }
         slot.run = Some(Run {
             before: kept,
