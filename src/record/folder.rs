@@ -149,7 +149,7 @@ impl RunFolder {
         loop {
             match fs::create_dir(&path) {
                 Ok(()) => match RunFolder::of_run(&path) {
-                    // Someone was faster, and looks whether it is a run's.
+                    // Someone was faster, and checks whether it is a run's.
                     Err(RecordError::InUse { .. }) => {}
                     folder => return folder,
                 },

@@ -1,4 +1,4 @@
-//! The tables of a run: what stands in their columns.
+//! The tables of a run: the content of their columns.
 
 use super::folder::remove;
 use super::scalar_columns::{energy_column, scalar, value_of};

@@ -45,7 +45,7 @@ pub enum LoadError {
     Folder {
         /// The folder.
         path: PathBuf,
-        /// Whether a run stands in it.
+        /// Whether it holds a run.
         is_run: bool,
     },
     /// The run in a folder is still computed.

@@ -41,7 +41,7 @@ pub enum Ending {
     Failed(String),
 }
 
-/// What stands in `run.json`. All quantities are dimensionless; times of the clock are in seconds
+/// The content of `run.json`. All quantities are dimensionless; times of the clock are in seconds
 /// or, where they are dates, in UTC by RFC 3339. A number that is not finite is `null`.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct RunSummary {

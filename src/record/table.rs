@@ -82,7 +82,7 @@ enum FoundContent {
 enum Loss {
     /// It is not there.
     Gone,
-    /// Nothing stands in it.
+    /// It is empty.
     Empty,
     /// It cannot be read.
     Unreadable(io::Error),
@@ -338,7 +338,7 @@ impl Found {
         }
     }
 
-    /// Looks whether it can be written; changes nothing. Of a file that is to be replaced the folder tells
+    /// Checks whether it can be written; changes nothing. Of a file that must be replaced the folder tells
     /// that.
     ///
     /// # Errors
@@ -425,7 +425,7 @@ impl Found {
         Ok(table)
     }
 
-    /// The rows that are to stay; changes nothing.
+    /// The rows that stay; changes nothing.
     ///
     /// # Errors
     /// [`RecordError::Read`].
@@ -444,7 +444,7 @@ impl Found {
         })
     }
 
-    /// The scalars that are to stay; changes nothing.
+    /// The scalars that stay; changes nothing.
     ///
     /// # Errors
     /// [`ReadError`].

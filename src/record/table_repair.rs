@@ -12,7 +12,7 @@ use std::path::Path;
 /// Damages that are described one by one; more of them are counted.
 const DESCRIBED: usize = 3;
 
-/// What is to stand in place of a table.
+/// What replaces a table.
 #[derive(Debug)]
 pub(super) struct Repaired {
     /// The whole file.
@@ -128,7 +128,7 @@ pub(super) fn repair(path: &Path, text: &str, extent: &Extent) -> Option<Repaire
     })
 }
 
-/// The rows of a table up to where it is to go.
+/// The rows of a table up to where it must go.
 struct Content {
     /// The text of all rows.
     lines: String,
@@ -140,7 +140,7 @@ struct Content {
 }
 
 impl Content {
-    /// Reads the columns that stand in these places.
+    /// Reads the columns in these places.
     fn read(mut table: LenientTable<'_>, places: &[Option<usize>], extent: &Extent) -> Content {
         let width = table.columns.len();
         let is_further = |place: &usize| !places.contains(&Some(*place));

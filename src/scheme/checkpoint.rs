@@ -1,5 +1,5 @@
 //! Everything that later steps depend on, copied out of a scheme and put back: a step can be taken
-//! back, and a run go on from a file, bit for bit as if nothing had happened.
+//! back, and a run resumed from a file, bit for bit as if nothing had happened.
 //!
 //! What depends on the scene and the mesh alone is not in it: β, the matrices, the transform.
 
@@ -16,13 +16,13 @@ use crate::linalg::LinalgError;
 use crate::physics::{Interval, NamedValue};
 use crate::scene::{Anchoring, AnchoringKind};
 
-/// What [`Scheme::save`] has copied. It keeps its buffers: remembering again allocates nothing.
+/// What [`Scheme::save`] has copied. It keeps its buffers: saving again allocates nothing.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct SchemeCheckpoint {
     state: State,
     /// The anchoring may be another than the scene's.
     anchoring: Option<Anchoring>,
-    /// The time of the last step, as it was given to the effects.
+    /// The time of the last step, as the effects know it.
     interval: Option<Interval>,
     /// Of the effects that have one, in their order. The energy law of the next step starts from them.
     energies: Vec<f64>,
@@ -40,13 +40,13 @@ pub struct SchemeCheckpoint {
     predictor_errors: Option<PredictorErrors>,
 }
 
-/// Why a memory cannot be put into a scheme.
+/// Why a checkpoint cannot be restored.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum RestoreError {
     /// It is of another scene.
     #[error("it is of another scene: {0}")]
     Foreign(&'static str),
-    /// The sparse factor cannot be made again.
+    /// The sparse factor cannot be computed again.
     #[error("the sparse factor cannot be made again: {0}")]
     Factor(#[from] LinalgError),
 }
@@ -136,7 +136,7 @@ impl Scheme {
                 .set_anchoring(checkpoint.anchoring.as_ref(), &self.space);
         }
         self.interval = checkpoint.interval;
-        // The energies that belong to it are in the memory. Before the first step: the moment 0.
+        // The energies that belong to it are in the checkpoint. Before the first step: the moment 0.
         self.effects
             .set_interval(checkpoint.interval.unwrap_or_default());
         let report = &mut self.report;

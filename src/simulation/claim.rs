@@ -52,7 +52,7 @@ pub fn kept_free() -> u64 {
     KEPT_FREE.load(Ordering::Relaxed)
 }
 
-/// SimulationCheckpoint that all claims leave alone until this is dropped, for what is taken now and then without asking.
+/// Memory that all claims leave alone until this is dropped, for what is allocated now and then without asking.
 #[derive(Debug)]
 pub(super) struct KeptFree {
     bytes: u64,

@@ -28,7 +28,7 @@ pub enum EventKind {
         /// How it failed.
         reason: StepError,
     },
-    /// The sparse factor took over, for the fast linear solver needs so many iterations at this Δt that
+    /// The sparse factor took over, because the fast linear solver needs so many iterations at this Δt that
     /// the factor is faster.
     FactorIsFaster,
     /// The fast linear solver is in use again.

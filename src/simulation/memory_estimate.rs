@@ -104,7 +104,7 @@ fn extrapolation(scene: &Scene) -> f64 {
 /// Refuses a scene that needs more memory than there is; nothing is allocated.
 ///
 /// # Errors
-/// [`SimulationError::SimulationCheckpoint`] with both figures.
+/// [`SimulationError::Memory`] with both figures.
 pub fn check_memory(scene: &Scene) -> Result<(), SimulationError> {
     refuse(scene, free_memory())
 }
@@ -116,7 +116,7 @@ fn refuse(scene: &Scene, free: Option<FreeMemory>) -> Result<(), SimulationError
 /// Sets aside what a run of the scene needs, for its set-up.
 ///
 /// # Errors
-/// [`SimulationError::SimulationCheckpoint`]; `Ended` if it was ended while it waited for the claims of others.
+/// [`SimulationError::Memory`]; `Ended` if it was ended while it waited for the claims of others.
 pub(super) fn claim_memory(
     scene: &Scene,
     leave: &mut dyn FnMut() -> bool,

@@ -224,7 +224,7 @@ fn an_anchoring_comes_to_a_scene_without_one() {
     );
 }
 
-/// A run to its end, with what is to hold at every step checked on the way.
+/// A run to its end, with what must hold at every step checked on the way.
 fn whole(settings: &[&str], snapshots: u64) -> (Simulation, Vec<Report>, u32) {
     let scene = small(settings);
     let schedule = Schedule::new(&scene.time, 1, snapshots);

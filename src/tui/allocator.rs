@@ -6,10 +6,10 @@
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 const LARGE: i32 = 128 << 10;
 
-/// Has the C library's allocator go on giving large blocks back to the system when they are freed. By
+/// Makes the C library's allocator always give large blocks back to the system when they are freed. By
 /// itself it raises the size from which it does to that of the largest block freed so far, 32 MiB at
 /// most. Pictures and fields then lie in the heaps of the threads, among small blocks that last, and though
-/// no more is in use than before, the app takes up more and more of the machine's memory. Called once,
+/// no more is in use than before, the app takes more and more of the machine's memory. Called once,
 /// before there are other threads. Other allocators do without.
 pub(super) fn give_back_large_blocks() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]

@@ -71,7 +71,7 @@ impl App {
         }
     }
 
-    /// The slot that is looked at.
+    /// The slot that is shown.
     pub fn active_slot(&self) -> Option<&Slot> {
         self.slots.get(self.active)
     }
@@ -85,14 +85,14 @@ impl App {
         self.slots.get_mut(self.active)?.run.as_mut()
     }
 
-    /// The fields that are looked at: the latest of the active run, or older ones.
+    /// The fields that are shown: the latest of the active run, or older ones.
     pub fn picture(&self) -> Option<&Arc<RunSnapshot>> {
         let run = self.active_run()?;
         let older = self.looking_back.and_then(|index| run.past.get(index));
         older.or(run.picture.as_ref())
     }
 
-    /// The scalars that belong to what is looked at: those of the last step, or of the older
+    /// The scalars that belong to what is shown: those of the last step, or of the older
     /// picture.
     pub fn report(&self) -> Option<&Report> {
         let run = self.active_run()?;

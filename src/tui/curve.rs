@@ -29,7 +29,7 @@ pub struct Frame<'a> {
     pub horizon: u64,
     /// Steps with a mark: where the anchoring was switched.
     pub marks: &'a [u64],
-    /// The step that is looked at, if it is not the last.
+    /// The step that is shown, if it is not the last.
     pub cursor: Option<u64>,
     /// Whether the scale is logarithmic.
     pub logarithmic: bool,

@@ -26,7 +26,7 @@ pub struct FrameHistory {
     budget: usize,
     /// Steps of an interval: a power of two.
     width: u64,
-    /// The step of a picture that is not to be thinned out: it is looked at.
+    /// The step of a picture that must not be thinned out: it is shown.
     pinned: Option<u64>,
 }
 

@@ -146,7 +146,7 @@ fn stack(column: Rect, focus: Panel, step: Step, wishes: [Wish; 3]) -> [Rect; 3]
     }
     let greedy = focused.unwrap_or(0);
     if heights[greedy] > 0 {
-        // Curves of a third of the screen are high enough, unless they are what is looked at.
+        // Curves of a third of the screen are high enough, unless they are what is shown.
         let limit = if focused.is_some() {
             room
         } else {

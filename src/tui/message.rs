@@ -63,7 +63,7 @@ pub enum Effect {
     PutAside(Vec<(usize, Arc<Kept>)>),
     /// Load a scene by a preset's name or a path, in the background.
     Load(String),
-    /// Measure what each effect of a scene costs, in the background, as long as that is looked at.
+    /// Measure what each effect of a scene costs, in the background, as long as that is shown.
     Price(Arc<Scene>),
     /// Measure what a scene would take on this machine: a given one, or that of the name; in the background.
     Expect(String, Option<Arc<Scene>>),

@@ -12,7 +12,7 @@ const SCENE_FILE: &str = "scene.toml";
 /// The four cases of the paper's Table 2, each of them a preset.
 const CASES: [&str; App::CASES] = ["case1", "case2", "case3", "case4"];
 
-/// The slots that the app begins with, and which of them is looked at: the four cases, and the
+/// The slots that the app begins with, and which of them is shown: the four cases, and the
 /// scene behind them where it is none of them. Overrides hold for the scene, and where it is a case
 /// for the other cases too: they are there to be compared.
 ///

@@ -52,7 +52,7 @@ const RESTORED: Duration = Duration::from_millis(1300);
 pub struct Options {
     /// The scenes to begin with: those of the four cases, and perhaps more.
     pub slots: Vec<Slot>,
-    /// Which of them is looked at.
+    /// Which of them is shown.
     pub active: usize,
     /// Frames a second at most, for events of the solver.
     pub frames_per_second: u32,

@@ -19,7 +19,7 @@ pub use crate::figure::Director;
 #[derive(Debug)]
 pub struct App {
     /// The four cases of Table 2 and every scene that was opened; a slot keeps its run while
-    /// another one is looked at.
+    /// another one is shown.
     pub slots: Vec<Slot>,
     /// The slot that is shown.
     pub active: usize,
@@ -31,7 +31,7 @@ pub struct App {
     pub view: View,
     /// The panel that has the focus.
     pub focus: Panel,
-    /// Which stored picture of the active run is looked at; `None`: live.
+    /// Which stored picture of the active run is shown; `None`: live.
     pub looking_back: Option<usize>,
     /// Columns and rows of the terminal.
     pub size: (u16, u16),

@@ -85,7 +85,7 @@ pub struct KeptAt {
     pub folder: PathBuf,
     /// The step of the state.
     pub step: u64,
-    /// The size of all that stands in the folder.
+    /// The size of all that the folder holds.
     pub bytes: u64,
 }
 

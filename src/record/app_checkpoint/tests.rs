@@ -97,7 +97,7 @@ fn the_rows_after_the_state_are_taken_back_and_the_file_grows() {
     assert!(search.notes.is_empty(), "{}", notes(&search));
     assert_eq!((run.step(), run.folder()), (1, folder.as_path()));
     assert_eq!(steps(&run.rows().unwrap()), [0.0, 1.0]);
-    // To look at it changes nothing.
+    // Looking for it changes nothing.
     assert!(text().len() > kept.len());
     let mut keeper = place.runs.go_on(run).unwrap();
     assert_eq!((text(), keeper.reached()), (kept, Some(1)));
@@ -143,7 +143,7 @@ fn the_runs_behind_the_first_are_named() {
     let first = place.kept(1);
     assert!(place.runs.find().others.is_empty());
     let beside = [place.kept(1), place.kept(1)];
-    // What has no state is none.
+    // What has no state is not a kept run.
     fs::create_dir(format!("{}-4", first.display())).unwrap();
     let search = place.runs.find();
     assert_eq!(search.run.unwrap().folder(), first);
@@ -165,7 +165,7 @@ fn a_table_that_another_program_has_rewritten_is_told_when_its_run_is_found() {
         notes(&search)
     );
     assert!(notes(&search).contains("history.csv had been rewritten by another program"));
-    // To look at it changes nothing.
+    // Looking for it changes nothing.
     assert_eq!(fs::read_to_string(&table).unwrap(), rewritten);
     drop(place.runs.go_on(&search.run.unwrap()).unwrap());
     assert_eq!(fs::read_to_string(&table).unwrap(), text);

@@ -40,7 +40,7 @@ const VERSION: u32 = 6;
 const HEADER: usize = 8 + 4 + 8;
 const CHECKSUM: usize = 4;
 
-/// What stands in a checkpoint.
+/// The content of a checkpoint.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Content {
     /// By which the scene is known: its complete text, but for the end.

@@ -110,7 +110,7 @@ fn sealed(content: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// Decodes, and if that succeeds recalls it into a run.
+/// Decodes it, and if that succeeds restores it into a run.
 fn survive(bytes: &[u8]) -> bool {
     let Ok(content) = decode::<Content>(RUN, bytes) else {
         return false;

@@ -99,7 +99,7 @@ pub enum ReadError {
         /// What is wrong.
         problem: WrongArray,
     },
-    /// The mesh of a VTU file is none.
+    /// The mesh of a VTU file is not a mesh.
     #[error("{} is damaged: {reason}", path.display())]
     Mesh {
         /// The file.

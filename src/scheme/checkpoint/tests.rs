@@ -87,13 +87,13 @@ fn run_extrapolated(scheme: &mut Scheme, steps: usize) -> Vec<u64> {
     bits
 }
 
-/// Remembers a scheme as it is, goes on, and goes on once more from the memory: in the same scheme, in
+/// Saves a scheme, continues, and continues once more from the checkpoint: in the same scheme, in
 /// a new one, and in a new one after a way over bytes.
 fn check(scene: &Scene, scheme: Scheme, name: &str) {
     check_by(run, scene, scheme, name);
 }
 
-/// Takes so many steps and tells everything that they leave.
+/// Takes this many steps and returns everything that they leave.
 type Run = fn(&mut Scheme, usize) -> Vec<u64>;
 
 fn check_by(run: Run, scene: &Scene, mut scheme: Scheme, name: &str) {
@@ -234,7 +234,7 @@ fn what_was_learnt_may_not_be_left_out() {
     assert!(run_extrapolated(&mut new, 3) != wanted);
 }
 
-/// A new scheme that has recalled the state of another.
+/// A new scheme that has restored the state of another.
 fn scheme_like(scene: &Scene, other: &Scheme) -> Scheme {
     let mut new = scheme(scene);
     new.restore(&checkpoint(other)).expect("the same scene");

@@ -21,7 +21,7 @@ pub enum Action {
     Step,
     /// Restart the run.
     Restart,
-    /// Look at a slot.
+    /// Show a slot.
     Show(usize),
     /// Switch the anchoring.
     NextAnchoring,
@@ -35,7 +35,7 @@ pub enum Action {
     Oldest,
     /// Back to the present.
     Live,
-    /// Save what is looked at.
+    /// Save what is shown.
     SaveView,
     /// Save the report's set.
     SaveSet,

@@ -284,7 +284,7 @@ pub fn open(
     }
 }
 
-/// Draws what effects cost: lines as they are, for they are a table.
+/// Draws what effects cost: lines unchanged, because they are a table.
 pub fn prices(words: &str, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
     let lines: Vec<&str> = words.lines().collect();
     let longest = lines.iter().map(|line| line.chars().count()).max();

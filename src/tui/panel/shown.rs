@@ -17,11 +17,11 @@ pub struct Shown<'a> {
     pub setting: Option<&'a Setting>,
     /// The fields.
     pub picture: Option<&'a RunSnapshot>,
-    /// The scalars of the time that is looked at.
+    /// The scalars of the time that is shown.
     pub report: Option<&'a Report>,
     /// The anchoring of that time.
     pub anchoring: Option<AnchoringKind>,
-    /// Which of the stored pictures is looked at, and how many there are; `None`: live.
+    /// Which of the stored pictures is shown, and how many there are; `None`: live.
     pub back: Option<(usize, usize)>,
 }
 
@@ -63,7 +63,7 @@ impl<'a> Shown<'a> {
         }
     }
 
-    /// The active run, at the time that is looked at.
+    /// The active run, at the time that is shown.
     pub fn active(app: &'a App) -> Option<Self> {
         let live = Self::live(app.slots.get(app.active)?);
         let stored = app.looking_back.zip(live.run).and_then(|(index, run)| {
@@ -119,7 +119,7 @@ impl<'a> Shown<'a> {
         }
     }
 
-    /// How much of the run is done at what is looked at, from 0 to 1.
+    /// How much of the run is done at what is shown, from 0 to 1.
     pub fn share(&self) -> f64 {
         let (Some(setting), Some(report)) = (self.setting, self.report) else {
             return 0.0;

@@ -177,7 +177,7 @@ pub(super) fn consent(app: &mut App, question: Question, effects: &mut Vec<Effec
     }
 }
 
-/// Takes the run of a slot away. Another begins when the slot is looked at: at once, if it is now.
+/// Takes the run of a slot away. Another begins when the slot is shown: at once, if it is now.
 fn begin_anew(app: &mut App, index: usize) -> Option<RunId> {
     if index == app.active {
         look_back(app, None);
@@ -342,7 +342,7 @@ fn scrub(app: &mut App, target: impl FnOnce(usize, usize) -> usize) {
     look_back(app, (index < last).then_some(index));
 }
 
-/// Looks at a stored picture of the active run, or at the present.
+/// Shows a stored picture of the active run, or the present.
 pub(super) fn look_back(app: &mut App, index: Option<usize>) {
     app.looking_back = index;
     if let Some(run) = app.active_run_mut() {

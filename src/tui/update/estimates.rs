@@ -1,5 +1,5 @@
 //! What a scene would take that could be opened: measured in the background, one at a time, for the one
-//! that is looked at.
+//! that is shown.
 
 use std::sync::Arc;
 
@@ -38,7 +38,7 @@ pub fn wanted(app: &App) -> Option<String> {
     }
 }
 
-/// Takes what was measured; `None`: nothing, for nobody looked at it any more.
+/// Takes what was measured; `None`: nothing, because it is no longer shown.
 pub(super) fn expected(app: &mut App, name: String, words: Option<Result<String, String>>) {
     app.stale |= wanted(app).as_ref() == Some(&name);
     let known = words.map(|words| (name, words));

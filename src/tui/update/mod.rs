@@ -19,7 +19,7 @@ pub use estimates::wanted as expectation_wanted;
 pub use overlays::offered;
 pub(super) use scheduling::SNAPSHOTS;
 
-/// Takes a message into the state; what is to be done about it is the caller's.
+/// Takes a message into the state; the caller carries out the returned effects.
 ///
 /// `app.stale` is set if something that shows has changed, and left as it is if not. The caller
 /// clears it when it has drawn.

@@ -157,7 +157,7 @@ pub(super) fn type_in(app: &mut App, event: &KeyEvent) {
     }
 }
 
-/// Takes a scene that was loaded: one that stands in a slot already is looked at, or replaces the
+/// Takes a scene that was loaded: one that has a slot already is shown, or replaces the
 /// one there if it was edited; another one gets a slot of its own.
 pub(super) fn loaded(app: &mut App, slot: Box<Slot>, effects: &mut Vec<Effect>) {
     app.stale = true;
@@ -190,14 +190,14 @@ pub(super) fn loaded(app: &mut App, slot: Box<Slot>, effects: &mut Vec<Effect>) 
     }
 }
 
-/// Gives a scene a slot of its own and looks at it.
+/// Gives a scene a slot of its own and shows it.
 pub(super) fn add(app: &mut App, mut slot: Slot) {
     slot.name = own_name(app, slot.name, slot.file.as_deref());
     app.slots.push(slot);
     look_at(app, app.slots.len() - 1);
 }
 
-/// What no other slot is called by: a file that is called as another scene is keeps its ending.
+/// A name that no other slot has: a file with the name of another scene keeps its extension.
 fn own_name(app: &App, name: String, file: Option<&Path>) -> String {
     let is_taken = |name: &str| app.slots.iter().any(|slot| slot.name == name);
     let whole = file

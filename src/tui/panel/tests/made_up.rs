@@ -130,7 +130,7 @@ pub fn slot(name: &str, mesh: &Arc<Mesh>) -> Slot {
     slot
 }
 
-/// The app: four cases, of which the third is looked at; the last has not been started.
+/// The app: four cases, of which the third is shown; the last has not been started.
 pub fn app() -> App {
     let mesh = Arc::new(Mesh::structured(30, 0.0, 0).expect("a regular mesh"));
     let mut slots: Vec<Slot> = ["case1", "case2", "case3"]
@@ -141,7 +141,7 @@ pub fn app() -> App {
     App::new(slots, 2, (120, 40), 10)
 }
 
-/// The run that is looked at.
+/// The run that is shown.
 pub fn run(app: &mut App) -> &mut Run {
     let slot = &mut app.slots[app.active];
     slot.run.as_mut().expect("it was started")

@@ -185,7 +185,7 @@ fn an_opened_scene_gets_a_slot_and_a_run() {
     assert_eq!(rig.run(2).status, Status::Paused);
     rig.keys("35");
     assert_eq!(rig.app.active, 4);
-    // A preset that is there already is looked at.
+    // A preset that is there already is shown.
     rig.tell(Message::Loaded(Ok(Box::new(slot("case1")))));
     assert_eq!((rig.app.active, rig.app.slots.len()), (0, 5));
     assert_eq!(rig.app.overlay, None);
@@ -461,7 +461,7 @@ fn the_dialog_tells_what_the_chosen_scene_would_take() {
     assert!(asked_prices(&mut rig).is_empty(), "that is no scene's name");
     rig.keys("e");
     assert_eq!(asked_prices(&mut rig), ["circle"]);
-    // Something else is looked at before that is known: one at a time.
+    // Something else is shown before that is known: one at a time.
     rig.press_control('u');
     rig.keys("case1");
     assert!(asked_prices(&mut rig).is_empty());
@@ -470,7 +470,7 @@ fn the_dialog_tells_what_the_chosen_scene_would_take() {
         Some(Ok("about 3 s".into())),
     ));
     assert_eq!(asked_prices(&mut rig), ["case1"]);
-    // What is not looked at any more may be left unknown.
+    // What is not shown any more may be left unknown.
     rig.tell(Message::Expected("case1".into(), None));
     assert_eq!(asked_prices(&mut rig), ["case1"]);
     assert_eq!(rig.app.expectation.words("circle"), Some(Ok("about 3 s")));

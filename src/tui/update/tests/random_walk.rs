@@ -151,7 +151,7 @@ fn check(rig: &Rig) {
 }
 
 /// What holds when everybody has heard everything: statuses are true, and only those compute that
-/// are looked at.
+/// are shown.
 fn check_at_rest(rig: &mut Rig) {
     rig.settle();
     let app = &rig.app;

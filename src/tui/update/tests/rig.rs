@@ -200,7 +200,7 @@ pub(super) fn slot(name: &str) -> Slot {
 }
 
 impl Rig {
-    /// The four cases, of which the third is looked at.
+    /// The four cases, of which the third is shown.
     pub(super) fn new() -> Self {
         Self::with(["case1", "case2", "case3", "case4"].map(slot).into())
     }

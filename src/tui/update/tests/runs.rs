@@ -547,7 +547,7 @@ fn only_what_shows_makes_the_screen_stale() {
     ));
     rig.press(KeyCode::F(9));
     assert!(!rig.app.stale);
-    // A picture of a run that is not looked at.
+    // A picture of a run that is not shown.
     let hidden = rig.run(2).id;
     rig.turn(hidden);
     rig.deliver_all();
