@@ -26,12 +26,12 @@ pub struct ColourMap {
 }
 
 /// All maps; `View::colour_map` counts through them.
-pub static COLOUR_MAPS: [ColourMap; 4] = [TIDE, VIRIDIS, GREY, PAPER];
+pub static COLOUR_MAPS: [ColourMap; 4] = [BLUE_AMBER, VIRIDIS, GREY, PAPER];
 
 /// Blue below the middle, amber and cream above: two hues that fade into each other where the value
 /// is nearly zero, and still monotone.
-const TIDE: ColourMap = ColourMap {
-    name: "tide",
+const BLUE_AMBER: ColourMap = ColourMap {
+    name: "blue-amber",
     figure: figure::ColourMap::BlueRed,
     rgb: [
         [0x0e, 0x1a, 0x2b],

@@ -1,6 +1,6 @@
 //! What a step costs, how hard it was to solve, and how well it was solved.
 //!
-//! Below, where there is room: the estimated errors of time, space and algebra, side by side, with the
+//! Below, where there is room: the estimated errors of the steps, the mesh and the solver, side by side, with the
 //! largest named.
 
 use std::time::Duration;
@@ -118,14 +118,13 @@ pub fn draw(shown: &Shown<'_>, look: Look, theme: &Theme, area: Rect, buffer: &m
 fn budget<'a>(report: &Report, costs: &Costs, width: u16, theme: &Theme) -> Option<Line<'a>> {
     let budget = report.budget;
     let (largest, _) = budget.largest()?;
-    let algebra = if width >= 46 { "algebra" } else { "alg." };
     let mut parts = vec![
         (ErrorPart::Time, "time", budget.time),
-        (ErrorPart::Space, "space", budget.space),
-        (ErrorPart::Algebra, algebra, budget.algebra),
+        (ErrorPart::Space, "mesh", budget.space),
+        (ErrorPart::Algebra, "solver", budget.algebra),
     ];
     // For all three there is no room: the smallest is that which matters least.
-    if width < 40 {
+    if width < 46 {
         let size = |index: &usize| parts[*index].2.unwrap_or(0.0);
         let smallest = (0..parts.len()).min_by(|a, b| size(a).total_cmp(&size(b)));
         if let Some(index) = smallest {
