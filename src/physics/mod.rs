@@ -9,11 +9,20 @@ mod tests;
 
 /// Declares the modules of the effects, and from it what makes them: `of_scene` of each.
 macro_rules! effects {
-    ($($name:ident),* $(,)?) => {
-        $(mod $name;)*
+    ($($(#[cfg($cfg:meta)])? $name:ident,)*) => {
+        $($(#[cfg($cfg)])? mod $name;)*
 
         /// Each gives its effect, if the scene names it.
-        const MAKERS: &[fn(&EffectContext<'_>) -> Option<Box<dyn Effect>>] = &[$($name::of_scene),*];
+        const MAKERS: &[fn(&EffectContext<'_>) -> Option<Box<dyn Effect>>] =
+            &[$($(#[cfg($cfg)])? $name::of_scene),*];
+
+        /// The names of the effects, in the order of their energies in `history.csv`.
+        pub const EFFECTS: &[&str] = &[$($(#[cfg($cfg)])? stringify!($name)),*];
+
+        // Every effect has its table and every table of an effect its file here, or this does not compile.
+        const _: scene::EachEffect<()> = scene::EachEffect {
+            $($(#[cfg($cfg)])? $name: (),)*
+        };
     };
 }
 

@@ -405,8 +405,8 @@ pub(super) fn check_writable(folder: &Path, step: u64) -> Result<(), RecordError
 }
 
 fn input_names() -> impl Iterator<Item = &'static str> {
-    let values = NodalKey::ALL.map(NodalKey::file_name);
-    values.into_iter().chain([MESH_NAME])
+    let values = NodalKey::all().into_iter().map(NodalKey::file_name);
+    values.chain([MESH_NAME])
 }
 
 /// Removes a file, if it is there.

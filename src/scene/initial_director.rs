@@ -7,7 +7,7 @@ use rand::distr::Open01;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::model::{Defect, InitialDirector};
+use super::tables::{Defect, InitialDirector};
 use crate::geometry::{Point, Vector, direction, length};
 
 /// A node closer than this to a defect's centre is at it: coordinates of nodes carry rounding.
@@ -74,7 +74,7 @@ pub fn random_phase(amplitude: f64, seed: u64, count: usize) -> Vec<f64> {
 mod tests {
     use std::sync::Arc;
 
-    use super::super::model::NodalValues;
+    use super::super::nodal_file::NodalValues;
     use super::*;
 
     const NODES: [Point; 4] = [

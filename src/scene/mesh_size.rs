@@ -1,7 +1,7 @@
 //! How large the triangles of a generated mesh are to be, place by place.
 
-use super::model::{Refinement, Shape};
 use super::outline::{OutlineDistance, union_distance};
+use super::tables::{Refinement, Shape};
 use crate::geometry::{Point, Vector};
 
 /// By how much the size may grow over a unit of length: neighbours then differ by less than a third, and

@@ -11,30 +11,30 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod defaults;
 mod document;
 mod error;
 mod expression;
 mod initial_director;
-mod keys;
-mod keywords;
 mod mesh_file;
 mod mesh_size;
-mod model;
 mod nodal_file;
-mod nodal_files;
 mod outline;
 mod overrides;
+mod parameter;
+mod parse;
 mod presets;
 mod reader;
-mod schema;
+mod scalar_field;
 mod significant;
 mod suggest;
+mod tables;
 #[cfg(test)]
 mod tests;
-mod vesicle;
 mod warning;
 mod write;
+
+// By its former name, for outline/.
+use tables as model;
 
 pub use error::{Origin, Place, Problem, SceneError};
 pub use expression::{Expression, ExpressionError, ExpressionProblem};
@@ -43,9 +43,11 @@ pub use mesh_file::{
     MeshFile, MeshFileError, MeshFileProblem, MeshPlace, Triangulation, write_mesh,
 };
 pub use mesh_size::MeshSize;
-pub use model::*;
-pub use nodal_files::NodalKey;
+pub use nodal_file::{NodalKey, NodalValues};
 pub use outline::{OutlineDistance, SignedDistance, phase_profile, union_distance, wall_distance};
+pub use parameter::{DefaultValue, Parameter};
 pub use presets::{UnknownPreset, find_preset, preset, preset_description, preset_names};
+pub use scalar_field::ScalarField;
 pub use significant::significant;
+pub use tables::*;
 pub use warning::{Warning, warnings};

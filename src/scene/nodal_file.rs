@@ -1,21 +1,147 @@
 //! Files of nodal values: a line for each node, its numbers separated by blanks or commas; `#`
 //! begins a comment, and empty lines do not count.
 
+use std::io;
 use std::ops::Range;
 use std::sync::Arc;
 
 use super::error::{Origin, Problem, Quoted, SceneError};
-use super::model::{Mesh, NodalValues};
+use super::reader::Field;
+use super::tables::{Mesh, Scene, tables};
+
+/// Nodal values that were read from a file, one line a node.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NodalValues {
+    /// The path as the scene gives it.
+    pub path: String,
+    /// The values, `columns` of them a node, node by node.
+    pub values: Arc<[f64]>,
+    /// Values a node: 1 (a scalar) or 2 (a vector).
+    pub columns: usize,
+}
+
+/// A key of a scene that may name a file of nodal values. It is declared with its parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NodalKey {
+    name: &'static str,
+    file_name: &'static str,
+    columns: usize,
+}
+
+impl NodalKey {
+    /// The key of a file with a number a node.
+    pub(super) const fn scalar(name: &'static str, file_name: &'static str) -> Self {
+        Self {
+            name,
+            file_name,
+            columns: 1,
+        }
+    }
+
+    /// The key of a file with a vector a node.
+    pub(super) const fn vector(name: &'static str, file_name: &'static str) -> Self {
+        Self {
+            columns: 2,
+            ..Self::scalar(name, file_name)
+        }
+    }
+
+    /// All that the tables declare.
+    pub fn all() -> Vec<Self> {
+        let parameters = tables().into_iter().flat_map(|table| table.parameters);
+        parameters
+            .filter_map(|parameter| parameter.nodal_key)
+            .collect()
+    }
+
+    /// The key in the scene that names the file.
+    pub fn name(self) -> &'static str {
+        self.name
+    }
+
+    /// The name that a copy of the file has.
+    pub fn file_name(self) -> &'static str {
+        self.file_name
+    }
+
+    /// Values a node.
+    pub fn columns(self) -> usize {
+        self.columns
+    }
+}
+
+impl Scene {
+    /// Every file of nodal values that the scene has.
+    pub fn nodal_files(&self) -> Vec<(NodalKey, NodalValues)> {
+        let mut scene = self.clone();
+        let files = scene.nodal_files_mut().into_iter();
+        files.map(|(key, file)| (key, file.clone())).collect()
+    }
+
+    /// Every file of nodal values that the scene has, to be changed.
+    pub fn nodal_files_mut(&mut self) -> Vec<(NodalKey, &mut NodalValues)> {
+        self.tables_mut()
+            .flat_map(|table| table.nodal_files())
+            .collect()
+    }
+}
+
+/// The contents of a file, by its path as the scene gives it (relative to the scene's file).
+pub(super) type ReadFile<'a> = dyn FnMut(&str) -> io::Result<Vec<u8>> + 'a;
+
+/// What reading a value needs besides the value.
+pub(super) struct Context<'a> {
+    /// Reads files.
+    pub read: &'a mut ReadFile<'a>,
+    /// The mesh, whose nodes have values.
+    pub mesh: Mesh,
+}
+
+impl Context<'_> {
+    /// The path that `field` gives, and what its file has.
+    pub(super) fn read_file(&mut self, field: &Field<'_>) -> Result<(String, Vec<u8>), SceneError> {
+        let path = field.text()?;
+        let bytes = (self.read)(path).map_err(|error| unreadable(field, path, &error))?;
+        Ok((path.to_owned(), bytes))
+    }
+}
+
+fn unreadable(field: &Field<'_>, path: &str, error: &io::Error) -> SceneError {
+    field.error(Problem::UnreadableFile {
+        key: field.path.clone(),
+        path: path.to_owned(),
+        reason: error.to_string(),
+    })
+}
+
+/// Reads the file that `field` names.
+pub(super) fn read_nodal_values(
+    field: &Field<'_>,
+    key: NodalKey,
+    context: &mut Context<'_>,
+) -> Result<NodalValues, SceneError> {
+    let (path, bytes) = context.read_file(field)?;
+    let text = String::from_utf8(bytes).map_err(|_| {
+        let error = io::Error::new(io::ErrorKind::InvalidData, "it is no text in UTF-8");
+        unreadable(field, &path, &error)
+    })?;
+    let wanted = Wanted {
+        key: &field.path,
+        columns: key.columns(),
+        mesh: &context.mesh,
+    };
+    parse(&path, &text, wanted)
+}
 
 /// What a file must hold.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Wanted<'a> {
+struct Wanted<'a> {
     /// The key that names the file, for messages.
-    pub key: &'a str,
+    key: &'a str,
     /// Numbers a line.
-    pub columns: usize,
+    columns: usize,
     /// Whose nodes have the values.
-    pub mesh: &'a Mesh,
+    mesh: &'a Mesh,
 }
 
 /// How many lines there must be.
@@ -60,7 +186,7 @@ impl Lines {
 }
 
 /// Reads the `text` of the file `path`.
-pub(super) fn parse(path: &str, text: &str, wanted: Wanted<'_>) -> Result<NodalValues, SceneError> {
+fn parse(path: &str, text: &str, wanted: Wanted<'_>) -> Result<NodalValues, SceneError> {
     let Wanted { key, columns, mesh } = wanted;
     let lines = Lines::of(mesh);
     let error = |range: Range<usize>, problem| {
@@ -220,5 +346,37 @@ mod tests {
             text.starts_with("phi0.txt:3:2: vesicle.values must have"),
             "{text}"
         );
+    }
+    /// A scene with a file for just one of its values.
+    fn scene(key: NodalKey) -> Scene {
+        let settings = match key.name() {
+            "vesicle.values" => "vesicle = { shape = 'file', values = 'a.txt' }".to_owned(),
+            "nematic.initial.values" => {
+                "nematic.initial = { kind = 'file', values = 'a.txt' }".to_owned()
+            }
+            key => format!("{key} = {{ file = 'a.txt' }}"),
+        };
+        let text = format!("mesh.cells = 8\n{settings}");
+        let line = "0.5 ".repeat(key.columns()) + "\n";
+        let mut read = |_: &str| Ok(line.repeat(81).into_bytes());
+        Scene::parse(&text, "a test", &[], &mut read).expect("a scene")
+    }
+
+    #[test]
+    fn every_file_is_found_by_its_key() {
+        assert_eq!(NodalKey::all().len(), 4);
+        for key in NodalKey::all() {
+            let files = scene(key).nodal_files();
+            let [(found, file)] = &files[..] else {
+                panic!("{key:?}: {files:?}");
+            };
+            assert_eq!(
+                (*found, file.columns, &*file.path),
+                (key, key.columns(), "a.txt")
+            );
+            assert!(scene(key).to_toml().contains("a.txt"), "{key:?}");
+        }
+        let none = Scene::parse("", "empty", &[], &mut |_| unreachable!());
+        assert!(none.expect("a scene").nodal_files().is_empty());
     }
 }

@@ -7,11 +7,10 @@
 
 use super::document::{Entry, Location, Node, Sources, Table, Value, read_value};
 use super::error::{Problem, SceneError};
+use super::tables::EFFECTS;
 
 /// Deeper than any key of a scene.
 const DEEPEST_KEY: usize = 8;
-/// The tables whose absence means something.
-const EFFECTS: [&str; 6] = ["area", "nematic", "anchoring", "field", "pull", "noise"];
 
 /// Applies the override `text`, which stands at `location`.
 pub(super) fn apply(

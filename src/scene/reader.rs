@@ -5,13 +5,15 @@ use std::ops::RangeInclusive;
 
 use super::document::{Entry, Location, Node, Sources, Value};
 use super::error::{Problem, SceneError};
-use super::keys::{self, Keys};
-use super::keywords::Names;
+use super::parameter::{SEED, SEEDS, Value as _, one_of};
 use super::suggest::nearest;
+use super::tables::table_with;
 
 /// What a number must be; it must be finite in any case.
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Bound {
-    words: &'static str,
+    /// In words.
+    pub words: &'static str,
     holds: fn(f64) -> bool,
 }
 
@@ -27,21 +29,20 @@ pub(super) const NOT_NEGATIVE: Bound = Bound {
     words: "a finite number ≥ 0",
     holds: |v| v >= 0.0,
 };
-pub(super) const RATIO: Bound = Bound {
-    words: "a number ≥ 0 and < 1",
-    holds: |v| (0.0..1.0).contains(&v),
-};
-pub(super) const JITTER: Bound = Bound {
-    words: "a number ≥ 0 and < 0.9",
-    holds: |v| (0.0..0.9).contains(&v),
-};
+
+impl Bound {
+    /// A bound of a parameter's own; `words` say what `holds` tests.
+    pub(super) const fn new(words: &'static str, holds: fn(f64) -> bool) -> Self {
+        Self { words, holds }
+    }
+}
 
 /// A table of the document. One that is absent reads like one without keys.
 #[derive(Clone)]
 pub(super) struct Reader<'a> {
     sources: &'a Sources,
     path: String,
-    entries: &'a [Entry],
+    entries: Vec<&'a Entry>,
     location: Location,
 }
 
@@ -66,14 +67,14 @@ impl<'a> Reader<'a> {
         Self {
             sources,
             path: String::new(),
-            entries,
+            entries: entries.iter().collect(),
             location: node.location,
         }
     }
 
     pub(super) fn get(&self, key: &str) -> Option<Field<'a>> {
         let entry = self.entries.iter().find(|entry| entry.key == key)?;
-        Some(self.field(entry))
+        Some(self.field(*entry))
     }
 
     fn field(&self, entry: &'a Entry) -> Field<'a> {
@@ -87,15 +88,29 @@ impl<'a> Reader<'a> {
 
     /// A key that `owner` cannot do without.
     pub(super) fn require(&self, key: &'static str, owner: &str) -> Result<Field<'a>, SceneError> {
+        let owner = || owner.to_owned();
         self.get(key).ok_or_else(|| {
-            self.sources.error(
-                self.location,
-                Problem::MissingKey {
-                    key,
-                    owner: owner.to_owned(),
-                },
-            )
+            self.error(Problem::MissingKey {
+                key,
+                owner: owner(),
+            })
         })
+    }
+
+    /// An error about a parameter that the table must have.
+    pub(super) fn missing(&self, key: &'static str) -> SceneError {
+        let owner = format!("[{}]", self.path);
+        self.error(Problem::MissingKey { key, owner })
+    }
+
+    /// An error about the whole table.
+    pub(super) fn error(&self, problem: Problem) -> SceneError {
+        self.sources.error(self.location, problem)
+    }
+
+    /// Reads on as if a key were not there.
+    pub(super) fn pass_over(&mut self, key: &str) {
+        self.entries.retain(|entry| entry.key != key);
     }
 
     /// The table of this name, where it is there.
@@ -108,7 +123,7 @@ impl<'a> Reader<'a> {
         Ok(self.present(key)?.unwrap_or_else(|| Reader {
             sources: self.sources,
             path: join(&self.path, key),
-            entries: &[],
+            entries: Vec::new(),
             location: self.location,
         }))
     }
@@ -117,11 +132,11 @@ impl<'a> Reader<'a> {
     pub(super) fn fields(&self) -> impl Iterator<Item = (&'a str, Field<'a>)> {
         self.entries
             .iter()
-            .map(|entry| (entry.key.as_str(), self.field(entry)))
+            .map(|&entry| (entry.key.as_str(), self.field(entry)))
     }
 
     /// Refuses every key that is not among `allowed`.
-    pub(super) fn allow(&self, allowed: &Keys) -> Result<(), SceneError> {
+    pub(super) fn allow(&self, allowed: &[&'static str]) -> Result<(), SceneError> {
         match self.fields().find(|(key, _)| !allowed.contains(key)) {
             Some((key, field)) => Err(field.unknown_key(key, &self.path, allowed)),
             None => Ok(()),
@@ -138,19 +153,9 @@ impl<'a> Reader<'a> {
             .map_or(Ok(default), |field| field.vector(FINITE))
     }
 
-    pub(super) fn seed(&self, default: u64) -> Result<u64, SceneError> {
+    pub(super) fn seed(&self) -> Result<u64, SceneError> {
         self.get("seed")
-            .map_or(Ok(default), |field| field.integer(0..=u64::MAX))
-    }
-
-    pub(super) fn choice<T: Copy>(
-        &self,
-        key: &str,
-        default: T,
-        names: &Names<T>,
-    ) -> Result<T, SceneError> {
-        self.get(key)
-            .map_or(Ok(default), |field| field.choice(names))
+            .map_or(Ok(SEED), |field| field.integer(&SEEDS))
     }
 }
 
@@ -174,6 +179,15 @@ impl<'a> Field<'a> {
         self.sources.error(self.key_location, problem)
     }
 
+    /// A key that belongs to another kind of the same table; `owner` is the kind that was chosen.
+    pub(super) fn misplaced(&self, key: &str, owner: &str, allowed: &[&'static str]) -> SceneError {
+        self.key_error(Problem::MisplacedKey {
+            key: key.to_owned(),
+            owner: owner.to_owned(),
+            allowed: allowed.to_vec(),
+        })
+    }
+
     /// An error about a part of a string, in bytes of the string.
     pub(super) fn error_within(
         &self,
@@ -192,12 +206,12 @@ impl<'a> Field<'a> {
         self.sources.error(location, problem)
     }
 
-    fn unknown_key(&self, key: &str, table: &str, allowed: &Keys) -> SceneError {
+    fn unknown_key(&self, key: &str, table: &str, allowed: &[&'static str]) -> SceneError {
         let near = nearest(key, allowed.iter().copied());
         let elsewhere = if near.is_some() {
             None
         } else {
-            keys::table_with(key)
+            table_with(key)
         };
         self.key_error(Problem::UnknownKey {
             key: key.to_owned(),
@@ -234,8 +248,8 @@ impl<'a> Field<'a> {
         }
     }
 
-    pub(super) fn integer(&self, range: RangeInclusive<u64>) -> Result<u64, SceneError> {
-        let words = format!("a whole number from {} to {}", range.start(), range.end());
+    pub(super) fn integer(&self, range: &RangeInclusive<u64>) -> Result<u64, SceneError> {
+        let words = u64::words(range);
         let Value::Number { whole, .. } = self.node.value else {
             return Err(self.wrong_type(words));
         };
@@ -251,11 +265,7 @@ impl<'a> Field<'a> {
         let [first, second] = &items[..] else {
             return Err(self.out_of_range(words));
         };
-        let Bound { words, holds } = bound;
-        Ok([
-            first.number(Bound { words, holds })?,
-            second.number(Bound { words, holds })?,
-        ])
+        Ok([first.number(bound)?, second.number(bound)?])
     }
 
     pub(super) fn text(&self) -> Result<&'a str, SceneError> {
@@ -265,11 +275,10 @@ impl<'a> Field<'a> {
         }
     }
 
-    pub(super) fn choice<T: Copy>(&self, names: &Names<T>) -> Result<T, SceneError> {
+    pub(super) fn choice<T: Copy>(&self, names: &[(&'static str, T)]) -> Result<T, SceneError> {
         let allowed = || names.iter().map(|(name, _)| *name);
         let Value::Text(word) = &self.node.value else {
-            let words: Vec<String> = allowed().map(|name| format!("\"{name}\"")).collect();
-            return Err(self.wrong_type(format!("one of {}", words.join(", "))));
+            return Err(self.wrong_type(one_of(names)));
         };
         names
             .iter()
@@ -290,7 +299,7 @@ impl<'a> Field<'a> {
             Value::Table(entries) => Ok(Reader {
                 sources: self.sources,
                 path: self.path.clone(),
-                entries,
+                entries: entries.iter().collect(),
                 location: self.key_location,
             }),
             _ => Err(self.wrong_type("a table")),

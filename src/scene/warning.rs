@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use super::model::{Defect, InitialDirector, Mesh, Scene, Time};
 use super::significant::significant;
+use super::tables::{Mesh, Scene};
 
 /// Cells that an interface of width ε should span, for accurate energies.
 const CELLS_FOR_ENERGIES: f64 = 3.0;
@@ -275,19 +275,7 @@ fn remedy(f: &mut fmt::Formatter<'_>, spanned: f64, enough: impl Fn(f64) -> Stri
 pub fn warnings(scene: &Scene, edge: Option<f64>) -> Vec<Warning> {
     let mut warnings = Vec::new();
     warnings.extend(thin_interface(scene, edge));
-    warnings.extend(end_between_steps(&scene.time));
-    if let Some(nematic) = &scene.nematic {
-        if let InitialDirector::Defects { at, .. } = &nematic.initial {
-            warnings.extend(fractional_windings(at));
-        }
-        if let Some(field) = scene.field {
-            let pull = field.weight * field.strength * field.strength;
-            let bound = 2.0 * nematic.weight / (nematic.penalty * nematic.penalty);
-            if pull >= bound {
-                warnings.push(Warning::FieldTooStrong { pull, bound });
-            }
-        }
-    }
+    warnings.extend(scene.table_warnings());
     warnings
 }
 
@@ -316,39 +304,10 @@ fn thin_interface(scene: &Scene, edge: Option<f64>) -> Option<Warning> {
     })
 }
 
-/// The warning of an end that no step of the grid meets.
-fn end_between_steps(time: &Time) -> Option<Warning> {
-    let steps = time.steps()?;
-    let (end, step) = (time.end, time.step);
-    let parts = end / step;
-    // What a quotient of decimal fractions is off by is far less.
-    let is_met = (parts - steps as f64).abs() <= 1e-9 * parts.max(1.0);
-    (!is_met).then_some(Warning::EndBetweenSteps { end, step, steps })
-}
-
-/// A warning for each point around which the director turns by no whole number of turns.
-fn fractional_windings(defects: &[Defect]) -> Vec<Warning> {
-    let mut points: Vec<Defect> = Vec::new();
-    for defect in defects {
-        match points
-            .iter_mut()
-            .find(|point| point.center == defect.center)
-        {
-            Some(point) => point.winding += defect.winding,
-            None => points.push(*defect),
-        }
-    }
-    let fractional = points
-        .into_iter()
-        .filter(|point| (point.winding - point.winding.round()).abs() > 1e-9);
-    fractional
-        .map(|Defect { center, winding }| Warning::FractionalWinding { center, winding })
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::{Defect, InitialDirector, Time};
 
     fn scene(interface_width: f64, cells: usize) -> Scene {
         let mut scene = Scene::default();

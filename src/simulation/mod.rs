@@ -547,20 +547,16 @@ impl Simulation {
         }
     }
 
-    /// The next time after t at which a run with chosen steps must be: that of a snapshot, T, or when a
-    /// field is switched.
+    /// The next time after t at which a run with chosen steps must be: that of a snapshot, T, or when an
+    /// effect is switched.
     fn landing_after(&self, t: f64) -> f64 {
         let landing = self.schedule.landing_after(t);
-        let field = self.scene.field.as_ref();
-        let switches = field.map(|field| [Some(field.from), field.until]);
         // Nearer to another landing than this they are the same time, but for rounding.
         let close = 1e-9 * self.schedule.end;
-        switches
-            .into_iter()
-            .flatten()
-            .flatten()
-            .filter(|switch| *switch > t + close && *switch < landing - close)
-            .fold(landing, f64::min)
+        let event = self.scene.next_event(t + close);
+        event
+            .filter(|event| *event < landing - close)
+            .unwrap_or(landing)
     }
 
     /// What was tried in a step that was not solved.

@@ -7,6 +7,7 @@
 
 use std::time::Duration;
 
+use crate::physics::EFFECTS;
 use crate::scene::{ScalarField, Scene};
 use crate::simulation::{Phase, Simulation, SimulationError};
 
@@ -85,36 +86,28 @@ pub struct Progress {
     pub of: u64,
 }
 
-/// Takes an effect away from a scene; whether it was there.
-type Removal = fn(&mut Scene) -> bool;
+/// The spontaneous curvature, which is no effect of its own but can be taken away like one.
+const CURVATURE: &str = "curvature";
 
-/// The effects of a scene that can be taken away, and how.
-const REMOVABLE: [(&str, Removal); 7] = [
-    ("curvature", |scene| {
-        let k = &mut scene.membrane.spontaneous_curvature;
-        let none = ScalarField::Constant(0.0);
-        std::mem::replace(k, none.clone()) != none
-    }),
-    ("area", |scene| scene.area.take().is_some()),
-    ("nematic", |scene| {
-        let was_there = scene.nematic.take().is_some();
-        if was_there {
-            scene.anchoring = None;
-            scene.field = None;
-            scene.noise = None;
-        }
-        was_there
-    }),
-    ("noise", |scene| scene.noise.take().is_some()),
-    ("field", |scene| scene.field.take().is_some()),
-    ("pull", |scene| scene.pull.take().is_some()),
-    ("anchoring", |scene| scene.anchoring.take().is_some()),
-];
+/// What can be taken away from a scene: the spontaneous curvature, and the effects that have a table.
+fn removable() -> impl Iterator<Item = &'static str> {
+    [CURVATURE].into_iter().chain(EFFECTS.iter().copied())
+}
+
+/// Takes an effect away from a scene; whether it was there.
+fn remove(scene: &mut Scene, effect: &str) -> bool {
+    if effect != CURVATURE {
+        return scene.remove_effect(effect);
+    }
+    let k = &mut scene.membrane.spontaneous_curvature;
+    let none = ScalarField::Constant(0.0);
+    std::mem::replace(k, none.clone()) != none
+}
 
 /// A scene without an effect, if it has it.
-fn without(scene: &Scene, remove: Removal) -> Option<Scene> {
+fn without(scene: &Scene, effect: &str) -> Option<Scene> {
     let mut rest = scene.clone();
-    remove(&mut rest).then_some(rest)
+    remove(&mut rest, effect).then_some(rest)
 }
 
 /// Measures the scene and everything that it is without one of its effects. The runs take turns, step
@@ -134,13 +127,12 @@ pub fn prices(
     let mut scene = scene.clone();
     scene.time.tolerance = None;
     let scene = &scene;
-    let removed: Vec<(&'static str, Scene)> = REMOVABLE
-        .iter()
-        .filter_map(|(name, remove)| Some((*name, without(scene, *remove)?)))
+    let removed: Vec<(&'static str, Scene)> = removable()
+        .filter_map(|name| Some((name, without(scene, name)?)))
         .collect();
     let mut alone = scene.clone();
-    for (_, remove) in REMOVABLE {
-        remove(&mut alone);
+    for effect in removable() {
+        remove(&mut alone, effect);
     }
     let scenes = [scene, &alone].into_iter();
     let scenes = scenes.chain(removed.iter().map(|(_, scene)| scene));
@@ -172,10 +164,7 @@ pub fn prices(
         let energy = whole.energies.iter().find(|energy| energy.name == name);
         energy.map(|energy| energy.value)
     };
-    let has = |scene: &Scene, effect: &str| {
-        let known = REMOVABLE.iter().find(|(name, _)| *name == effect);
-        known.is_some_and(|(_, remove)| without(scene, *remove).is_some())
-    };
+    let has = |scene: &Scene, effect: &str| without(scene, effect).is_some();
     let effects = removed
         .iter()
         .zip(&runs[2..])

@@ -10,7 +10,6 @@ use super::super::state::{
 };
 use super::{leave, overlays, remark, saving};
 use crate::record::ShortNumber;
-use crate::scene::AnchoringKind;
 use crate::simulation::{Command, RunId, step_count};
 use crate::study::Recommendation;
 
@@ -308,11 +307,7 @@ fn next_anchoring(app: &mut App, effects: &mut Vec<Effect>) {
         return;
     };
     let asked = slot.run.as_ref().and_then(|run| run.control.anchoring);
-    let kind = match asked.unwrap_or(present) {
-        AnchoringKind::Homeotropic => AnchoringKind::Parallel,
-        AnchoringKind::Parallel => AnchoringKind::None,
-        AnchoringKind::None => AnchoringKind::Homeotropic,
-    };
+    let kind = asked.unwrap_or(present).next();
     if is_done {
         ask(app, Question::GoBeyond(Beyond::Anchor(kind)), effects);
         return;

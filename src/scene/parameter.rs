@@ -1,0 +1,177 @@
+//! The types that a parameter of a scene may have: how a value is read from TOML and checked, and how it is
+//! written.
+
+use std::ops::RangeInclusive;
+
+use super::error::SceneError;
+use super::nodal_file::{Context, NodalKey, NodalValues};
+use super::reader::{Bound, Field};
+use super::write::{number, quoted};
+
+/// A parameter of a table, as it is declared.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Parameter {
+    /// Its key in the table.
+    pub key: &'static str,
+    /// What it is.
+    pub words: &'static str,
+    /// What it is where the scene does not say.
+    pub default: DefaultValue,
+    /// What is allowed.
+    pub allowed: String,
+    /// By which its values may come from a file.
+    pub nodal_key: Option<NodalKey>,
+}
+
+/// What a parameter is where the scene does not say.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum DefaultValue {
+    /// This value, as TOML.
+    Value(String),
+    /// There is none.
+    Absent,
+    /// A scene with the table must say.
+    Required,
+}
+
+impl Parameter {
+    /// One whose values are never from a file.
+    pub(super) fn new(
+        key: &'static str,
+        words: &'static str,
+        default: DefaultValue,
+        allowed: impl Into<String>,
+    ) -> Self {
+        Self {
+            key,
+            words,
+            default,
+            allowed: allowed.into(),
+            nodal_key: None,
+        }
+    }
+}
+
+/// A type that a parameter may have.
+pub(super) trait Value: Sized {
+    /// What its values must be, where that is not the same for every parameter of the type.
+    type Bound: 'static;
+
+    /// Reads and checks a value.
+    fn read(
+        field: &Field<'_>,
+        bound: &Self::Bound,
+        context: &mut Context<'_>,
+    ) -> Result<Self, SceneError>;
+
+    /// As TOML; `None`: its key is left out.
+    fn write(&self) -> Option<String>;
+
+    /// What is allowed, in words.
+    fn words(bound: &Self::Bound) -> String;
+
+    /// By which the values may come from a file.
+    fn nodal_key(_bound: &Self::Bound) -> Option<NodalKey> {
+        None
+    }
+
+    /// The values, where they are from a file.
+    fn nodal_values(&mut self) -> Option<&mut NodalValues> {
+        None
+    }
+}
+
+impl Value for f64 {
+    type Bound = Bound;
+
+    fn read(field: &Field<'_>, bound: &Bound, _: &mut Context<'_>) -> Result<Self, SceneError> {
+        field.number(*bound)
+    }
+
+    fn write(&self) -> Option<String> {
+        Some(number(*self))
+    }
+
+    fn words(bound: &Bound) -> String {
+        bound.words.to_owned()
+    }
+}
+
+/// A number that may be absent.
+impl Value for Option<f64> {
+    type Bound = Bound;
+
+    fn read(field: &Field<'_>, bound: &Bound, _: &mut Context<'_>) -> Result<Self, SceneError> {
+        field.number(*bound).map(Some)
+    }
+
+    fn write(&self) -> Option<String> {
+        self.map(number)
+    }
+
+    fn words(bound: &Bound) -> String {
+        bound.words.to_owned()
+    }
+}
+
+/// The bound of a seed: any number that a generator takes.
+pub(super) const SEEDS: RangeInclusive<u64> = 0..=u64::MAX;
+/// The seed of every generator, unless the scene says.
+pub(super) const SEED: u64 = 1;
+
+impl Value for u64 {
+    type Bound = RangeInclusive<u64>;
+
+    fn read(
+        field: &Field<'_>,
+        bound: &Self::Bound,
+        _: &mut Context<'_>,
+    ) -> Result<Self, SceneError> {
+        field.integer(bound)
+    }
+
+    fn write(&self) -> Option<String> {
+        Some(self.to_string())
+    }
+
+    fn words(bound: &Self::Bound) -> String {
+        format!("a whole number from {} to {}", bound.start(), bound.end())
+    }
+}
+
+/// One of several words.
+pub(super) trait Choice: Copy + PartialEq + 'static {
+    /// The words, each with what it means; every value is among them.
+    const NAMES: &'static [(&'static str, Self)];
+
+    /// The word for it in a scene.
+    fn word(self) -> &'static str {
+        let name = Self::NAMES.iter().find(|(_, meant)| *meant == self);
+        name.map_or("", |(name, _)| name)
+    }
+}
+
+impl<T: Choice> Value for T {
+    type Bound = ();
+
+    fn read(field: &Field<'_>, (): &(), _: &mut Context<'_>) -> Result<Self, SceneError> {
+        field.choice(Self::NAMES)
+    }
+
+    fn write(&self) -> Option<String> {
+        Some(quoted(self.word()))
+    }
+
+    fn words((): &()) -> String {
+        one_of(Self::NAMES)
+    }
+}
+
+/// The words of a choice, for messages.
+pub(super) fn one_of<T>(names: &[(&'static str, T)]) -> String {
+    let names: Vec<String> = names
+        .iter()
+        .map(|(name, _)| format!("\"{name}\""))
+        .collect();
+    format!("one of {}", names.join(", "))
+}

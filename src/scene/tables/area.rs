@@ -1,0 +1,17 @@
+//! `[area]`.
+
+use super::Rules;
+use crate::scene::reader::POSITIVE;
+
+table! {
+    /// The penalty of the surface area, E_pen = (B − β)²/(2η). Without it the area is free.
+    #[derive(Copy)]
+    pub struct Area {
+        /// β as a fraction of B(φ⁰), the area at the start.
+        target: f64 = 1.25, POSITIVE;
+        /// η.
+        penalty: f64 = 1e-3, POSITIVE;
+    }
+}
+
+impl Rules for Area {}

@@ -1,0 +1,64 @@
+//! `[field]`.
+
+use super::{Rules, Scene};
+use crate::geometry::{Vector, direction};
+use crate::scene::error::SceneError;
+use crate::scene::reader::{FINITE, NOT_NEGATIVE, Reader};
+use crate::scene::warning::Warning;
+
+// The paper has no field: the default is as strong as the elastic forces of a vesicle of Table 1.
+table! {
+    /// A magnetic or electric field H on the director,
+    /// E = −½ χ Σ_T T ⟨I(φ)⟩ ⟨(d·H)²⟩ with the areas T of the triangles and means over them: but for the
+    /// order h² it is −½ χ ∫ I(φ)(d·H)².
+    #[derive(Copy)]
+    pub struct Field {
+        /// χ: the director turns along the field where it is positive, across it where it is negative.
+        weight: f64 = 1000.0, FINITE;
+        /// The length of H.
+        strength: f64 = 1.0, NOT_NEGATIVE;
+        /// The angle of H to the x axis, in degrees.
+        angle: f64 = 0.0, FINITE;
+        /// When it is switched on, rounded to the nearest end of a step.
+        from: f64 = 0.0, NOT_NEGATIVE;
+        /// When it is switched off, later than `from` and rounded likewise; never by default.
+        until: Option<f64> = None, FINITE;
+    }
+}
+
+impl Field {
+    /// H.
+    pub fn vector(&self) -> Vector {
+        self.strength * direction(self.angle)
+    }
+}
+
+impl Rules for Field {
+    fn needs_director() -> bool {
+        true
+    }
+
+    fn complete(&mut self, table: &Reader<'_>) -> Result<(), SceneError> {
+        let from = self.from;
+        match (self.until, table.get("until")) {
+            (Some(until), Some(field)) if until <= from => {
+                Err(field.out_of_range(format!("a number > field.from = {from}")))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn next_event(&self, t: f64) -> Option<f64> {
+        let switches = [Some(self.from), self.until].into_iter().flatten();
+        switches.filter(|switch| *switch > t).min_by(f64::total_cmp)
+    }
+
+    fn warnings(&self, scene: &Scene) -> Vec<Warning> {
+        let Some(nematic) = &scene.nematic else {
+            return Vec::new();
+        };
+        let pull = self.weight * self.strength * self.strength;
+        let bound = 2.0 * nematic.weight / (nematic.penalty * nematic.penalty);
+        Vec::from_iter((pull >= bound).then_some(Warning::FieldTooStrong { pull, bound }))
+    }
+}

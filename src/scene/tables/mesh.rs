@@ -1,0 +1,298 @@
+//! `[mesh]`: which keys it has depends on its kind.
+
+use std::ops::RangeInclusive;
+use std::sync::Arc;
+
+use super::{Rules, Scene, Shape, Table};
+use crate::scene::error::{Problem, SceneError};
+use crate::scene::mesh_file::{MeshFile, Triangulation};
+use crate::scene::nodal_file::{Context, NodalKey, NodalValues};
+use crate::scene::parameter::{DefaultValue, Parameter, SEED, SEEDS, Value, one_of};
+use crate::scene::reader::{Bound, Field, POSITIVE, Reader};
+use crate::scene::write::{Writer, inline, number, quoted};
+
+/// With fewer there is hardly an interior.
+const FEWEST_CELLS: u64 = 4;
+/// 4·10⁸ nodes: ten gigabytes for φ, μ and ω alone.
+const MOST_CELLS: u64 = 20_000;
+const CELL_COUNTS: RangeInclusive<u64> = FEWEST_CELLS..=MOST_CELLS;
+/// The longest and the shortest edge that a generated mesh may be asked for, as with cells.
+const LONGEST_EDGE: f64 = 1.0 / FEWEST_CELLS as f64;
+const SHORTEST_EDGE: f64 = 1.0 / MOST_CELLS as f64;
+const JITTER: Bound = Bound::new("a number ≥ 0 and < 0.9", |v| (0.0..0.9).contains(&v));
+/// 1/h.
+const CELLS: usize = 120;
+/// h of a generated mesh.
+const SIZE: f64 = 1.0 / 120.0;
+
+/// The triangulation of Ω.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Mesh {
+    /// Right triangles, `cells` squares along each side, diagonals from lower left to upper right.
+    Structured {
+        /// 1/h.
+        cells: usize,
+        /// Interior nodes are moved by up to this fraction of h in x and in y.
+        jitter: f64,
+        /// Of the generator that moves them.
+        seed: u64,
+    },
+    /// A Delaunay triangulation of the unit square, by its size, graded where it is asked for.
+    Delaunay {
+        /// The wanted length of an edge.
+        size: f64,
+        /// Of the generator that scatters the nodes.
+        seed: u64,
+        /// Finer about the initial membrane.
+        refine: Option<Refinement>,
+    },
+    /// From a file.
+    File(MeshFile),
+}
+
+/// Smaller triangles about the initial membrane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Refinement {
+    /// So far from the membrane, on either side.
+    pub band: f64,
+    /// The wanted length of an edge there.
+    pub size: f64,
+}
+
+impl Default for Mesh {
+    fn default() -> Self {
+        Self::Structured {
+            cells: CELLS,
+            jitter: 0.0,
+            seed: SEED,
+        }
+    }
+}
+
+impl Mesh {
+    /// Squares along a side of the structured mesh.
+    pub fn cells(&self) -> Option<usize> {
+        match self {
+            Self::Structured { cells, .. } => Some(*cells),
+            Self::Delaunay { .. } | Self::File(_) => None,
+        }
+    }
+
+    /// Whether it is the structured mesh with every node in its place.
+    pub fn is_grid(&self) -> bool {
+        matches!(self, Self::Structured { jitter, .. } if *jitter == 0.0)
+    }
+}
+
+/// The word after `mesh.kind =`.
+#[derive(Clone, Copy)]
+enum Kind {
+    Structured,
+    Delaunay,
+    File,
+}
+
+const KINDS: [(&str, Kind); 3] = [
+    ("structured", Kind::Structured),
+    ("delaunay", Kind::Delaunay),
+    ("file", Kind::File),
+];
+
+impl Kind {
+    /// How the user chose it, and the keys that go with it.
+    fn owner(self) -> (&'static str, &'static [&'static str]) {
+        match self {
+            Self::Structured => (
+                "mesh.kind = \"structured\"",
+                &["kind", "cells", "jitter", "seed"],
+            ),
+            Self::Delaunay => (
+                "mesh.kind = \"delaunay\"",
+                &["kind", "size", "refine", "seed"],
+            ),
+            Self::File => ("mesh.kind = \"file\"", &["kind", "path"]),
+        }
+    }
+}
+
+impl Table for Mesh {
+    fn words() -> &'static str {
+        "The triangulation of Ω."
+    }
+
+    fn parameters() -> Vec<Parameter> {
+        let value = |text: &str| DefaultValue::Value(text.to_owned());
+        let edge = format!("a number from {SHORTEST_EDGE} to {LONGEST_EDGE}");
+        vec![
+            Parameter::new(
+                "kind",
+                "Squares, each cut into two triangles; a Delaunay triangulation; or that of a file",
+                value(&quoted("structured")),
+                one_of(&KINDS),
+            ),
+            Parameter::new(
+                "cells",
+                "`structured`: squares along a side, 1/h",
+                value(&CELLS.to_string()),
+                u64::words(&CELL_COUNTS),
+            ),
+            Parameter::new(
+                "jitter",
+                "`structured`: interior nodes are moved by up to this fraction of h in x and in y",
+                value(&number(0.0)),
+                JITTER.words,
+            ),
+            Parameter::new(
+                "size",
+                "`delaunay`: the wanted length of an edge",
+                value("1/120"),
+                edge,
+            ),
+            Parameter::new(
+                "refine",
+                "`delaunay`: the length of an edge within a distance `band` of the initial membrane",
+                DefaultValue::Absent,
+                "`{ band = 0.1, size = 0.005 }`",
+            ),
+            Parameter::new(
+                "path",
+                "`file`: a mesh of Gmsh",
+                DefaultValue::Required,
+                "a path, relative to the scene's file",
+            ),
+            Parameter::new(
+                "seed",
+                "Of the random numbers that move or scatter the nodes",
+                value(&SEED.to_string()),
+                u64::words(&SEEDS),
+            ),
+        ]
+    }
+
+    fn read(table: Reader<'_>, context: &mut Context<'_>) -> Result<Self, SceneError> {
+        let field = table.get("kind");
+        let kind = match &field {
+            Some(field) => field.choice(&KINDS)?,
+            None => Kind::Structured,
+        };
+        let keys: Vec<&str> = Self::parameters().iter().map(|it| it.key).collect();
+        table.allow(&keys)?;
+        let (owner, allowed) = kind.owner();
+        // An override of the kind leaves what belongs to another one in the file.
+        let is_overridden = field.is_some_and(|field| field.is_override());
+        for (key, field) in table.fields() {
+            let is_left_over = is_overridden && !field.is_override();
+            if !allowed.contains(&key) && !is_left_over {
+                return Err(field.misplaced(key, owner, allowed));
+            }
+        }
+        match kind {
+            Kind::Structured => {
+                let cells = table.get("cells");
+                let cells = cells.map(|field| field.integer(&CELL_COUNTS)).transpose()?;
+                Ok(Self::Structured {
+                    // At most MOST_CELLS: no digit is lost on any machine.
+                    cells: cells.map_or(CELLS, |cells| cells as usize),
+                    jitter: table.number("jitter", 0.0, JITTER)?,
+                    seed: table.seed()?,
+                })
+            }
+            Kind::Delaunay => {
+                let size = read_edge(&table, "size", LONGEST_EDGE)?.unwrap_or(SIZE);
+                let refine = table.present("refine")?;
+                let refine = refine.map(|table| read_refinement(&table, size));
+                Ok(Self::Delaunay {
+                    size,
+                    seed: table.seed()?,
+                    refine: refine.transpose()?,
+                })
+            }
+            Kind::File => read_file(&table.require("path", owner)?, context).map(Self::File),
+        }
+    }
+
+    fn write(&self, out: &mut Writer) {
+        match self {
+            Self::Structured {
+                cells,
+                jitter,
+                seed,
+            } => {
+                out.key("kind", quoted("structured"));
+                out.key("cells", cells);
+                out.key("jitter", number(*jitter));
+                out.key("seed", seed);
+            }
+            Self::Delaunay { size, seed, refine } => {
+                out.key("kind", quoted("delaunay"));
+                out.key("size", number(*size));
+                if let Some(Refinement { band, size }) = refine {
+                    let keys = [("band", number(*band)), ("size", number(*size))];
+                    out.key("refine", inline(&keys));
+                }
+                out.key("seed", seed);
+            }
+            Self::File(file) => {
+                out.key("kind", quoted("file"));
+                out.key("path", quoted(&file.path));
+            }
+        }
+    }
+
+    fn nodal_files(&mut self) -> Vec<(NodalKey, &mut NodalValues)> {
+        Vec::new()
+    }
+}
+
+impl Rules for Mesh {
+    /// There must be a membrane to refine about.
+    fn check_scene(&self, scene: &Scene, table: &Reader<'_>) -> Result<(), SceneError> {
+        let is_outline = matches!(scene.vesicle.shape, Shape::Outlines(_));
+        match (self, table.get("refine")) {
+            (
+                Self::Delaunay {
+                    refine: Some(_), ..
+                },
+                Some(refine),
+            ) if !is_outline => Err(refine.key_error(Problem::RefineWithoutOutline)),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The length of an edge, at most `longest`.
+fn read_edge(
+    table: &Reader<'_>,
+    key: &'static str,
+    longest: f64,
+) -> Result<Option<f64>, SceneError> {
+    let Some(field) = table.get(key) else {
+        return Ok(None);
+    };
+    let edge = field.number(POSITIVE)?;
+    if (SHORTEST_EDGE..=longest).contains(&edge) {
+        return Ok(Some(edge));
+    }
+    Err(field.out_of_range(format!("a number from {SHORTEST_EDGE} to {longest}")))
+}
+
+fn read_refinement(table: &Reader<'_>, size: f64) -> Result<Refinement, SceneError> {
+    table.allow(&["band", "size"])?;
+    let band = table.require("band", "mesh.refine")?.number(POSITIVE)?;
+    table.require("size", "mesh.refine")?;
+    Ok(Refinement {
+        band,
+        size: read_edge(table, "size", size)?.unwrap_or(size),
+    })
+}
+
+fn read_file(field: &Field<'_>, context: &mut Context<'_>) -> Result<MeshFile, SceneError> {
+    let (path, bytes) = context.read_file(field)?;
+    match Triangulation::parse(&bytes) {
+        Ok(triangulation) => Ok(MeshFile {
+            path,
+            triangulation: Arc::new(triangulation),
+        }),
+        Err(error) => Err(field.error(Problem::MeshFile { path, error })),
+    }
+}

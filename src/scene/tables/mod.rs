@@ -1,0 +1,485 @@
+//! The tables of a scene, a file each. `table!` declares a table: each parameter once, with its key, type,
+//! default, bound and what it is. From it follow the type, reading, writing, the allowed keys and near misses,
+//! `--set`, and the guide's tables. What else there is to know of a table it says by [`Rules`].
+//!
+//! The tables of the effects are optional: without its table, a scene is without the effect. They are listed
+//! below; from the list follows all that must know of them.
+
+use std::fmt::Write as _;
+
+use super::error::{Problem, SceneError};
+use super::nodal_file::{Context, NodalKey, NodalValues};
+use super::parameter::{DefaultValue, Parameter, Value};
+use super::reader::Reader;
+use super::warning::Warning;
+use super::write::Writer;
+
+/// A table of a scene.
+pub(super) trait Table: Rules {
+    /// What it is about.
+    fn words() -> &'static str
+    where
+        Self: Sized;
+
+    /// Its parameters, in the order in which they are written.
+    fn parameters() -> Vec<Parameter>
+    where
+        Self: Sized;
+
+    /// Reads and checks it.
+    fn read(table: Reader<'_>, context: &mut Context<'_>) -> Result<Self, SceneError>
+    where
+        Self: Sized;
+
+    /// Writes its keys.
+    fn write(&self, out: &mut Writer);
+
+    /// Its files of nodal values.
+    fn nodal_files(&mut self) -> Vec<(NodalKey, &mut NodalValues)>;
+}
+
+/// What holds for a table beyond its parameters one by one.
+pub(super) trait Rules {
+    /// Before its values are read: leaves out keys that others take the place of.
+    fn prepare(_table: &mut Reader<'_>) -> Result<(), SceneError>
+    where
+        Self: Sized,
+    {
+        Ok(())
+    }
+
+    /// When its values are read: what they make of each other.
+    fn complete(&mut self, _table: &Reader<'_>) -> Result<(), SceneError> {
+        Ok(())
+    }
+
+    /// What it demands of the other tables.
+    fn check_scene(&self, _scene: &Scene, _table: &Reader<'_>) -> Result<(), SceneError> {
+        Ok(())
+    }
+
+    /// Whether this key is left out when the table is written.
+    fn leaves_out(&self, _key: &str) -> bool {
+        false
+    }
+
+    /// Whether it is of an effect on the director, so that it goes when `[nematic]` goes.
+    fn needs_director() -> bool
+    where
+        Self: Sized,
+    {
+        false
+    }
+
+    /// It needs the director, and the scene has none.
+    fn without_director(&self, name: &'static str, table: &Reader<'_>) -> Result<(), SceneError> {
+        Err(table.error(Problem::DirectorWithoutNematic { table: name }))
+    }
+
+    /// The next time after t at which the effect is switched.
+    fn next_event(&self, _t: f64) -> Option<f64> {
+        None
+    }
+
+    /// What is allowed in it but probably not meant.
+    fn warnings(&self, _scene: &Scene) -> Vec<Warning> {
+        Vec::new()
+    }
+}
+
+/// Declares a table: `key: type = default, bound;`. A parameter without a default must be given. Of the bound,
+/// see the type in `parameter.rs`; a choice has none.
+macro_rules! table {
+    (@default $Table:ident $($key:ident: $Type:ty = $default:expr,)+) => {
+        impl Default for $Table {
+            fn default() -> Self {
+                Self { $($key: $default),+ }
+            }
+        }
+    };
+    (@default $($rest:tt)*) => {};
+    (@missing $table:ident, $key:ident, $default:expr) => { $default };
+    (@missing $table:ident, $key:ident) => {
+        return Err($table.missing(stringify!($key)))
+    };
+    (@words $Type:ty, $default:expr) => {
+        match <$Type as Value>::write(&$default) {
+            Some(text) => DefaultValue::Value(text),
+            None => DefaultValue::Absent,
+        }
+    };
+    (@words $Type:ty) => { DefaultValue::Required };
+    (@bound $bound:expr) => { &$bound };
+    (@bound) => { &() };
+    (
+        $(#[doc = $about:literal])+
+        $(#[derive($($derive:path),+)])?
+        pub struct $Table:ident {
+            $(
+                $(#[doc = $words:literal])+
+                $key:ident: $Type:ty $(= $default:expr)? $(, $bound:expr)?;
+            )+
+        }
+    ) => {
+        $(#[doc = $about])+
+        #[derive(Debug, Clone, PartialEq $($(, $derive)+)?)]
+        pub struct $Table {
+            $($(#[doc = $words])+ pub $key: $Type,)+
+        }
+
+        table! { @default $Table $($key: $Type $(= $default)?,)+ }
+
+        const _: () = {
+            use $crate::scene::tables::*;
+
+            impl Table for $Table {
+                fn words() -> &'static str {
+                    concat!($($about),+).trim()
+                }
+
+                fn parameters() -> Vec<Parameter> {
+                    vec![$(Parameter {
+                        key: stringify!($key),
+                        words: concat!($($words),+).trim(),
+                        default: table!(@words $Type $(, $default)?),
+                        allowed: <$Type as Value>::words(table!(@bound $($bound)?)),
+                        nodal_key: <$Type as Value>::nodal_key(table!(@bound $($bound)?)),
+                    }),+]
+                }
+
+                fn read(
+                    mut table: Reader<'_>,
+                    context: &mut Context<'_>,
+                ) -> Result<Self, SceneError> {
+                    table.allow(&[$(stringify!($key)),+])?;
+                    Self::prepare(&mut table)?;
+                    let mut read = Self {
+                        $($key: match table.get(stringify!($key)) {
+                            Some(field) => Value::read(&field, table!(@bound $($bound)?), context)?,
+                            None => table!(@missing table, $key $(, $default)?),
+                        }),+
+                    };
+                    read.complete(&table)?;
+                    Ok(read)
+                }
+
+                fn write(&self, out: &mut Writer) {
+                    $(if !self.leaves_out(stringify!($key)) && let Some(value) = self.$key.write() {
+                        out.key(stringify!($key), value);
+                    })+
+                }
+
+                fn nodal_files(&mut self) -> Vec<(NodalKey, &mut NodalValues)> {
+                    let files = [$((
+                        <$Type as Value>::nodal_key(table!(@bound $($bound)?)),
+                        self.$key.nodal_values(),
+                    )),+];
+                    let files = files.into_iter();
+                    files.filter_map(|(key, values)| key.zip(values)).collect()
+                }
+            }
+        };
+    };
+}
+
+// After the macro, which they use. The effects' are declared below.
+mod domain;
+mod membrane;
+mod mesh;
+mod solver;
+mod time;
+mod vesicle;
+
+use domain::Domain;
+
+pub use anchoring::AnchoringKind;
+pub use domain::Boundary;
+pub use membrane::Membrane;
+pub use mesh::{Mesh, Refinement};
+pub use nematic::{Defect, InitialDirector};
+pub use solver::{Iteration, LinearMethod, Quadrature, Solver};
+pub use time::{Order, Time};
+pub use vesicle::{Curve, Outline, Projection, Shape, Vesicle};
+
+/// Declares [`Scene`] with the tables of its effects.
+macro_rules! scene {
+    ($($(#[cfg($cfg:meta)])? $name:ident: $Table:ident,)+) => {
+        $(
+            $(#[cfg($cfg)])?
+            mod $name;
+            $(#[cfg($cfg)])?
+            pub use $name::$Table;
+        )+
+
+        /// One simulation, complete: every default filled in, every value checked.
+        #[derive(Debug, Clone, PartialEq)]
+        pub struct Scene {
+            /// A title for people.
+            pub name: String,
+            /// What holds on ∂Ω.
+            pub boundary: Boundary,
+            /// The triangulation.
+            pub mesh: Mesh,
+            /// φ⁰.
+            pub vesicle: Vesicle,
+            /// Δt and T.
+            pub time: Time,
+            /// The membrane and its bending: ε, γ_ben, k(x).
+            pub membrane: Membrane,
+            $(
+                $(#[cfg($cfg)])?
+                #[doc = concat!("`[", stringify!($name), "]`; `None`: the scene is without this effect.")]
+                pub $name: Option<$Table>,
+            )+
+            /// How the equations are solved.
+            pub solver: Solver,
+        }
+
+        /// A scene that says nothing: bending alone.
+        impl Default for Scene {
+            fn default() -> Self {
+                Self {
+                    name: "Untitled".to_owned(),
+                    boundary: Domain::default().boundary,
+                    mesh: Mesh::default(),
+                    vesicle: Vesicle::default(),
+                    time: Time::default(),
+                    membrane: Membrane::default(),
+                    $($(#[cfg($cfg)])? $name: None,)+
+                    solver: Solver::default(),
+                }
+            }
+        }
+
+        /// The names of the effects that have a table.
+        pub(super) const EFFECTS: &[&str] = &[$($(#[cfg($cfg)])? stringify!($name)),+];
+
+        /// A value for each effect that has a table: one that is forgotten does not compile.
+        #[derive(Debug)]
+        pub struct EachEffect<T> {
+            $(
+                $(#[cfg($cfg)])?
+                #[doc = concat!("Of `[", stringify!($name), "]`.")]
+                pub $name: T,
+            )+
+        }
+
+        /// What the tables of a scene are, in the order in which they are written.
+        pub fn tables() -> Vec<TableInfo> {
+            Vec::from([
+                TableInfo::new::<Domain>("domain"),
+                TableInfo::new::<Mesh>("mesh"),
+                TableInfo::new::<Vesicle>("vesicle"),
+                TableInfo::new::<Time>("time"),
+                TableInfo::new::<Membrane>("membrane"),
+                $($(#[cfg($cfg)])? TableInfo::new::<$Table>(stringify!($name)),)+
+                TableInfo::new::<Solver>("solver"),
+            ])
+        }
+
+        impl Scene {
+            /// The tables of a document.
+            pub(super) fn read(
+                name: String,
+                top: &Reader<'_>,
+                mut context: Context<'_>,
+            ) -> Result<Self, SceneError> {
+                context.mesh = Mesh::read(top.table("mesh")?, &mut context)?;
+                let context = &mut context;
+                let scene = Self {
+                    name,
+                    boundary: Domain::read(top.table("domain")?, context)?.boundary,
+                    vesicle: Vesicle::read(top.table("vesicle")?, context)?,
+                    time: Time::read(top.table("time")?, context)?,
+                    membrane: Membrane::read(top.table("membrane")?, context)?,
+                    $($(#[cfg($cfg)])? $name: match top.present(stringify!($name))? {
+                        Some(table) => Some($Table::read(table, context)?),
+                        None => None,
+                    },)+
+                    solver: Solver::read(top.table("solver")?, context)?,
+                    mesh: context.mesh.clone(),
+                };
+                scene.mesh.check_scene(&scene, &top.table("mesh")?)?;
+                $(
+                    $(#[cfg($cfg)])?
+                    scene.check_effect(scene.$name.as_ref(), stringify!($name), top)?;
+                )+
+                scene.solver.check_scene(&scene, &top.table("solver")?)?;
+                Ok(scene)
+            }
+
+            /// The tables that it has, but for `[domain]`.
+            fn named_tables(&self) -> impl Iterator<Item = (&'static str, &dyn Table)> {
+                let base: [(_, Option<&dyn Table>); 4] = [
+                    ("mesh", Some(&self.mesh)),
+                    ("vesicle", Some(&self.vesicle)),
+                    ("time", Some(&self.time)),
+                    ("membrane", Some(&self.membrane)),
+                ];
+                let rest = [
+                    $(
+                        $(#[cfg($cfg)])?
+                        (stringify!($name), self.$name.as_ref().map(|table| table as &dyn Table)),
+                    )+
+                    ("solver", Some(&self.solver as &dyn Table)),
+                ];
+                let all = base.into_iter().chain(rest);
+                all.filter_map(|(name, table)| Some((name, table?)))
+            }
+
+            /// The tables that may have files.
+            pub(super) fn tables_mut(&mut self) -> impl Iterator<Item = &mut dyn Table> {
+                let tables = [
+                    Some(&mut self.vesicle as &mut dyn Table),
+                    Some(&mut self.membrane),
+                    $(
+                        $(#[cfg($cfg)])?
+                        self.$name.as_mut().map(|table| table as &mut dyn Table),
+                    )+
+                ];
+                tables.into_iter().flatten()
+            }
+
+            /// Takes away the table of an effect, and with `[nematic]` those that need the director. Whether it
+            /// was there.
+            pub fn remove_effect(&mut self, name: &str) -> bool {
+                let had_director = self.nematic.is_some();
+                let mut was_there = false;
+                $(
+                    $(#[cfg($cfg)])?
+                    {
+                        was_there |= name == stringify!($name) && self.$name.take().is_some();
+                    }
+                )+
+                if had_director && self.nematic.is_none() {
+                    $(
+                        $(#[cfg($cfg)])?
+                        {
+                            self.$name.take_if(|_| $Table::needs_director());
+                        }
+                    )+
+                }
+                was_there
+            }
+        }
+    };
+}
+
+// One line an effect.
+scene! {
+    area: Area,
+    nematic: Nematic,
+    anchoring: Anchoring,
+    field: Field,
+    pull: Pull,
+    noise: Noise,
+}
+
+impl Scene {
+    fn check_effect<T: Table>(
+        &self,
+        effect: Option<&T>,
+        name: &'static str,
+        top: &Reader<'_>,
+    ) -> Result<(), SceneError> {
+        let Some(effect) = effect else {
+            return Ok(());
+        };
+        let table = top.table(name)?;
+        if T::needs_director() && self.nematic.is_none() {
+            effect.without_director(name, &table)?;
+        }
+        effect.check_scene(self, &table)
+    }
+
+    /// The tables that it has, each with its name.
+    pub(super) fn write(&self, out: &mut Writer) {
+        out.table("domain");
+        Domain {
+            boundary: self.boundary,
+        }
+        .write(out);
+        for (name, table) in self.named_tables() {
+            out.table(name);
+            table.write(out);
+        }
+    }
+
+    /// The next time after t at which an effect is switched, as a field is.
+    pub fn next_event(&self, t: f64) -> Option<f64> {
+        let events = self
+            .named_tables()
+            .filter_map(|(_, table)| table.next_event(t));
+        events.min_by(f64::total_cmp)
+    }
+
+    /// What the tables that it has warn of.
+    pub(super) fn table_warnings(&self) -> impl Iterator<Item = Warning> {
+        self.named_tables()
+            .flat_map(|(_, table)| table.warnings(self))
+    }
+}
+
+/// What a table is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TableInfo {
+    /// Its name.
+    pub name: &'static str,
+    /// What it is about.
+    pub words: &'static str,
+    /// Its parameters.
+    pub parameters: Vec<Parameter>,
+    /// Whether it needs `[nematic]`.
+    pub needs_director: bool,
+}
+
+impl TableInfo {
+    fn new<T: Table>(name: &'static str) -> Self {
+        Self {
+            name,
+            words: T::words(),
+            parameters: T::parameters(),
+            needs_director: T::needs_director(),
+        }
+    }
+
+    /// Whether it is of an effect, so that a scene may be without it.
+    pub fn is_effect(&self) -> bool {
+        EFFECTS.contains(&self.name)
+    }
+
+    /// The guide's table of its parameters.
+    pub fn markdown(&self) -> String {
+        let Self { name, words, .. } = self;
+        let rule = match (self.is_effect(), self.needs_director) {
+            (_, true) => " An effect, which needs `[nematic]`.",
+            (true, false) => " An effect.",
+            (false, false) => "",
+        };
+        let mut text = format!(
+            "**`[{name}]`** {words}{rule}\n\n| key | what it is | default | allowed |\n| --- | --- | --- | --- |\n"
+        );
+        for parameter in &self.parameters {
+            let Parameter { key, words, .. } = parameter;
+            let words = words.trim_end_matches('.');
+            let allowed = &parameter.allowed;
+            let default = match &parameter.default {
+                DefaultValue::Value(text) => format!("`{text}`"),
+                DefaultValue::Absent => "none".to_owned(),
+                DefaultValue::Required => "must be given".to_owned(),
+            };
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "| `{key}` | {words} | {default} | {allowed} |");
+        }
+        text
+    }
+}
+
+/// The first table that has a key of this name.
+pub(super) fn table_with(key: &str) -> Option<&'static str> {
+    let has_key = |table: &TableInfo| table.parameters.iter().any(|it| it.key == key);
+    tables()
+        .iter()
+        .find(|table| has_key(table))
+        .map(|table| table.name)
+}

@@ -1,0 +1,505 @@
+//! `[vesicle]`: which keys it has depends on the shape.
+
+use super::{Rules, Table};
+use crate::geometry::{Vector, direction};
+use crate::scene::error::{Problem, SceneError};
+use crate::scene::nodal_file::{Context, NodalKey, NodalValues, read_nodal_values};
+use crate::scene::parameter::{Choice, DefaultValue, Parameter, SEED, SEEDS, Value, one_of};
+use crate::scene::reader::{Bound, FINITE, Field, POSITIVE, Reader};
+use crate::scene::write::{Writer, inline, number, quoted, vector};
+
+/// The centre of the domain.
+pub(super) const CENTER: [f64; 2] = [0.5, 0.5];
+/// The paper's vesicle, the Cassini oval, stands upright; every other shape lies along x.
+const CASSINI_ANGLE: f64 = 90.0;
+const ANGLE: f64 = 0.0;
+/// c/a of the Cassini oval.
+const RATIO: f64 = 0.92;
+/// sqrt(a² + c²) of the Cassini oval.
+const HALF_LENGTH: f64 = 0.32;
+const RATIOS: Bound = Bound::new("a number ≥ 0 and < 1", |v| (0.0..1.0).contains(&v));
+const PARTS: &str =
+    "an array of one or more shapes, such as [{ shape = \"circle\", radius = 0.1 }]";
+const VALUES: NodalKey = NodalKey::scalar("vesicle.values", "vesicle.txt");
+
+/// The initial phase field φ⁰.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Vesicle {
+    /// Where φ⁰ comes from.
+    pub shape: Shape,
+    /// How φ⁰ is brought onto the P1 space.
+    pub projection: Projection,
+    /// φ⁰ is multiplied by this (1 but in tests).
+    pub scale: f64,
+}
+
+/// Where φ⁰ comes from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Shape {
+    /// tanh(s/(√2 ε)) of the largest signed distance s to any of the outlines.
+    Outlines(Vec<Outline>),
+    /// Independent nodal values, uniform in (−amplitude, amplitude).
+    Random {
+        /// Bound of the values.
+        amplitude: f64,
+        /// Of the generator.
+        seed: u64,
+    },
+    /// Nodal values from a file.
+    File(NodalValues),
+}
+
+/// A closed curve in the plane.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outline {
+    /// Its kind and size.
+    pub curve: Curve,
+    /// Its centre.
+    pub center: [f64; 2],
+    /// The angle to the x axis of the axis that the curve has along x, in degrees.
+    pub angle: f64,
+}
+
+impl Outline {
+    /// The direction of its long axis, a unit vector.
+    pub fn long_axis(&self) -> Vector {
+        let axis = direction(self.angle);
+        match self.curve {
+            Curve::Ellipse {
+                half_axes: [first, second],
+            } if first < second => Vector::new(-axis.y, axis.x),
+            _ => axis,
+        }
+    }
+}
+
+/// The kind and the size of a closed curve, centred at the origin; its long axis is along x, but for an
+/// ellipse whose second axis is the longer one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Curve {
+    /// A circle.
+    Circle {
+        /// Its radius.
+        radius: f64,
+    },
+    /// An ellipse.
+    Ellipse {
+        /// Half its axes; the first is the one along [`Outline::angle`].
+        half_axes: [f64; 2],
+    },
+    /// A Cassini oval: the points whose distances to the foci (±c, 0) have the product a².
+    Cassini {
+        /// c/a, in [0, 1): at 1 the oval falls into two.
+        ratio: f64,
+        /// sqrt(a² + c²).
+        half_length: f64,
+    },
+    /// The Evans–Fung discocyte: half-thickness ½·R·sqrt(1−t²)(0.207 + 2.003 t² − 1.123 t⁴), t = x/R.
+    Discocyte {
+        /// R.
+        radius: f64,
+    },
+}
+
+/// How φ⁰ is brought onto the P1 space.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Projection {
+    /// (∇φ_h, ∇v) = (∇φ⁰, ∇v) with ∫φ_h = ∫φ⁰.
+    Ritz,
+    /// (φ_h, v) = (φ⁰, v): the paper's (3.15).
+    L2,
+    /// Interpolation at the nodes.
+    Nodal,
+}
+
+impl Default for Vesicle {
+    fn default() -> Self {
+        Self {
+            shape: Shape::Outlines(vec![Outline::default()]),
+            projection: Projection::Ritz,
+            scale: 1.0,
+        }
+    }
+}
+
+impl Default for Outline {
+    fn default() -> Self {
+        let curve = Curve::Cassini {
+            ratio: RATIO,
+            half_length: HALF_LENGTH,
+        };
+        Self {
+            curve,
+            center: CENTER,
+            angle: CASSINI_ANGLE,
+        }
+    }
+}
+
+impl Choice for Projection {
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("ritz", Self::Ritz),
+        ("l2", Self::L2),
+        ("nodal", Self::Nodal),
+    ];
+}
+
+/// The word after `shape =`.
+#[derive(Clone, Copy, PartialEq)]
+enum ShapeKind {
+    Circle,
+    Ellipse,
+    Cassini,
+    Discocyte,
+    Random,
+    File,
+}
+
+const SHAPES: [(&str, ShapeKind); 6] = [
+    ("circle", ShapeKind::Circle),
+    ("ellipse", ShapeKind::Ellipse),
+    ("cassini", ShapeKind::Cassini),
+    ("discocyte", ShapeKind::Discocyte),
+    ("random", ShapeKind::Random),
+    ("file", ShapeKind::File),
+];
+
+impl ShapeKind {
+    fn keys(self) -> &'static [&'static str] {
+        match self {
+            Self::Circle => &["shape", "radius", "center", "angle"],
+            Self::Ellipse => &["shape", "half_axes", "center", "angle"],
+            Self::Cassini => &["shape", "ratio", "half_length", "center", "angle"],
+            Self::Discocyte => &["shape", "radius", "center", "angle"],
+            Self::Random => &["shape", "amplitude", "seed"],
+            Self::File => &["shape", "values"],
+        }
+    }
+
+    /// How the user chose it, for messages.
+    fn phrase(self) -> String {
+        let name = SHAPES.iter().find(|(_, kind)| *kind == self);
+        format!("shape = \"{}\"", name.map_or("", |(name, _)| name))
+    }
+}
+
+/// Of [vesicle], whatever its shape.
+const COMMON_KEYS: [&str; 2] = ["projection", "scale"];
+
+/// Every key that some shape has.
+const SHAPE_KEYS: [&str; 11] = [
+    "shape",
+    "parts",
+    "ratio",
+    "half_length",
+    "radius",
+    "half_axes",
+    "center",
+    "angle",
+    "amplitude",
+    "seed",
+    "values",
+];
+
+impl Table for Vesicle {
+    fn words() -> &'static str {
+        "The vesicle at the start: the initial phase field φ⁰. Which keys it has depends on its shape."
+    }
+
+    fn parameters() -> Vec<Parameter> {
+        let value = |text: String| DefaultValue::Value(text);
+        let required = DefaultValue::Required;
+        let mut values = Parameter::new(
+            "values",
+            "`file`: φ⁰ at the nodes, one value a line for each",
+            required.clone(),
+            "a path, relative to the scene's file",
+        );
+        values.nodal_key = Some(VALUES);
+        let positive = POSITIVE.words;
+        vec![
+            Parameter::new(
+                "shape",
+                "The shape",
+                value(quoted("cassini")),
+                one_of(&SHAPES),
+            ),
+            Parameter::new(
+                "parts",
+                "Several shapes, in place of `shape` and what belongs to it",
+                DefaultValue::Absent,
+                PARTS,
+            ),
+            Parameter::new(
+                "ratio",
+                "`cassini`: c/a of the foci (±c, 0) and the product a²",
+                value(number(RATIO)),
+                RATIOS.words,
+            ),
+            Parameter::new(
+                "half_length",
+                "`cassini`: sqrt(a² + c²)",
+                value(number(HALF_LENGTH)),
+                positive,
+            ),
+            Parameter::new(
+                "radius",
+                "`circle`, `discocyte`: the radius",
+                required.clone(),
+                positive,
+            ),
+            Parameter::new(
+                "half_axes",
+                "`ellipse`: half its axes",
+                required.clone(),
+                "an array of two numbers > 0",
+            ),
+            Parameter::new(
+                "center",
+                "The centre of the shape",
+                value(vector(CENTER)),
+                "an array of two numbers",
+            ),
+            Parameter::new(
+                "angle",
+                "Of the long axis to the x axis, of an ellipse that of its first axis, in degrees; 0 by default but for `cassini`",
+                value(number(CASSINI_ANGLE)),
+                FINITE.words,
+            ),
+            Parameter::new(
+                "amplitude",
+                "`random`: the bound of independent nodal values",
+                required,
+                positive,
+            ),
+            Parameter::new(
+                "seed",
+                "`random`: of the random numbers",
+                value(SEED.to_string()),
+                u64::words(&SEEDS),
+            ),
+            values,
+            Parameter::new(
+                "projection",
+                "How φ⁰ is brought onto the mesh",
+                value(quoted("ritz")),
+                Projection::words(&()),
+            ),
+            Parameter::new(
+                "scale",
+                "φ⁰ is multiplied by this; 1 but in tests",
+                value(number(1.0)),
+                FINITE.words,
+            ),
+        ]
+    }
+
+    fn read(table: Reader<'_>, context: &mut Context<'_>) -> Result<Self, SceneError> {
+        let default = Self::default();
+        let projection = |field: Field<'_>| field.choice(Projection::NAMES);
+        Ok(Self {
+            shape: read_shape(&table, context)?,
+            projection: table
+                .get("projection")
+                .map_or(Ok(default.projection), projection)?,
+            scale: table.number("scale", default.scale, FINITE)?,
+        })
+    }
+
+    fn write(&self, out: &mut Writer) {
+        match &self.shape {
+            Shape::Outlines(outlines) => match &outlines[..] {
+                [outline] => {
+                    for (key, value) in outline_keys(outline) {
+                        out.key(key, value);
+                    }
+                }
+                outlines => {
+                    let parts = outlines
+                        .iter()
+                        .map(|outline| inline(&outline_keys(outline)));
+                    let parts: String = parts.map(|part| format!("    {part},\n")).collect();
+                    out.key("parts", format!("[\n{parts}]"));
+                }
+            },
+            Shape::Random { amplitude, seed } => {
+                out.key("shape", quoted("random"));
+                out.key("amplitude", number(*amplitude));
+                out.key("seed", seed);
+            }
+            Shape::File(nodal) => {
+                out.key("shape", quoted("file"));
+                out.key("values", quoted(&nodal.path));
+            }
+        }
+        out.key("projection", quoted(self.projection.word()));
+        out.key("scale", number(self.scale));
+    }
+
+    fn nodal_files(&mut self) -> Vec<(NodalKey, &mut NodalValues)> {
+        match &mut self.shape {
+            Shape::File(file) => vec![(VALUES, file)],
+            Shape::Outlines(_) | Shape::Random { .. } => Vec::new(),
+        }
+    }
+}
+
+impl Rules for Vesicle {}
+
+fn read_shape(table: &Reader<'_>, context: &mut Context<'_>) -> Result<Shape, SceneError> {
+    let (shape, parts) = match (table.get("shape"), table.get("parts")) {
+        // The one of an override takes the place of the scene's.
+        (Some(shape), Some(parts)) if shape.is_override() && !parts.is_override() => {
+            (Some(shape), None)
+        }
+        (Some(shape), Some(parts)) if parts.is_override() && !shape.is_override() => {
+            (None, Some(parts))
+        }
+        (Some(shape), Some(_)) => {
+            let problem = Problem::Conflict {
+                first: "vesicle.shape",
+                second: "vesicle.parts",
+            };
+            return Err(shape.key_error(problem));
+        }
+        either => either,
+    };
+    if let Some(parts) = parts {
+        allow(table, "parts", &["parts"], parts.is_override())?;
+        return read_parts(&parts).map(Shape::Outlines);
+    }
+    let kind = shape
+        .as_ref()
+        .map_or(Ok(ShapeKind::Cassini), |field| field.choice(&SHAPES))?;
+    let overridden = shape.is_some_and(|field| field.is_override());
+    allow(table, &kind.phrase(), kind.keys(), overridden)?;
+    match kind {
+        ShapeKind::Random => Ok(Shape::Random {
+            amplitude: table
+                .require("amplitude", &kind.phrase())?
+                .number(POSITIVE)?,
+            seed: table.seed()?,
+        }),
+        ShapeKind::File => {
+            let values = table.require("values", &kind.phrase())?;
+            read_nodal_values(&values, VALUES, context).map(Shape::File)
+        }
+        _ => {
+            // The angle of the shape that an override has replaced is not that of the new one.
+            let angle = table
+                .get("angle")
+                .filter(|field| field.is_override() || !overridden);
+            Ok(Shape::Outlines(vec![read_outline(table, kind, angle)?]))
+        }
+    }
+}
+
+/// Refuses keys of [vesicle] that do not go with the shape. Where an override chose the shape, keys
+/// that went with the scene's own shape are passed over.
+fn allow(
+    table: &Reader<'_>,
+    owner: &str,
+    own: &'static [&'static str],
+    overridden: bool,
+) -> Result<(), SceneError> {
+    let allowed = [own, &COMMON_KEYS[..]].concat();
+    for (key, field) in table.fields() {
+        let superseded = overridden && !field.is_override() && SHAPE_KEYS.contains(&key);
+        if !superseded {
+            check_key(table, key, &field, owner, &allowed)?;
+        }
+    }
+    Ok(())
+}
+
+fn check_key(
+    table: &Reader<'_>,
+    key: &str,
+    field: &Field<'_>,
+    owner: &str,
+    allowed: &[&'static str],
+) -> Result<(), SceneError> {
+    if allowed.contains(&key) {
+        Ok(())
+    } else if SHAPE_KEYS.contains(&key) {
+        Err(field.misplaced(key, owner, allowed))
+    } else {
+        table.allow(allowed)
+    }
+}
+
+fn read_parts(parts: &Field<'_>) -> Result<Vec<Outline>, SceneError> {
+    let items = parts.items(PARTS)?;
+    if items.is_empty() {
+        return Err(parts.out_of_range(PARTS));
+    }
+    items.iter().map(read_part).collect()
+}
+
+fn read_part(part: &Field<'_>) -> Result<Outline, SceneError> {
+    let table = part.table()?;
+    let outlines: Vec<_> = SHAPES
+        .iter()
+        .filter(|(_, kind)| !matches!(kind, ShapeKind::Random | ShapeKind::File))
+        .copied()
+        .collect();
+    let kind = table.require("shape", &part.path)?.choice(&outlines)?;
+    for (key, field) in table.fields() {
+        check_key(&table, key, &field, &kind.phrase(), kind.keys())?;
+    }
+    read_outline(&table, kind, table.get("angle"))
+}
+
+fn read_outline(
+    table: &Reader<'_>,
+    kind: ShapeKind,
+    angle: Option<Field<'_>>,
+) -> Result<Outline, SceneError> {
+    let curve = match kind {
+        ShapeKind::Circle => Curve::Circle {
+            radius: table.require("radius", &kind.phrase())?.number(POSITIVE)?,
+        },
+        ShapeKind::Ellipse => Curve::Ellipse {
+            half_axes: table
+                .require("half_axes", &kind.phrase())?
+                .vector(POSITIVE)?,
+        },
+        ShapeKind::Discocyte => Curve::Discocyte {
+            radius: table.require("radius", &kind.phrase())?.number(POSITIVE)?,
+        },
+        // The two others have no outline, and no caller asks for one.
+        ShapeKind::Cassini | ShapeKind::Random | ShapeKind::File => Curve::Cassini {
+            ratio: table.number("ratio", RATIO, RATIOS)?,
+            half_length: table.number("half_length", HALF_LENGTH, POSITIVE)?,
+        },
+    };
+    Ok(Outline {
+        curve,
+        center: table.vector("center", CENTER)?,
+        angle: match (angle, kind) {
+            (Some(angle), _) => angle.number(FINITE)?,
+            (None, ShapeKind::Cassini) => CASSINI_ANGLE,
+            (None, _) => ANGLE,
+        },
+    })
+}
+
+fn outline_keys(outline: &Outline) -> Vec<(&'static str, String)> {
+    let (shape, size) = match outline.curve {
+        Curve::Circle { radius } => ("circle", vec![("radius", number(radius))]),
+        Curve::Ellipse { half_axes } => ("ellipse", vec![("half_axes", vector(half_axes))]),
+        Curve::Cassini { ratio, half_length } => (
+            "cassini",
+            vec![
+                ("ratio", number(ratio)),
+                ("half_length", number(half_length)),
+            ],
+        ),
+        Curve::Discocyte { radius } => ("discocyte", vec![("radius", number(radius))]),
+    };
+    let mut keys = vec![("shape", quoted(shape))];
+    keys.extend(size);
+    keys.push(("center", vector(outline.center)));
+    keys.push(("angle", number(outline.angle)));
+    keys
+}
