@@ -405,7 +405,7 @@ pub(super) fn check_writable(folder: &Path, step: u64) -> Result<(), RecordError
 }
 
 fn input_names() -> impl Iterator<Item = &'static str> {
-    let values = NodalKey::all().into_iter().map(NodalKey::file_name);
+    let values = NodalKey::all().into_iter().map(|key| key.file_name);
     values.chain([MESH_NAME])
 }
 

@@ -26,7 +26,7 @@ pub(super) fn write_scene(folder: &Path, scene: &Scene) -> Result<(), RecordErro
     let mut scene = scene.clone();
     for (key, nodal) in scene.nodal_files_mut() {
         let inputs = make_inputs(folder)?;
-        let name = key.file_name();
+        let name = key.file_name;
         write_whole(&inputs.join(name), |file| write_values(file, nodal))?;
         nodal.path = format!("{INPUTS}/{name}");
     }
@@ -55,7 +55,7 @@ pub(super) fn identity(scene: &Scene) -> String {
     scene.time.end = 1.0;
     let mut checksums = String::new();
     for (key, nodal) in scene.nodal_files_mut() {
-        nodal.path = format!("{INPUTS}/{}", key.file_name());
+        nodal.path = format!("{INPUTS}/{}", key.file_name);
         let mut checksum = crc32fast::Hasher::new();
         for value in nodal.values.iter() {
             checksum.update(&value.to_le_bytes());

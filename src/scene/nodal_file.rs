@@ -23,9 +23,12 @@ pub struct NodalValues {
 /// A key of a scene that may name a file of nodal values. It is declared with its parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct NodalKey {
-    name: &'static str,
-    file_name: &'static str,
-    columns: usize,
+    /// The key in the scene that names the file.
+    pub name: &'static str,
+    /// The name that a copy of the file has.
+    pub file_name: &'static str,
+    /// Values a node.
+    pub columns: usize,
 }
 
 impl NodalKey {
@@ -52,21 +55,6 @@ impl NodalKey {
         parameters
             .filter_map(|parameter| parameter.nodal_key)
             .collect()
-    }
-
-    /// The key in the scene that names the file.
-    pub fn name(self) -> &'static str {
-        self.name
-    }
-
-    /// The name that a copy of the file has.
-    pub fn file_name(self) -> &'static str {
-        self.file_name
-    }
-
-    /// Values a node.
-    pub fn columns(self) -> usize {
-        self.columns
     }
 }
 
@@ -127,7 +115,7 @@ pub(super) fn read_nodal_values(
     })?;
     let wanted = Wanted {
         key: &field.path,
-        columns: key.columns(),
+        columns: key.columns,
         mesh: &context.mesh,
     };
     parse(&path, &text, wanted)
@@ -349,7 +337,7 @@ mod tests {
     }
     /// A scene with a file for just one of its values.
     fn scene(key: NodalKey) -> Scene {
-        let settings = match key.name() {
+        let settings = match key.name {
             "vesicle.values" => "vesicle = { shape = 'file', values = 'a.txt' }".to_owned(),
             "nematic.initial.values" => {
                 "nematic.initial = { kind = 'file', values = 'a.txt' }".to_owned()
@@ -357,7 +345,7 @@ mod tests {
             key => format!("{key} = {{ file = 'a.txt' }}"),
         };
         let text = format!("mesh.cells = 8\n{settings}");
-        let line = "0.5 ".repeat(key.columns()) + "\n";
+        let line = "0.5 ".repeat(key.columns) + "\n";
         let mut read = |_: &str| Ok(line.repeat(81).into_bytes());
         Scene::parse(&text, "a test", &[], &mut read).expect("a scene")
     }
@@ -372,7 +360,7 @@ mod tests {
             };
             assert_eq!(
                 (*found, file.columns, &*file.path),
-                (key, key.columns(), "a.txt")
+                (key, key.columns, "a.txt")
             );
             assert!(scene(key).to_toml().contains("a.txt"), "{key:?}");
         }

@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 use super::error::SceneError;
 use super::nodal_file::{Context, NodalKey, NodalValues};
 use super::reader::{Bound, Field};
-use super::write::{number, quoted};
+use super::write::{number, quoted, vector};
 
 /// A parameter of a table, as it is declared.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -21,6 +21,8 @@ pub struct Parameter {
     pub allowed: String,
     /// By which its values may come from a file.
     pub nodal_key: Option<NodalKey>,
+    /// The kinds of the table that have it; none: all of them.
+    pub kinds: &'static [&'static str],
 }
 
 /// What a parameter is where the scene does not say.
@@ -34,23 +36,49 @@ pub enum DefaultValue {
     Required,
 }
 
-impl Parameter {
-    /// One whose values are never from a file.
-    pub(super) fn new(
-        key: &'static str,
-        words: &'static str,
-        default: DefaultValue,
-        allowed: impl Into<String>,
-    ) -> Self {
-        Self {
-            key,
-            words,
-            default,
-            allowed: allowed.into(),
-            nodal_key: None,
-        }
+impl DefaultValue {
+    /// A value, where it is written at all.
+    pub(super) fn of<T: Value>(value: &T) -> Self {
+        value.write().map_or(Self::Absent, Self::Value)
     }
 }
+
+/// Lists the parameters of a table that is read by hand, since its keys depend on its kind:
+/// `key of kinds = default, allowed, words;`.
+macro_rules! parameters {
+    ($($key:ident of $kinds:expr, $default:expr, $allowed:expr, $words:literal;)+) => {
+        vec![$($crate::scene::parameter::Parameter {
+            key: stringify!($key),
+            words: $words,
+            default: $default,
+            allowed: $allowed.into(),
+            nodal_key: None,
+            kinds: $kinds,
+        }),+]
+    };
+}
+pub(super) use parameters;
+
+/// Declares a choice between words: an enum whose values say their word.
+macro_rules! choice {
+    (
+        $(#[doc = $about:literal])+
+        $visibility:vis enum $Choice:ident {
+            $($(#[doc = $words:literal])+ $Value:ident = $word:literal,)+
+        }
+    ) => {
+        $(#[doc = $about])+
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        $visibility enum $Choice {
+            $($(#[doc = $words])+ $Value,)+
+        }
+
+        impl $crate::scene::parameter::Choice for $Choice {
+            const NAMES: &'static [(&'static str, Self)] = &[$(($word, Self::$Value)),+];
+        }
+    };
+}
+pub(super) use choice;
 
 /// A type that a parameter may have.
 pub(super) trait Value: Sized {
@@ -113,6 +141,25 @@ impl Value for Option<f64> {
         bound.words.to_owned()
     }
 }
+
+impl Value for [f64; 2] {
+    type Bound = Bound;
+
+    fn read(field: &Field<'_>, bound: &Bound, _: &mut Context<'_>) -> Result<Self, SceneError> {
+        field.vector(*bound)
+    }
+
+    fn write(&self) -> Option<String> {
+        Some(vector(*self))
+    }
+
+    fn words(_: &Bound) -> String {
+        "an array of two numbers, such as [0.5, 0.5]".to_owned()
+    }
+}
+
+/// What is allowed for the name of a file, in words.
+pub(super) const PATH: &str = "a path, relative to the scene's file";
 
 /// The bound of a seed: any number that a generator takes.
 pub(super) const SEEDS: RangeInclusive<u64> = 0..=u64::MAX;

@@ -260,8 +260,8 @@ impl<'a> Field<'a> {
     }
 
     pub(super) fn vector(&self, bound: Bound) -> Result<[f64; 2], SceneError> {
-        let words = "an array of two numbers, such as [0.5, 0.5]";
-        let items = self.items(words)?;
+        let words = <[f64; 2]>::words(&bound);
+        let items = self.items(&words)?;
         let [first, second] = &items[..] else {
             return Err(self.out_of_range(words));
         };

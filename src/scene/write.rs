@@ -1,33 +1,7 @@
-//! A [`Scene`] as TOML, complete: every key, defaults too, so that it reads back as the same scene.
+//! Values as TOML.
 
-use std::fmt::Display;
-
-use super::tables::Scene;
-
-impl Scene {
-    /// The scene as TOML, complete with defaults. [`Scene::parse`] reads it back as an equal scene.
-    pub fn to_toml(&self) -> String {
-        let mut out = Writer(String::new());
-        out.key("name", quoted(&self.name));
-        self.write(&mut out);
-        out.0
-    }
-}
-
-/// TOML, a key a line.
-pub(super) struct Writer(String);
-
-impl Writer {
-    pub(super) fn table(&mut self, name: &str) {
-        self.0 += &format!("\n[{name}]\n");
-    }
-
-    pub(super) fn key(&mut self, key: &str, value: impl Display) {
-        self.0 += &format!("{key} = {value}\n");
-    }
-}
-
-pub(super) fn inline(keys: &[(&str, String)]) -> String {
+/// A table in a line.
+pub(super) fn inline(keys: &[(&'static str, String)]) -> String {
     let keys: Vec<String> = keys
         .iter()
         .map(|(key, value)| format!("{key} = {value}"))

@@ -159,8 +159,7 @@ pub(super) fn fixed_mesh(scene: &Scene) -> Option<String> {
     if let Some((key, file)) = scene.nodal_files().first() {
         return Some(format!(
             "{} are the values at its nodes ({})",
-            file.path,
-            key.name()
+            file.path, key.name
         ));
     }
     let nematic = scene.nematic.as_ref();

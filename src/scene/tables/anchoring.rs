@@ -14,7 +14,7 @@ table! {
     pub struct Anchoring {
         /// The direction that the membrane prefers: across it, along it, or none.
         kind: AnchoringKind = AnchoringKind::Homeotropic;
-        /// λ_anch.
+        /// λ_anch, the weight of the energy.
         weight: f64 = 10.1, NOT_NEGATIVE;
     }
 }

@@ -1,7 +1,7 @@
 //! `[domain]`.
 
 use super::Rules;
-use crate::scene::parameter::Choice;
+use crate::scene::parameter::choice;
 
 table! {
     /// The domain Ω: the unit square, or the polygon that a mesh from a file covers.
@@ -13,16 +13,12 @@ table! {
 
 impl Rules for Domain {}
 
-/// The condition on φ at ∂Ω.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Boundary {
-    /// ∇φ·n = ∇μ·n = 0, as the weak form (3.16) has it.
-    Natural,
-    /// φ = −1 on ∂Ω, as (2.13) states.
-    Clamped,
-}
-
-impl Choice for Boundary {
-    const NAMES: &'static [(&'static str, Self)] =
-        &[("natural", Self::Natural), ("clamped", Self::Clamped)];
+choice! {
+    /// The condition on φ at ∂Ω.
+    pub enum Boundary {
+        /// ∇φ·n = ∇μ·n = 0, as the weak form (3.16) has it.
+        Natural = "natural",
+        /// φ = −1 on ∂Ω, as (2.13) states.
+        Clamped = "clamped",
+    }
 }

@@ -13,11 +13,11 @@ const CURVATURE: NodalKey = NodalKey::scalar(
 table! {
     /// The membrane and its bending, E_ben = ε/2 ∫ ω².
     pub struct Membrane {
-        /// ε.
+        /// ε, the width of the interface.
         interface_width: f64 = 0.01, POSITIVE;
-        /// γ_ben.
+        /// γ_ben, the mobility of the membrane.
         mobility: f64 = 0.01, POSITIVE;
-        /// k(x).
+        /// The spontaneous curvature k(x).
         spontaneous_curvature: ScalarField = ScalarField::Constant(0.0), CURVATURE;
     }
 }

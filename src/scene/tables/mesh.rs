@@ -7,9 +7,11 @@ use super::{Rules, Scene, Shape, Table};
 use crate::scene::error::{Problem, SceneError};
 use crate::scene::mesh_file::{MeshFile, Triangulation};
 use crate::scene::nodal_file::{Context, NodalKey, NodalValues};
-use crate::scene::parameter::{DefaultValue, Parameter, SEED, SEEDS, Value, one_of};
+use crate::scene::parameter::{
+    Choice, DefaultValue, PATH, Parameter, SEED, SEEDS, Value, choice, parameters,
+};
 use crate::scene::reader::{Bound, Field, POSITIVE, Reader};
-use crate::scene::write::{Writer, inline, number, quoted};
+use crate::scene::write::{inline, number, quoted};
 
 /// With fewer there is hardly an interior.
 const FEWEST_CELLS: u64 = 4;
@@ -84,106 +86,60 @@ impl Mesh {
     }
 }
 
-/// The word after `mesh.kind =`.
-#[derive(Clone, Copy)]
-enum Kind {
-    Structured,
-    Delaunay,
-    File,
-}
-
-const KINDS: [(&str, Kind); 3] = [
-    ("structured", Kind::Structured),
-    ("delaunay", Kind::Delaunay),
-    ("file", Kind::File),
-];
-
-impl Kind {
-    /// How the user chose it, and the keys that go with it.
-    fn owner(self) -> (&'static str, &'static [&'static str]) {
-        match self {
-            Self::Structured => (
-                "mesh.kind = \"structured\"",
-                &["kind", "cells", "jitter", "seed"],
-            ),
-            Self::Delaunay => (
-                "mesh.kind = \"delaunay\"",
-                &["kind", "size", "refine", "seed"],
-            ),
-            Self::File => ("mesh.kind = \"file\"", &["kind", "path"]),
-        }
+choice! {
+    /// The word after `mesh.kind =`.
+    enum Kind {
+        /// Squares, each cut into two.
+        Structured = "structured",
+        /// A Delaunay triangulation.
+        Delaunay = "delaunay",
+        /// That of a file.
+        File = "file",
     }
 }
 
 impl Table for Mesh {
     fn words() -> &'static str {
-        "The triangulation of Ω."
+        "The triangulation of Ω: squares, each cut into two triangles; a Delaunay triangulation; or that of a file."
     }
 
     fn parameters() -> Vec<Parameter> {
-        let value = |text: &str| DefaultValue::Value(text.to_owned());
+        let of = |value: u64| DefaultValue::of(&value);
+        let (zero, size) = (
+            DefaultValue::of(&0.0),
+            DefaultValue::Value("1/120".to_owned()),
+        );
         let edge = format!("a number from {SHORTEST_EDGE} to {LONGEST_EDGE}");
-        vec![
-            Parameter::new(
-                "kind",
-                "Squares, each cut into two triangles; a Delaunay triangulation; or that of a file",
-                value(&quoted("structured")),
-                one_of(&KINDS),
-            ),
-            Parameter::new(
-                "cells",
-                "`structured`: squares along a side, 1/h",
-                value(&CELLS.to_string()),
-                u64::words(&CELL_COUNTS),
-            ),
-            Parameter::new(
-                "jitter",
-                "`structured`: interior nodes are moved by up to this fraction of h in x and in y",
-                value(&number(0.0)),
-                JITTER.words,
-            ),
-            Parameter::new(
-                "size",
-                "`delaunay`: the wanted length of an edge",
-                value("1/120"),
-                edge,
-            ),
-            Parameter::new(
-                "refine",
-                "`delaunay`: the length of an edge within a distance `band` of the initial membrane",
-                DefaultValue::Absent,
-                "`{ band = 0.1, size = 0.005 }`",
-            ),
-            Parameter::new(
-                "path",
-                "`file`: a mesh of Gmsh",
-                DefaultValue::Required,
-                "a path, relative to the scene's file",
-            ),
-            Parameter::new(
-                "seed",
-                "Of the random numbers that move or scatter the nodes",
-                value(&SEED.to_string()),
-                u64::words(&SEEDS),
-            ),
-        ]
+        parameters! {
+            kind of &[], DefaultValue::of(&Kind::Structured), Kind::words(&()), "Its kind";
+            cells of &["structured"], of(CELLS as u64), u64::words(&CELL_COUNTS), "squares along a side, 1/h";
+            jitter of &["structured"], zero, JITTER.words, "interior nodes are moved by up to this fraction of h in x and in y";
+            size of &["delaunay"], size, edge, "the wanted length of an edge";
+            refine of &["delaunay"], DefaultValue::Absent, "such as `{ band = 0.1, size = 0.005 }`", "the length of an edge nearer to the initial membrane than `band`";
+            path of &["file"], DefaultValue::Required, PATH, "a mesh of Gmsh";
+            seed of &["structured", "delaunay"], of(SEED), u64::words(&SEEDS), "of the random numbers that move or scatter the nodes";
+        }
     }
 
     fn read(table: Reader<'_>, context: &mut Context<'_>) -> Result<Self, SceneError> {
         let field = table.get("kind");
         let kind = match &field {
-            Some(field) => field.choice(&KINDS)?,
+            Some(field) => field.choice(Kind::NAMES)?,
             None => Kind::Structured,
         };
-        let keys: Vec<&str> = Self::parameters().iter().map(|it| it.key).collect();
-        table.allow(&keys)?;
-        let (owner, allowed) = kind.owner();
+        let parameters = Self::parameters();
+        let keys = |of: &dyn Fn(&&Parameter) -> bool| -> Vec<&'static str> {
+            parameters.iter().filter(of).map(|it| it.key).collect()
+        };
+        table.allow(&keys(&|_| true))?;
+        let owner = format!("mesh.kind = \"{}\"", kind.word());
+        let allowed = keys(&|it| it.kinds.is_empty() || it.kinds.contains(&kind.word()));
         // An override of the kind leaves what belongs to another one in the file.
         let is_overridden = field.is_some_and(|field| field.is_override());
         for (key, field) in table.fields() {
             let is_left_over = is_overridden && !field.is_override();
             if !allowed.contains(&key) && !is_left_over {
-                return Err(field.misplaced(key, owner, allowed));
+                return Err(field.misplaced(key, &owner, &allowed));
             }
         }
         match kind {
@@ -207,35 +163,33 @@ impl Table for Mesh {
                     refine: refine.transpose()?,
                 })
             }
-            Kind::File => read_file(&table.require("path", owner)?, context).map(Self::File),
+            Kind::File => read_file(&table.require("path", &owner)?, context).map(Self::File),
         }
     }
 
-    fn write(&self, out: &mut Writer) {
+    fn write(&self) -> Vec<(&'static str, String)> {
+        let kind = |kind: Kind| ("kind", quoted(kind.word()));
         match self {
             Self::Structured {
                 cells,
                 jitter,
                 seed,
-            } => {
-                out.key("kind", quoted("structured"));
-                out.key("cells", cells);
-                out.key("jitter", number(*jitter));
-                out.key("seed", seed);
-            }
+            } => vec![
+                kind(Kind::Structured),
+                ("cells", cells.to_string()),
+                ("jitter", number(*jitter)),
+                ("seed", seed.to_string()),
+            ],
             Self::Delaunay { size, seed, refine } => {
-                out.key("kind", quoted("delaunay"));
-                out.key("size", number(*size));
-                if let Some(Refinement { band, size }) = refine {
-                    let keys = [("band", number(*band)), ("size", number(*size))];
-                    out.key("refine", inline(&keys));
-                }
-                out.key("seed", seed);
+                let mut keys = vec![kind(Kind::Delaunay), ("size", number(*size))];
+                keys.extend(refine.map(|Refinement { band, size }| {
+                    let keys = [("band", number(band)), ("size", number(size))];
+                    ("refine", inline(&keys))
+                }));
+                keys.push(("seed", seed.to_string()));
+                keys
             }
-            Self::File(file) => {
-                out.key("kind", quoted("file"));
-                out.key("path", quoted(&file.path));
-            }
+            Self::File(file) => vec![kind(Kind::File), ("path", quoted(&file.path))],
         }
     }
 

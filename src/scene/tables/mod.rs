@@ -12,7 +12,7 @@ use super::nodal_file::{Context, NodalKey, NodalValues};
 use super::parameter::{DefaultValue, Parameter, Value};
 use super::reader::Reader;
 use super::warning::Warning;
-use super::write::Writer;
+use super::write::quoted;
 
 /// A table of a scene.
 pub(super) trait Table: Rules {
@@ -31,8 +31,8 @@ pub(super) trait Table: Rules {
     where
         Self: Sized;
 
-    /// Writes its keys.
-    fn write(&self, out: &mut Writer);
+    /// Its keys and their values as TOML.
+    fn write(&self) -> Vec<(&'static str, String)>;
 
     /// Its files of nodal values.
     fn nodal_files(&mut self) -> Vec<(NodalKey, &mut NodalValues)>;
@@ -102,12 +102,7 @@ macro_rules! table {
     (@missing $table:ident, $key:ident) => {
         return Err($table.missing(stringify!($key)))
     };
-    (@words $Type:ty, $default:expr) => {
-        match <$Type as Value>::write(&$default) {
-            Some(text) => DefaultValue::Value(text),
-            None => DefaultValue::Absent,
-        }
-    };
+    (@words $Type:ty, $default:expr) => { DefaultValue::of::<$Type>(&$default) };
     (@words $Type:ty) => { DefaultValue::Required };
     (@bound $bound:expr) => { &$bound };
     (@bound) => { &() };
@@ -144,6 +139,7 @@ macro_rules! table {
                         default: table!(@words $Type $(, $default)?),
                         allowed: <$Type as Value>::words(table!(@bound $($bound)?)),
                         nodal_key: <$Type as Value>::nodal_key(table!(@bound $($bound)?)),
+                        kinds: &[],
                     }),+]
                 }
 
@@ -163,10 +159,10 @@ macro_rules! table {
                     Ok(read)
                 }
 
-                fn write(&self, out: &mut Writer) {
-                    $(if !self.leaves_out(stringify!($key)) && let Some(value) = self.$key.write() {
-                        out.key(stringify!($key), value);
-                    })+
+                fn write(&self) -> Vec<(&'static str, String)> {
+                    let values = [$((stringify!($key), Value::write(&self.$key))),+];
+                    let values = values.into_iter().filter(|(key, _)| !self.leaves_out(key));
+                    values.filter_map(|(key, value)| Some((key, value?))).collect()
                 }
 
                 fn nodal_files(&mut self) -> Vec<(NodalKey, &mut NodalValues)> {
@@ -310,21 +306,19 @@ macro_rules! scene {
 
             /// The tables that it has, but for `[domain]`.
             fn named_tables(&self) -> impl Iterator<Item = (&'static str, &dyn Table)> {
-                let base: [(_, Option<&dyn Table>); 4] = [
+                let tables: [(&'static str, Option<&dyn Table>); _] = [
                     ("mesh", Some(&self.mesh)),
                     ("vesicle", Some(&self.vesicle)),
                     ("time", Some(&self.time)),
                     ("membrane", Some(&self.membrane)),
-                ];
-                let rest = [
                     $(
                         $(#[cfg($cfg)])?
                         (stringify!($name), self.$name.as_ref().map(|table| table as &dyn Table)),
                     )+
-                    ("solver", Some(&self.solver as &dyn Table)),
+                    ("solver", Some(&self.solver)),
                 ];
-                let all = base.into_iter().chain(rest);
-                all.filter_map(|(name, table)| Some((name, table?)))
+                let tables = tables.into_iter();
+                tables.filter_map(|(name, table)| Some((name, table?)))
             }
 
             /// The tables that may have files.
@@ -392,17 +386,19 @@ impl Scene {
         effect.check_scene(self, &table)
     }
 
-    /// The tables that it has, each with its name.
-    pub(super) fn write(&self, out: &mut Writer) {
-        out.table("domain");
-        Domain {
-            boundary: self.boundary,
+    /// The scene as TOML, complete: every key, defaults too. [`Scene::parse`] reads it back as an equal scene.
+    pub fn to_toml(&self) -> String {
+        let boundary = self.boundary;
+        let domain = Domain { boundary };
+        let tables = [("domain", &domain as &dyn Table)].into_iter();
+        let mut text = format!("name = {}\n", quoted(&self.name));
+        for (name, table) in tables.chain(self.named_tables()) {
+            text += &format!("\n[{name}]\n");
+            for (key, value) in table.write() {
+                text += &format!("{key} = {value}\n");
+            }
         }
-        .write(out);
-        for (name, table) in self.named_tables() {
-            out.table(name);
-            table.write(out);
-        }
+        text
     }
 
     /// The next time after t at which an effect is switched, as a field is.
@@ -461,6 +457,13 @@ impl TableInfo {
         );
         for parameter in &self.parameters {
             let Parameter { key, words, .. } = parameter;
+            // Not for the key that chooses the kind.
+            let is_choice = parameter.kinds == [*key] || parameter.kinds.len() > 4;
+            let kinds = match parameter.kinds {
+                [] => String::new(),
+                _ if is_choice => String::new(),
+                kinds => format!("`\"{}\"`: ", kinds.join("\"`, `\"")),
+            };
             let words = words.trim_end_matches('.');
             let allowed = &parameter.allowed;
             let default = match &parameter.default {
@@ -469,7 +472,7 @@ impl TableInfo {
                 DefaultValue::Required => "must be given".to_owned(),
             };
             // Writing to a string cannot fail.
-            let _ = writeln!(text, "| `{key}` | {words} | {default} | {allowed} |");
+            let _ = writeln!(text, "| `{key}` | {kinds}{words} | {default} | {allowed} |");
         }
         text
     }

@@ -1,10 +1,10 @@
 //! `[nematic]`.
 
-use super::{Rules, Scene};
+use super::{Rules, Scene, Table};
 use crate::scene::document;
 use crate::scene::error::SceneError;
 use crate::scene::nodal_file::{Context, NodalKey, NodalValues, read_nodal_values};
-use crate::scene::parameter::Value;
+use crate::scene::parameter::{Choice, Value, choice};
 use crate::scene::reader::{FINITE, Field, NOT_NEGATIVE, POSITIVE};
 use crate::scene::warning::Warning;
 use crate::scene::write::{inline, number, quoted, vector};
@@ -16,13 +16,13 @@ const DIRECTOR: NodalKey = NodalKey::vector("nematic.initial.values", "director.
 table! {
     /// The nematic order, E_nem = λ_nem ∫ I(φ) (½ ∇d:∇d + P(d)). Without it there is no director at all.
     pub struct Nematic {
-        /// λ_nem.
+        /// λ_nem, the weight of the energy.
         weight: f64 = 10.1, NOT_NEGATIVE;
-        /// γ_nem.
+        /// γ_nem, the mobility of the director.
         mobility: f64 = 0.5, POSITIVE;
-        /// η_d.
+        /// η_d: the smaller, the closer to 1 the length of d is held.
         penalty: f64 = 0.075, POSITIVE;
-        /// d⁰.
+        /// d⁰, the director at the start.
         initial: InitialDirector = InitialDirector::Uniform([0.0, 1.0]), DIRECTOR;
     }
 }
@@ -72,27 +72,30 @@ pub enum InitialDirector {
     File(NodalValues),
 }
 
-/// A point defect of the director.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Defect {
-    /// Where it is.
-    pub center: [f64; 2],
-    /// How often the director turns around it.
-    pub winding: f64,
+table! {
+    /// A point defect of the director.
+    #[derive(Copy)]
+    pub struct Defect {
+        /// Where it is.
+        center: [f64; 2] = CENTER, FINITE;
+        /// How often the director turns around it.
+        winding: f64 = 1.0, FINITE;
+    }
 }
 
-#[derive(Clone, Copy)]
-enum Kind {
-    Defects,
-    Random,
-    File,
-}
+impl Rules for Defect {}
 
-const KINDS: [(&str, Kind); 3] = [
-    ("defects", Kind::Defects),
-    ("random", Kind::Random),
-    ("file", Kind::File),
-];
+choice! {
+    /// The word after `kind =`.
+    enum Kind {
+        /// Unit vectors around points.
+        Defects = "defects",
+        /// Independent vectors.
+        Random = "random",
+        /// From a file.
+        File = "file",
+    }
+}
 
 /// `[x, y]`, or a table whose `kind` says the rest.
 impl Value for InitialDirector {
@@ -109,14 +112,14 @@ impl Value for InitialDirector {
             _ => return Err(field.wrong_type(Self::words(key))),
         }
         let table = field.table()?;
-        match table.require("kind", &field.path)?.choice(&KINDS)? {
+        match table.require("kind", &field.path)?.choice(Kind::NAMES)? {
             Kind::Defects => {
                 table.allow(&["kind", "at", "angle"])?;
-                let defects = table.require("at", "kind = \"defects\"")?;
-                let words = "an array such as [{ center = [0.5, 0.5], winding = 1.0 }]";
-                let defects = defects.items(words)?;
+                let at = table.require("at", "kind = \"defects\"")?;
+                let at = at.items("an array such as [{ center = [0.5, 0.5], winding = 1.0 }]")?;
+                let mut defect = |field: &Field<'_>| Defect::read(field.table()?, context);
                 Ok(Self::Defects {
-                    at: defects.iter().map(read_defect).collect::<Result<_, _>>()?,
+                    at: at.iter().map(&mut defect).collect::<Result<_, _>>()?,
                     angle: table.number("angle", 0.0, FINITE)?,
                 })
             }
@@ -139,11 +142,7 @@ impl Value for InitialDirector {
         Some(match self {
             Self::Uniform(director) => vector(*director),
             Self::Defects { at, angle } => {
-                let defect = |defect: &Defect| {
-                    let center = ("center", vector(defect.center));
-                    inline(&[center, ("winding", number(defect.winding))])
-                };
-                let at: Vec<String> = at.iter().map(defect).collect();
+                let at: Vec<String> = at.iter().map(|defect| inline(&defect.write())).collect();
                 inline(&[
                     ("kind", quoted("defects")),
                     ("at", format!("[{}]", at.join(", "))),
@@ -176,13 +175,4 @@ impl Value for InitialDirector {
             Self::Uniform(_) | Self::Defects { .. } | Self::Random { .. } => None,
         }
     }
-}
-
-fn read_defect(field: &Field<'_>) -> Result<Defect, SceneError> {
-    let table = field.table()?;
-    table.allow(&["center", "winding"])?;
-    Ok(Defect {
-        center: table.vector("center", CENTER)?,
-        winding: table.number("winding", 1.0, FINITE)?,
-    })
 }

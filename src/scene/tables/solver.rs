@@ -2,7 +2,7 @@
 
 use super::{Boundary, Rules, Scene};
 use crate::scene::error::{Problem, SceneError};
-use crate::scene::parameter::Choice;
+use crate::scene::parameter::choice;
 use crate::scene::reader::{POSITIVE, Reader};
 
 table! {
@@ -39,53 +39,37 @@ impl Rules for Solver {
     }
 }
 
-/// The rule of every integral.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Quadrature {
-    /// Seven points a triangle, exact to degree 5.
-    Consistent,
-    /// The three vertices of a triangle.
-    Lumped,
+choice! {
+    /// The rule of every integral.
+    pub enum Quadrature {
+        /// Seven points a triangle, exact to degree 5.
+        Consistent = "consistent",
+        /// The three vertices of a triangle.
+        Lumped = "lumped",
+    }
 }
 
-impl Choice for Quadrature {
-    const NAMES: &'static [(&'static str, Self)] =
-        &[("consistent", Self::Consistent), ("lumped", Self::Lumped)];
+choice! {
+    /// The iteration for the nonlinear system (3.21).
+    pub enum Iteration {
+        /// Newton's method, damped.
+        Newton = "newton",
+        /// (4.35): G_sec and B are those of the last iterate.
+        Lagged = "lagged",
+    }
 }
 
-/// The iteration for the nonlinear system (3.21).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Iteration {
-    /// Newton's method, damped.
-    Newton,
-    /// (4.35): G_sec and B are those of the last iterate.
-    Lagged,
-}
-
-impl Choice for Iteration {
-    const NAMES: &'static [(&'static str, Self)] =
-        &[("newton", Self::Newton), ("lagged", Self::Lagged)];
-}
-
-/// How the linear systems of substep 2 are solved.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LinearMethod {
-    /// The fast one where it applies, the factor where it does not or fails.
-    Automatic,
-    /// Krylov iteration, preconditioned by cosine transforms: structured meshes.
-    Transform,
-    /// Krylov iteration, preconditioned by sparse factors of three shifted Laplacians: any mesh, the
-    /// natural boundary.
-    Shifted,
-    /// Krylov iteration, preconditioned by a sparse LDLᵀ factor: any mesh.
-    Factor,
-}
-
-impl Choice for LinearMethod {
-    const NAMES: &'static [(&'static str, Self)] = &[
-        ("automatic", Self::Automatic),
-        ("transform", Self::Transform),
-        ("shifted", Self::Shifted),
-        ("factor", Self::Factor),
-    ];
+choice! {
+    /// How the linear systems of substep 2 are solved.
+    pub enum LinearMethod {
+        /// The fast one where it applies, the factor where it does not or fails.
+        Automatic = "automatic",
+        /// Krylov iteration, preconditioned by cosine transforms: structured meshes.
+        Transform = "transform",
+        /// Krylov iteration, preconditioned by sparse factors of three shifted Laplacians: any mesh, the
+        /// natural boundary.
+        Shifted = "shifted",
+        /// Krylov iteration, preconditioned by a sparse LDLᵀ factor: any mesh.
+        Factor = "factor",
+    }
 }

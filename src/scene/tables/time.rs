@@ -20,7 +20,7 @@ table! {
         tolerance: Option<f64> = None, POSITIVE;
         /// The order of the method in time; 3 by default where `tolerance` is given.
         order: Order = Order::First;
-        /// T.
+        /// T, the end.
         end: f64 = 1e-3, POSITIVE;
     }
 }

@@ -4,9 +4,11 @@ use super::{Rules, Table};
 use crate::geometry::{Vector, direction};
 use crate::scene::error::{Problem, SceneError};
 use crate::scene::nodal_file::{Context, NodalKey, NodalValues, read_nodal_values};
-use crate::scene::parameter::{Choice, DefaultValue, Parameter, SEED, SEEDS, Value, one_of};
+use crate::scene::parameter::{
+    Choice, DefaultValue, PATH, Parameter, SEED, SEEDS, Value, choice, parameters,
+};
 use crate::scene::reader::{Bound, FINITE, Field, POSITIVE, Reader};
-use crate::scene::write::{Writer, inline, number, quoted, vector};
+use crate::scene::write::{inline, number, quoted, vector};
 
 /// The centre of the domain.
 pub(super) const CENTER: [f64; 2] = [0.5, 0.5];
@@ -101,15 +103,16 @@ pub enum Curve {
     },
 }
 
-/// How φ⁰ is brought onto the P1 space.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Projection {
-    /// (∇φ_h, ∇v) = (∇φ⁰, ∇v) with ∫φ_h = ∫φ⁰.
-    Ritz,
-    /// (φ_h, v) = (φ⁰, v): the paper's (3.15).
-    L2,
-    /// Interpolation at the nodes.
-    Nodal,
+choice! {
+    /// How φ⁰ is brought onto the P1 space.
+    pub enum Projection {
+        /// (∇φ_h, ∇v) = (∇φ⁰, ∇v) with ∫φ_h = ∫φ⁰.
+        Ritz = "ritz",
+        /// (φ_h, v) = (φ⁰, v): the paper's (3.15).
+        L2 = "l2",
+        /// Interpolation at the nodes.
+        Nodal = "nodal",
+    }
 }
 
 impl Default for Vesicle {
@@ -136,162 +139,91 @@ impl Default for Outline {
     }
 }
 
-impl Choice for Projection {
-    const NAMES: &'static [(&'static str, Self)] = &[
-        ("ritz", Self::Ritz),
-        ("l2", Self::L2),
-        ("nodal", Self::Nodal),
-    ];
+choice! {
+    /// The word after `shape =`.
+    enum ShapeKind {
+        /// See [`Curve`].
+        Circle = "circle",
+        /// See [`Curve`].
+        Ellipse = "ellipse",
+        /// See [`Curve`].
+        Cassini = "cassini",
+        /// See [`Curve`].
+        Discocyte = "discocyte",
+        /// See [`Shape`].
+        Random = "random",
+        /// See [`Shape`].
+        File = "file",
+    }
 }
 
-/// The word after `shape =`.
-#[derive(Clone, Copy, PartialEq)]
-enum ShapeKind {
-    Circle,
-    Ellipse,
-    Cassini,
-    Discocyte,
-    Random,
-    File,
-}
-
-const SHAPES: [(&str, ShapeKind); 6] = [
-    ("circle", ShapeKind::Circle),
-    ("ellipse", ShapeKind::Ellipse),
-    ("cassini", ShapeKind::Cassini),
-    ("discocyte", ShapeKind::Discocyte),
-    ("random", ShapeKind::Random),
-    ("file", ShapeKind::File),
+const OUTLINES: &[&str] = &["circle", "ellipse", "cassini", "discocyte"];
+const SHAPES: &[&str] = &[
+    "circle",
+    "ellipse",
+    "cassini",
+    "discocyte",
+    "random",
+    "file",
 ];
 
 impl ShapeKind {
-    fn keys(self) -> &'static [&'static str] {
-        match self {
-            Self::Circle => &["shape", "radius", "center", "angle"],
-            Self::Ellipse => &["shape", "half_axes", "center", "angle"],
-            Self::Cassini => &["shape", "ratio", "half_length", "center", "angle"],
-            Self::Discocyte => &["shape", "radius", "center", "angle"],
-            Self::Random => &["shape", "amplitude", "seed"],
-            Self::File => &["shape", "values"],
-        }
+    /// The keys that go with it.
+    fn keys(self) -> Vec<&'static str> {
+        keys(|parameter| parameter.kinds.contains(&self.word()))
     }
 
     /// How the user chose it, for messages.
     fn phrase(self) -> String {
-        let name = SHAPES.iter().find(|(_, kind)| *kind == self);
-        format!("shape = \"{}\"", name.map_or("", |(name, _)| name))
+        format!("shape = \"{}\"", self.word())
     }
 }
 
-/// Of [vesicle], whatever its shape.
-const COMMON_KEYS: [&str; 2] = ["projection", "scale"];
+/// The keys of some of the parameters.
+fn keys(of: impl Fn(&Parameter) -> bool) -> Vec<&'static str> {
+    let parameters = Vesicle::parameters().into_iter();
+    parameters
+        .filter(of)
+        .map(|parameter| parameter.key)
+        .collect()
+}
 
-/// Every key that some shape has.
-const SHAPE_KEYS: [&str; 11] = [
-    "shape",
-    "parts",
-    "ratio",
-    "half_length",
-    "radius",
-    "half_axes",
-    "center",
-    "angle",
-    "amplitude",
-    "seed",
-    "values",
-];
+/// Whether a key belongs to some of the shapes.
+fn is_of_shape(key: &str) -> bool {
+    keys(|parameter| !parameter.kinds.is_empty()).contains(&key)
+}
 
 impl Table for Vesicle {
     fn words() -> &'static str {
-        "The vesicle at the start: the initial phase field φ⁰. Which keys it has depends on its shape."
+        "The vesicle at the start, the initial phase field φ⁰."
     }
 
     fn parameters() -> Vec<Parameter> {
-        let value = |text: String| DefaultValue::Value(text);
-        let required = DefaultValue::Required;
-        let mut values = Parameter::new(
-            "values",
-            "`file`: φ⁰ at the nodes, one value a line for each",
-            required.clone(),
-            "a path, relative to the scene's file",
-        );
-        values.nodal_key = Some(VALUES);
-        let positive = POSITIVE.words;
-        vec![
-            Parameter::new(
-                "shape",
-                "The shape",
-                value(quoted("cassini")),
-                one_of(&SHAPES),
-            ),
-            Parameter::new(
-                "parts",
-                "Several shapes, in place of `shape` and what belongs to it",
-                DefaultValue::Absent,
-                PARTS,
-            ),
-            Parameter::new(
-                "ratio",
-                "`cassini`: c/a of the foci (±c, 0) and the product a²",
-                value(number(RATIO)),
-                RATIOS.words,
-            ),
-            Parameter::new(
-                "half_length",
-                "`cassini`: sqrt(a² + c²)",
-                value(number(HALF_LENGTH)),
-                positive,
-            ),
-            Parameter::new(
-                "radius",
-                "`circle`, `discocyte`: the radius",
-                required.clone(),
-                positive,
-            ),
-            Parameter::new(
-                "half_axes",
-                "`ellipse`: half its axes",
-                required.clone(),
-                "an array of two numbers > 0",
-            ),
-            Parameter::new(
-                "center",
-                "The centre of the shape",
-                value(vector(CENTER)),
-                "an array of two numbers",
-            ),
-            Parameter::new(
-                "angle",
-                "Of the long axis to the x axis, of an ellipse that of its first axis, in degrees; 0 by default but for `cassini`",
-                value(number(CASSINI_ANGLE)),
-                FINITE.words,
-            ),
-            Parameter::new(
-                "amplitude",
-                "`random`: the bound of independent nodal values",
-                required,
-                positive,
-            ),
-            Parameter::new(
-                "seed",
-                "`random`: of the random numbers",
-                value(SEED.to_string()),
-                u64::words(&SEEDS),
-            ),
-            values,
-            Parameter::new(
-                "projection",
-                "How φ⁰ is brought onto the mesh",
-                value(quoted("ritz")),
-                Projection::words(&()),
-            ),
-            Parameter::new(
-                "scale",
-                "φ⁰ is multiplied by this; 1 but in tests",
-                value(number(1.0)),
-                FINITE.words,
-            ),
-        ]
+        let [ratio, half_length, angle, scale] =
+            [RATIO, HALF_LENGTH, CASSINI_ANGLE, 1.0].map(|value| DefaultValue::of(&value));
+        let default = Self::default();
+        let mut parameters = parameters! {
+            shape of SHAPES, DefaultValue::of(&ShapeKind::Cassini), ShapeKind::words(&()), "Its shape";
+            parts of &["parts"], DefaultValue::Absent, PARTS, "Several shapes, in place of one";
+            ratio of &["cassini"], ratio, RATIOS.words, "c/a of the foci (±c, 0) and the product a²";
+            half_length of &["cassini"], half_length, POSITIVE.words, "sqrt(a² + c²)";
+            radius of &["circle", "discocyte"], DefaultValue::Required, POSITIVE.words, "the radius";
+            half_axes of &["ellipse"], DefaultValue::Required, "an array of two numbers > 0", "half its axes";
+            center of OUTLINES, DefaultValue::of(&CENTER), <[f64; 2]>::words(&FINITE), "its centre";
+            angle of OUTLINES, angle, FINITE.words, "of the long axis (of an ellipse, its first axis) to the x axis, in degrees; 0 by default but for `cassini`";
+            amplitude of &["random"], DefaultValue::Required, POSITIVE.words, "the bound of independent nodal values";
+            seed of &["random"], DefaultValue::of(&SEED), u64::words(&SEEDS), "of the random numbers";
+            values of &["file"], DefaultValue::Required, PATH, "φ⁰ at the nodes, one value a line for each";
+            projection of &[], DefaultValue::of(&default.projection), Projection::words(&()), "How φ⁰ is brought onto the mesh";
+            scale of &[], scale, FINITE.words, "φ⁰ is multiplied by this; 1 but in tests";
+        };
+        let values = parameters
+            .iter_mut()
+            .find(|parameter| parameter.key == "values");
+        values
+            .into_iter()
+            .for_each(|values| values.nodal_key = Some(VALUES));
+        parameters
     }
 
     fn read(table: Reader<'_>, context: &mut Context<'_>) -> Result<Self, SceneError> {
@@ -306,34 +238,27 @@ impl Table for Vesicle {
         })
     }
 
-    fn write(&self, out: &mut Writer) {
-        match &self.shape {
+    fn write(&self) -> Vec<(&'static str, String)> {
+        let shape = |kind: ShapeKind| ("shape", quoted(kind.word()));
+        let mut keys = match &self.shape {
             Shape::Outlines(outlines) => match &outlines[..] {
-                [outline] => {
-                    for (key, value) in outline_keys(outline) {
-                        out.key(key, value);
-                    }
-                }
+                [outline] => outline_keys(outline),
                 outlines => {
-                    let parts = outlines
-                        .iter()
-                        .map(|outline| inline(&outline_keys(outline)));
+                    let parts = outlines.iter().map(|part| inline(&outline_keys(part)));
                     let parts: String = parts.map(|part| format!("    {part},\n")).collect();
-                    out.key("parts", format!("[\n{parts}]"));
+                    vec![("parts", format!("[\n{parts}]"))]
                 }
             },
-            Shape::Random { amplitude, seed } => {
-                out.key("shape", quoted("random"));
-                out.key("amplitude", number(*amplitude));
-                out.key("seed", seed);
-            }
-            Shape::File(nodal) => {
-                out.key("shape", quoted("file"));
-                out.key("values", quoted(&nodal.path));
-            }
-        }
-        out.key("projection", quoted(self.projection.word()));
-        out.key("scale", number(self.scale));
+            Shape::Random { amplitude, seed } => vec![
+                shape(ShapeKind::Random),
+                ("amplitude", number(*amplitude)),
+                ("seed", seed.to_string()),
+            ],
+            Shape::File(nodal) => vec![shape(ShapeKind::File), ("values", quoted(&nodal.path))],
+        };
+        keys.push(("projection", quoted(self.projection.word())));
+        keys.push(("scale", number(self.scale)));
+        keys
     }
 
     fn nodal_files(&mut self) -> Vec<(NodalKey, &mut NodalValues)> {
@@ -365,12 +290,12 @@ fn read_shape(table: &Reader<'_>, context: &mut Context<'_>) -> Result<Shape, Sc
         either => either,
     };
     if let Some(parts) = parts {
-        allow(table, "parts", &["parts"], parts.is_override())?;
+        allow(table, "parts", vec!["parts"], parts.is_override())?;
         return read_parts(&parts).map(Shape::Outlines);
     }
-    let kind = shape
-        .as_ref()
-        .map_or(Ok(ShapeKind::Cassini), |field| field.choice(&SHAPES))?;
+    let kind = shape.as_ref().map_or(Ok(ShapeKind::Cassini), |field| {
+        field.choice(ShapeKind::NAMES)
+    })?;
     let overridden = shape.is_some_and(|field| field.is_override());
     allow(table, &kind.phrase(), kind.keys(), overridden)?;
     match kind {
@@ -399,12 +324,12 @@ fn read_shape(table: &Reader<'_>, context: &mut Context<'_>) -> Result<Shape, Sc
 fn allow(
     table: &Reader<'_>,
     owner: &str,
-    own: &'static [&'static str],
+    mut allowed: Vec<&'static str>,
     overridden: bool,
 ) -> Result<(), SceneError> {
-    let allowed = [own, &COMMON_KEYS[..]].concat();
+    allowed.extend(keys(|parameter| parameter.kinds.is_empty()));
     for (key, field) in table.fields() {
-        let superseded = overridden && !field.is_override() && SHAPE_KEYS.contains(&key);
+        let superseded = overridden && !field.is_override() && is_of_shape(key);
         if !superseded {
             check_key(table, key, &field, owner, &allowed)?;
         }
@@ -421,7 +346,7 @@ fn check_key(
 ) -> Result<(), SceneError> {
     if allowed.contains(&key) {
         Ok(())
-    } else if SHAPE_KEYS.contains(&key) {
+    } else if is_of_shape(key) {
         Err(field.misplaced(key, owner, allowed))
     } else {
         table.allow(allowed)
@@ -438,14 +363,11 @@ fn read_parts(parts: &Field<'_>) -> Result<Vec<Outline>, SceneError> {
 
 fn read_part(part: &Field<'_>) -> Result<Outline, SceneError> {
     let table = part.table()?;
-    let outlines: Vec<_> = SHAPES
-        .iter()
-        .filter(|(_, kind)| !matches!(kind, ShapeKind::Random | ShapeKind::File))
-        .copied()
-        .collect();
+    let mut outlines = ShapeKind::NAMES.to_vec();
+    outlines.retain(|(name, _)| OUTLINES.contains(name));
     let kind = table.require("shape", &part.path)?.choice(&outlines)?;
     for (key, field) in table.fields() {
-        check_key(&table, key, &field, &kind.phrase(), kind.keys())?;
+        check_key(&table, key, &field, &kind.phrase(), &kind.keys())?;
     }
     read_outline(&table, kind, table.get("angle"))
 }
@@ -485,20 +407,26 @@ fn read_outline(
 }
 
 fn outline_keys(outline: &Outline) -> Vec<(&'static str, String)> {
-    let (shape, size) = match outline.curve {
-        Curve::Circle { radius } => ("circle", vec![("radius", number(radius))]),
-        Curve::Ellipse { half_axes } => ("ellipse", vec![("half_axes", vector(half_axes))]),
-        Curve::Cassini { ratio, half_length } => (
-            "cassini",
-            vec![
-                ("ratio", number(ratio)),
-                ("half_length", number(half_length)),
-            ],
+    let (kind, size) = match outline.curve {
+        Curve::Circle { radius } => (ShapeKind::Circle, [Some(("radius", number(radius))), None]),
+        Curve::Ellipse { half_axes } => (
+            ShapeKind::Ellipse,
+            [Some(("half_axes", vector(half_axes))), None],
         ),
-        Curve::Discocyte { radius } => ("discocyte", vec![("radius", number(radius))]),
+        Curve::Cassini { ratio, half_length } => {
+            let half_length = ("half_length", number(half_length));
+            (
+                ShapeKind::Cassini,
+                [Some(("ratio", number(ratio))), Some(half_length)],
+            )
+        }
+        Curve::Discocyte { radius } => (
+            ShapeKind::Discocyte,
+            [Some(("radius", number(radius))), None],
+        ),
     };
-    let mut keys = vec![("shape", quoted(shape))];
-    keys.extend(size);
+    let mut keys = vec![("shape", quoted(kind.word()))];
+    keys.extend(size.into_iter().flatten());
     keys.push(("center", vector(outline.center)));
     keys.push(("angle", number(outline.angle)));
     keys
