@@ -11,10 +11,11 @@ use vesica::physics::{
 use vesica::scene::{Iteration, Scene};
 use vesica::scheme::{Scheme, initial_fields};
 
+/// A line tension.
 #[derive(Debug)]
-struct Tension {
+pub struct Tension {
     /// σ.
-    weight: f64,
+    pub weight: f64,
 }
 
 impl Effect for Tension {

@@ -56,6 +56,11 @@ pub mod simulation;
 pub mod study;
 pub mod tui;
 
+/// The guide's example of an effect is built with the tests; this one follows it through the program.
+#[cfg(test)]
+#[path = "../tests/adding_an_effect/mod.rs"]
+mod adding_an_effect;
+
 /// Counts what each thread holds, as in the program, for the tests of what is needed.
 #[cfg(test)]
 #[global_allocator]

@@ -5,19 +5,13 @@ mod common;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-// What the example of the guide finds around it in src/physics/.
-use vesica::physics::{
-    DirectorCoupling, Effect, EffectContext, LedgerTerms, MembraneForce, MembraneJacobian,
-    PatchFields,
-};
-use vesica::{fem, geometry, scene};
-
-#[expect(dead_code, reason = "its line in the list of effects is left out here")]
-#[path = "../docs/effect/tension.rs"]
-mod tension;
+#[expect(dead_code, reason = "only its effect is used")]
+#[path = "../examples/own_effect.rs"]
+mod own_effect;
 
 use common::{SMALL, scene, scheme};
-use fem::Patch;
+use vesica::fem::Patch;
+use vesica::physics::{Effect, PatchFields};
 use vesica::scheme::{Scheme, SchemeCheckpoint};
 
 /// The system's allocator, which counts what each thread asks of it.
@@ -259,8 +253,7 @@ fn a_step_allocates_nothing() {
             let counts = allocations_of_steps(&[quadrature, path], |_| {});
             assert_eq!(counts, [0; STEPS], "{quadrature}, {path}");
         }
-        // The example of the guide.
-        let example = tension::Tension { weight: 3.0 };
+        let example = own_effect::Tension { weight: 3.0 };
         let counts = allocations_of_steps(&[quadrature], |scheme| scheme.add_effect(example));
         assert_eq!(counts, [0; STEPS], "{quadrature}, a line tension");
     }

@@ -143,7 +143,18 @@ fn effects(pair: &Pair) -> Vec<Box<dyn Effect>> {
         let anchoring = scene::Anchoring { kind, weight: 3.0 };
         effects.push(Box::new(Anchoring::new(&anchoring, space)));
     }
+    let tension = scene::Tension { weight: 2.0 };
+    effects.push(Box::new(tension::Tension::new(&tension)));
     effects
+}
+
+/// All but noise, which has no energy, are checked here.
+#[test]
+fn no_effect_is_forgotten() {
+    let pair = pair(QuadratureRule::Lumped, 0.1, 1.0);
+    let checked: Vec<&str> = effects(&pair).iter().map(|effect| effect.name()).collect();
+    let forgotten = EFFECTS.iter().filter(|name| !checked.contains(name));
+    assert_eq!(forgotten.collect::<Vec<_>>(), [&"noise"]);
 }
 
 fn membrane_load(

@@ -2,6 +2,7 @@
 //! together.
 
 use crate::common::{SMALL, TIGHT, energy_scale, mesh, named, scene, scheme};
+use vesica::scene::{TableInfo, tables};
 use vesica::scheme::{Scheme, StepReport};
 
 const STEPS: usize = 3;
@@ -29,8 +30,19 @@ const EFFECTS: [(&str, &str, &str); 7] = [
     ("noise", "noise={ strength = 1e-3, seed = 5 }", ""),
 ];
 
-/// Those that are nothing without a director.
-const OF_DIRECTOR: [&str; 3] = ["anchoring", "field", "noise"];
+/// Whether an effect is nothing without a director.
+fn needs_director(name: &str) -> bool {
+    let table = tables().into_iter().find(|table| table.name == name);
+    table.is_some_and(|table| table.needs_director)
+}
+
+#[test]
+fn every_effect_is_combined() {
+    let mut combined: Vec<&str> = EFFECTS.iter().map(|(name, ..)| *name).collect();
+    combined.retain(|name| *name != "curvature");
+    let tables = tables().into_iter().filter(TableInfo::is_effect);
+    assert_eq!(combined, tables.map(|table| table.name).collect::<Vec<_>>());
+}
 
 /// The combination of this number, unless it makes no sense.
 fn combination(number: usize) -> Option<Vec<&'static str>> {
@@ -39,7 +51,7 @@ fn combination(number: usize) -> Option<Vec<&'static str>> {
         .filter(|(bit, _)| number >> bit & 1 == 1)
         .map(|(_, (name, ..))| *name)
         .collect();
-    let needs_director = on.iter().any(|name| OF_DIRECTOR.contains(name));
+    let needs_director = on.iter().any(|name| needs_director(name));
     (on.contains(&"nematic") || !needs_director).then_some(on)
 }
 

@@ -359,7 +359,7 @@ macro_rules! scene {
     };
 }
 
-// One line an effect.
+// One line an effect; the last one is the guide's example.
 scene! {
     area: Area,
     nematic: Nematic,
@@ -367,6 +367,8 @@ scene! {
     field: Field,
     pull: Pull,
     noise: Noise,
+    #[cfg(test)]
+    tension: Tension,
 }
 
 impl Scene {

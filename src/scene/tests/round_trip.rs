@@ -1,7 +1,7 @@
 //! A scene that is written reads back as the same scene.
 
 use super::{read, read_with};
-use crate::scene::{preset, preset_names};
+use crate::scene::{DefaultValue, Parameter, TableInfo, preset, preset_names, tables};
 
 /// Files for a mesh of 4 × 4 squares.
 fn check(text: &str) {
@@ -63,6 +63,82 @@ fn every_form_of_every_key_round_trips() {
     for text in scenes {
         check(text);
     }
+}
+
+/// A scene in which a table stands, with what else it needs.
+fn scene_with(table: &TableInfo) -> String {
+    let is_required = |it: &&Parameter| it.default == DefaultValue::Required && it.kinds.is_empty();
+    let required = table.parameters.iter().filter(is_required);
+    let keys: String = required.map(|it| format!("{} = 0\n", it.key)).collect();
+    let director = if table.needs_director {
+        "[nematic]\n"
+    } else {
+        ""
+    };
+    format!("{director}[{}]\n{keys}", table.name)
+}
+
+#[test]
+fn every_parameter_that_is_declared_is_read_written_and_checked() {
+    for table in tables() {
+        let text = scene_with(&table);
+        let default = read(&text);
+        assert!(default.to_toml().contains(&format!("\n[{}]\n", table.name)));
+        check(&text);
+        for parameter in table.parameters.iter().filter(|it| it.kinds.is_empty()) {
+            let key = format!("{}.{}", table.name, parameter.key);
+            // The default that is declared is the one that holds; --set takes the same keys.
+            if let DefaultValue::Value(value) = &parameter.default {
+                let setting = format!("{key}={value}");
+                let set = read_with(&text, &[&setting], &[]).unwrap_or_else(|e| panic!("{e}"));
+                assert_eq!(set, default, "{setting}");
+                let line = format!("\n{} = {value}\n", parameter.key);
+                assert!(default.to_toml().contains(&line), "{setting}");
+            }
+            let error = |setting: String| {
+                let error = read_with(&text, &[&setting], &[]).expect_err(&setting);
+                error
+                    .to_string()
+                    .lines()
+                    .next()
+                    .unwrap_or_default()
+                    .to_owned()
+            };
+            let allowed = &parameter.allowed;
+            assert_eq!(
+                error(format!("{key}=1979-05-27")),
+                format!("--set {key}=1979-05-27: {key} must be {allowed}, not a date or a time")
+            );
+            let near = error(format!("{key}x=1"));
+            let hint = format!("; did you mean '{}'? Allowed: ", parameter.key);
+            assert!(near.contains(&hint), "{near}");
+        }
+        if table.is_effect() {
+            let removed = read_with(&text, &[&format!("{}=false", table.name)], &[]);
+            assert!(
+                !removed
+                    .expect("a scene")
+                    .to_toml()
+                    .contains(&format!("[{}]", table.name))
+            );
+        }
+    }
+}
+
+#[test]
+fn the_guide_has_the_table_of_every_table() {
+    let mut missing = String::new();
+    for table in tables() {
+        let guide = match table.name {
+            "tension" => include_str!("../../../docs/guide/effects.md"),
+            _ => include_str!("../../../docs/guide/scenes.md"),
+        };
+        let text = table.markdown();
+        if !guide.contains(&text) {
+            missing += &format!("{text}\n");
+        }
+    }
+    assert!(missing.is_empty(), "put this there:\n{missing}");
 }
 
 /// The one TOML sample of a page.

@@ -1,4 +1,4 @@
-//! A line tension, E_tension = ½ σ ∫ |∇φ|².
+//! A line tension, E_tension = ½ σ ∫ |∇φ|². (The example of the guide's page "Adding an effect".)
 
 use super::{
     DirectorCoupling, Effect, EffectContext, LedgerTerms, MembraneForce, MembraneJacobian,
@@ -6,18 +6,28 @@ use super::{
 };
 use crate::fem::Patch;
 use crate::geometry::{SymmetricTensor, Vector};
-use crate::scene::Iteration;
+use crate::scene::{self, Iteration};
+
+/// The effect, where the scene has its table.
+pub(super) fn of_scene(context: &EffectContext<'_>) -> Option<Box<dyn Effect>> {
+    let tension = context.scene.tension.as_ref()?;
+    Some(Box::new(Tension::new(tension)))
+}
 
 /// A line tension.
 #[derive(Debug)]
 pub struct Tension {
     /// σ.
-    pub weight: f64,
+    weight: f64,
 }
 
-/// The effect, where the scene has it; this one every scene has.
-pub(super) fn of_scene(_context: &EffectContext<'_>) -> Option<Box<dyn Effect>> {
-    Some(Box::new(Tension { weight: 0.5 }))
+impl Tension {
+    /// σ of a scene.
+    pub fn new(tension: &scene::Tension) -> Self {
+        Self {
+            weight: tension.weight,
+        }
+    }
 }
 
 impl Effect for Tension {
@@ -26,7 +36,7 @@ impl Effect for Tension {
         "tension"
     }
 
-    /// The energy: ½ σ |∇φ|², triangle by triangle.
+    /// The energy: ½ σ |∇φ|².
     fn integral(&mut self, patch: &Patch<'_>, at: &PatchFields) -> f64 {
         let squares = at.phi_gradient.iter().map(Vector::norm_squared);
         0.5 * self.weight * patch.integrate_elements_of(squares)
