@@ -44,15 +44,15 @@ impl DefaultValue {
 }
 
 /// Lists the parameters of a table that is read by hand, since its keys depend on its kind:
-/// `key of kinds = default, allowed, words;`.
+/// `key of kinds, default, allowed, words;`, with the key of its nodal values at the end if it has any.
 macro_rules! parameters {
-    ($($key:ident of $kinds:expr, $default:expr, $allowed:expr, $words:literal;)+) => {
+    ($($key:ident of $kinds:expr, $default:expr, $allowed:expr, $words:literal $(, $nodal:expr)?;)+) => {
         vec![$($crate::scene::parameter::Parameter {
             key: stringify!($key),
             words: $words,
             default: $default,
             allowed: $allowed.into(),
-            nodal_key: None,
+            nodal_key: [$($nodal)?].into_iter().next(),
             kinds: $kinds,
         }),+]
     };
@@ -109,53 +109,54 @@ pub(super) trait Value: Sized {
     }
 }
 
-impl Value for f64 {
-    type Bound = Bound;
+/// Says of a plain type how it is read by a bound, written, and what the bound allows.
+macro_rules! plain {
+    ($Type:ty, $Bound:ty, $read:expr, $write:expr, $words:expr) => {
+        impl Value for $Type {
+            type Bound = $Bound;
 
-    fn read(field: &Field<'_>, bound: &Bound, _: &mut Context<'_>) -> Result<Self, SceneError> {
-        field.number(*bound)
-    }
+            fn read(
+                field: &Field<'_>,
+                bound: &$Bound,
+                _: &mut Context<'_>,
+            ) -> Result<Self, SceneError> {
+                $read(field, bound)
+            }
 
-    fn write(&self) -> Option<String> {
-        Some(number(*self))
-    }
+            fn write(&self) -> Option<String> {
+                $write(self)
+            }
 
-    fn words(bound: &Bound) -> String {
-        bound.words.to_owned()
-    }
+            fn words(bound: &$Bound) -> String {
+                $words(bound)
+            }
+        }
+    };
 }
 
-/// A number that may be absent.
-impl Value for Option<f64> {
-    type Bound = Bound;
-
-    fn read(field: &Field<'_>, bound: &Bound, _: &mut Context<'_>) -> Result<Self, SceneError> {
-        field.number(*bound).map(Some)
-    }
-
-    fn write(&self) -> Option<String> {
-        self.map(number)
-    }
-
-    fn words(bound: &Bound) -> String {
-        bound.words.to_owned()
-    }
+plain! {
+    f64, Bound,
+    |field: &Field<'_>, bound: &Bound| field.number(*bound),
+    |value: &f64| Some(number(*value)),
+    |bound: &Bound| bound.words.to_owned()
 }
-
-impl Value for [f64; 2] {
-    type Bound = Bound;
-
-    fn read(field: &Field<'_>, bound: &Bound, _: &mut Context<'_>) -> Result<Self, SceneError> {
-        field.vector(*bound)
-    }
-
-    fn write(&self) -> Option<String> {
-        Some(vector(*self))
-    }
-
-    fn words(_: &Bound) -> String {
-        "an array of two numbers, such as [0.5, 0.5]".to_owned()
-    }
+plain! {
+    Option<f64>, Bound,
+    |field: &Field<'_>, bound: &Bound| field.number(*bound).map(Some),
+    |value: &Option<f64>| value.map(number),
+    f64::words
+}
+plain! {
+    [f64; 2], Bound,
+    |field: &Field<'_>, bound: &Bound| field.vector(*bound),
+    |value: &[f64; 2]| Some(vector(*value)),
+    |_: &Bound| "an array of two numbers, such as [0.5, 0.5]".to_owned()
+}
+plain! {
+    u64, RangeInclusive<u64>,
+    Field::integer,
+    |value: &u64| Some(value.to_string()),
+    |bound: &RangeInclusive<u64>| format!("a whole number from {} to {}", bound.start(), bound.end())
 }
 
 /// What is allowed for the name of a file, in words.
@@ -165,26 +166,6 @@ pub(super) const PATH: &str = "a path, relative to the scene's file";
 pub(super) const SEEDS: RangeInclusive<u64> = 0..=u64::MAX;
 /// The seed of every generator, unless the scene says.
 pub(super) const SEED: u64 = 1;
-
-impl Value for u64 {
-    type Bound = RangeInclusive<u64>;
-
-    fn read(
-        field: &Field<'_>,
-        bound: &Self::Bound,
-        _: &mut Context<'_>,
-    ) -> Result<Self, SceneError> {
-        field.integer(bound)
-    }
-
-    fn write(&self) -> Option<String> {
-        Some(self.to_string())
-    }
-
-    fn words(bound: &Self::Bound) -> String {
-        format!("a whole number from {} to {}", bound.start(), bound.end())
-    }
-}
 
 /// One of several words.
 pub(super) trait Choice: Copy + PartialEq + 'static {

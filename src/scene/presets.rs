@@ -5,38 +5,20 @@ use thiserror::Error;
 use super::error::{DidYouMean, Quoted};
 use super::suggest::nearest;
 
-const PRESETS: [(&str, &str); 18] = [
-    ("case1", include_str!("../../presets/case1.toml")),
-    ("case2", include_str!("../../presets/case2.toml")),
-    ("case3", include_str!("../../presets/case3.toml")),
-    ("case4", include_str!("../../presets/case4.toml")),
-    (
-        "case1-draft",
-        include_str!("../../presets/case1-draft.toml"),
-    ),
-    (
-        "case2-draft",
-        include_str!("../../presets/case2-draft.toml"),
-    ),
-    (
-        "case3-draft",
-        include_str!("../../presets/case3-draft.toml"),
-    ),
-    (
-        "case4-draft",
-        include_str!("../../presets/case4-draft.toml"),
-    ),
-    ("case1-fine", include_str!("../../presets/case1-fine.toml")),
-    ("case2-fine", include_str!("../../presets/case2-fine.toml")),
-    ("case3-fine", include_str!("../../presets/case3-fine.toml")),
-    ("case4-fine", include_str!("../../presets/case4-fine.toml")),
-    ("bending", include_str!("../../presets/bending.toml")),
-    ("circle", include_str!("../../presets/circle.toml")),
-    ("curvature", include_str!("../../presets/curvature.toml")),
-    ("field", include_str!("../../presets/field.toml")),
-    ("pull", include_str!("../../presets/pull.toml")),
-    ("noise", include_str!("../../presets/noise.toml")),
-];
+macro_rules! presets {
+    ($($name:literal)+) => {
+        const PRESETS: &[(&str, &str)] =
+            &[$(($name, include_str!(concat!("../../presets/", $name, ".toml")))),+];
+    };
+}
+
+// In the order in which they are listed.
+presets! {
+    "case1" "case2" "case3" "case4"
+    "case1-draft" "case2-draft" "case3-draft" "case4-draft"
+    "case1-fine" "case2-fine" "case3-fine" "case4-fine"
+    "bending" "circle" "curvature" "field" "pull" "noise"
+}
 
 /// There is no such preset.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]

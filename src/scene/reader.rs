@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 
 use super::document::{Entry, Location, Node, Sources, Value};
 use super::error::{Problem, SceneError};
-use super::parameter::{SEED, SEEDS, Value as _, one_of};
+use super::parameter::{Choice, SEED, SEEDS, Value as _, one_of};
 use super::suggest::nearest;
 use super::tables::table_with;
 
@@ -74,7 +74,7 @@ impl<'a> Reader<'a> {
 
     pub(super) fn get(&self, key: &str) -> Option<Field<'a>> {
         let entry = self.entries.iter().find(|entry| entry.key == key)?;
-        Some(self.field(*entry))
+        Some(self.field(entry))
     }
 
     fn field(&self, entry: &'a Entry) -> Field<'a> {
@@ -151,6 +151,11 @@ impl<'a> Reader<'a> {
     pub(super) fn vector(&self, key: &str, default: [f64; 2]) -> Result<[f64; 2], SceneError> {
         self.get(key)
             .map_or(Ok(default), |field| field.vector(FINITE))
+    }
+
+    pub(super) fn choice<T: Choice>(&self, key: &str, default: T) -> Result<T, SceneError> {
+        self.get(key)
+            .map_or(Ok(default), |field| field.choice(T::NAMES))
     }
 
     pub(super) fn seed(&self) -> Result<u64, SceneError> {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::{Rules, Scene, Shape, Table};
 use crate::scene::error::{Problem, SceneError};
 use crate::scene::mesh_file::{MeshFile, Triangulation};
-use crate::scene::nodal_file::{Context, NodalKey, NodalValues};
+use crate::scene::nodal_file::Context;
 use crate::scene::parameter::{
     Choice, DefaultValue, PATH, Parameter, SEED, SEEDS, Value, choice, parameters,
 };
@@ -122,11 +122,7 @@ impl Table for Mesh {
     }
 
     fn read(table: Reader<'_>, context: &mut Context<'_>) -> Result<Self, SceneError> {
-        let field = table.get("kind");
-        let kind = match &field {
-            Some(field) => field.choice(Kind::NAMES)?,
-            None => Kind::Structured,
-        };
+        let kind = table.choice("kind", Kind::Structured)?;
         let parameters = Self::parameters();
         let keys = |of: &dyn Fn(&&Parameter) -> bool| -> Vec<&'static str> {
             parameters.iter().filter(of).map(|it| it.key).collect()
@@ -135,7 +131,7 @@ impl Table for Mesh {
         let owner = format!("mesh.kind = \"{}\"", kind.word());
         let allowed = keys(&|it| it.kinds.is_empty() || it.kinds.contains(&kind.word()));
         // An override of the kind leaves what belongs to another one in the file.
-        let is_overridden = field.is_some_and(|field| field.is_override());
+        let is_overridden = table.get("kind").is_some_and(|field| field.is_override());
         for (key, field) in table.fields() {
             let is_left_over = is_overridden && !field.is_override();
             if !allowed.contains(&key) && !is_left_over {
@@ -191,10 +187,6 @@ impl Table for Mesh {
             }
             Self::File(file) => vec![kind(Kind::File), ("path", quoted(&file.path))],
         }
-    }
-
-    fn nodal_files(&mut self) -> Vec<(NodalKey, &mut NodalValues)> {
-        Vec::new()
     }
 }
 

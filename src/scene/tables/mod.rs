@@ -5,8 +5,6 @@
 //! The tables of the effects are optional: without its table, a scene is without the effect. They are listed
 //! below; from the list follows all that must know of them.
 
-use std::fmt::Write as _;
-
 use super::error::{Problem, SceneError};
 use super::nodal_file::{Context, NodalKey, NodalValues};
 use super::parameter::{DefaultValue, Parameter, Value};
@@ -35,7 +33,9 @@ pub(super) trait Table: Rules {
     fn write(&self) -> Vec<(&'static str, String)>;
 
     /// Its files of nodal values.
-    fn nodal_files(&mut self) -> Vec<(NodalKey, &mut NodalValues)>;
+    fn nodal_files(&mut self) -> Vec<(NodalKey, &mut NodalValues)> {
+        Vec::new()
+    }
 }
 
 /// What holds for a table beyond its parameters one by one.
@@ -444,39 +444,6 @@ impl TableInfo {
     /// Whether it is of an effect, so that a scene may be without it.
     pub fn is_effect(&self) -> bool {
         EFFECTS.contains(&self.name)
-    }
-
-    /// The guide's table of its parameters.
-    pub fn markdown(&self) -> String {
-        let Self { name, words, .. } = self;
-        let rule = match (self.is_effect(), self.needs_director) {
-            (_, true) => " An effect, which needs `[nematic]`.",
-            (true, false) => " An effect.",
-            (false, false) => "",
-        };
-        let mut text = format!(
-            "**`[{name}]`** {words}{rule}\n\n| key | what it is | default | allowed |\n| --- | --- | --- | --- |\n"
-        );
-        for parameter in &self.parameters {
-            let Parameter { key, words, .. } = parameter;
-            // Not for the key that chooses the kind.
-            let is_choice = parameter.kinds == [*key] || parameter.kinds.len() > 4;
-            let kinds = match parameter.kinds {
-                [] => String::new(),
-                _ if is_choice => String::new(),
-                kinds => format!("`\"{}\"`: ", kinds.join("\"`, `\"")),
-            };
-            let words = words.trim_end_matches('.');
-            let allowed = &parameter.allowed;
-            let default = match &parameter.default {
-                DefaultValue::Value(text) => format!("`{text}`"),
-                DefaultValue::Absent => "none".to_owned(),
-                DefaultValue::Required => "must be given".to_owned(),
-            };
-            // Writing to a string cannot fail.
-            let _ = writeln!(text, "| `{key}` | {kinds}{words} | {default} | {allowed} |");
-        }
-        text
     }
 }
 

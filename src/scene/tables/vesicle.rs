@@ -158,15 +158,6 @@ choice! {
 }
 
 const OUTLINES: &[&str] = &["circle", "ellipse", "cassini", "discocyte"];
-const SHAPES: &[&str] = &[
-    "circle",
-    "ellipse",
-    "cassini",
-    "discocyte",
-    "random",
-    "file",
-];
-
 impl ShapeKind {
     /// The keys that go with it.
     fn keys(self) -> Vec<&'static str> {
@@ -181,11 +172,8 @@ impl ShapeKind {
 
 /// The keys of some of the parameters.
 fn keys(of: impl Fn(&Parameter) -> bool) -> Vec<&'static str> {
-    let parameters = Vesicle::parameters().into_iter();
-    parameters
-        .filter(of)
-        .map(|parameter| parameter.key)
-        .collect()
+    let parameters = Vesicle::parameters().into_iter().filter(of);
+    parameters.map(|parameter| parameter.key).collect()
 }
 
 /// Whether a key belongs to some of the shapes.
@@ -202,8 +190,8 @@ impl Table for Vesicle {
         let [ratio, half_length, angle, scale] =
             [RATIO, HALF_LENGTH, CASSINI_ANGLE, 1.0].map(|value| DefaultValue::of(&value));
         let default = Self::default();
-        let mut parameters = parameters! {
-            shape of SHAPES, DefaultValue::of(&ShapeKind::Cassini), ShapeKind::words(&()), "Its shape";
+        parameters! {
+            shape of &["circle", "ellipse", "cassini", "discocyte", "random", "file"], DefaultValue::of(&ShapeKind::Cassini), ShapeKind::words(&()), "Its shape";
             parts of &["parts"], DefaultValue::Absent, PARTS, "Several shapes, in place of one";
             ratio of &["cassini"], ratio, RATIOS.words, "c/a of the foci (±c, 0) and the product a²";
             half_length of &["cassini"], half_length, POSITIVE.words, "sqrt(a² + c²)";
@@ -213,27 +201,17 @@ impl Table for Vesicle {
             angle of OUTLINES, angle, FINITE.words, "of the long axis (of an ellipse, its first axis) to the x axis, in degrees; 0 by default but for `cassini`";
             amplitude of &["random"], DefaultValue::Required, POSITIVE.words, "the bound of independent nodal values";
             seed of &["random"], DefaultValue::of(&SEED), u64::words(&SEEDS), "of the random numbers";
-            values of &["file"], DefaultValue::Required, PATH, "φ⁰ at the nodes, one value a line for each";
+            values of &["file"], DefaultValue::Required, PATH, "φ⁰ at the nodes, one value a line for each", VALUES;
             projection of &[], DefaultValue::of(&default.projection), Projection::words(&()), "How φ⁰ is brought onto the mesh";
             scale of &[], scale, FINITE.words, "φ⁰ is multiplied by this; 1 but in tests";
-        };
-        let values = parameters
-            .iter_mut()
-            .find(|parameter| parameter.key == "values");
-        values
-            .into_iter()
-            .for_each(|values| values.nodal_key = Some(VALUES));
-        parameters
+        }
     }
 
     fn read(table: Reader<'_>, context: &mut Context<'_>) -> Result<Self, SceneError> {
         let default = Self::default();
-        let projection = |field: Field<'_>| field.choice(Projection::NAMES);
         Ok(Self {
             shape: read_shape(&table, context)?,
-            projection: table
-                .get("projection")
-                .map_or(Ok(default.projection), projection)?,
+            projection: table.choice("projection", default.projection)?,
             scale: table.number("scale", default.scale, FINITE)?,
         })
     }
@@ -293,9 +271,10 @@ fn read_shape(table: &Reader<'_>, context: &mut Context<'_>) -> Result<Shape, Sc
         allow(table, "parts", vec!["parts"], parts.is_override())?;
         return read_parts(&parts).map(Shape::Outlines);
     }
-    let kind = shape.as_ref().map_or(Ok(ShapeKind::Cassini), |field| {
-        field.choice(ShapeKind::NAMES)
-    })?;
+    let kind = match &shape {
+        Some(shape) => shape.choice(ShapeKind::NAMES)?,
+        None => ShapeKind::Cassini,
+    };
     let overridden = shape.is_some_and(|field| field.is_override());
     allow(table, &kind.phrase(), kind.keys(), overridden)?;
     match kind {
@@ -377,17 +356,13 @@ fn read_outline(
     kind: ShapeKind,
     angle: Option<Field<'_>>,
 ) -> Result<Outline, SceneError> {
+    let required = |key| table.require(key, &kind.phrase());
+    let radius = || required("radius")?.number(POSITIVE);
     let curve = match kind {
-        ShapeKind::Circle => Curve::Circle {
-            radius: table.require("radius", &kind.phrase())?.number(POSITIVE)?,
-        },
+        ShapeKind::Circle => Curve::Circle { radius: radius()? },
+        ShapeKind::Discocyte => Curve::Discocyte { radius: radius()? },
         ShapeKind::Ellipse => Curve::Ellipse {
-            half_axes: table
-                .require("half_axes", &kind.phrase())?
-                .vector(POSITIVE)?,
-        },
-        ShapeKind::Discocyte => Curve::Discocyte {
-            radius: table.require("radius", &kind.phrase())?.number(POSITIVE)?,
+            half_axes: required("half_axes")?.vector(POSITIVE)?,
         },
         // The two others have no outline, and no caller asks for one.
         ShapeKind::Cassini | ShapeKind::Random | ShapeKind::File => Curve::Cassini {
@@ -407,27 +382,24 @@ fn read_outline(
 }
 
 fn outline_keys(outline: &Outline) -> Vec<(&'static str, String)> {
+    let key = |key, value| vec![(key, number(value))];
     let (kind, size) = match outline.curve {
-        Curve::Circle { radius } => (ShapeKind::Circle, [Some(("radius", number(radius))), None]),
-        Curve::Ellipse { half_axes } => (
-            ShapeKind::Ellipse,
-            [Some(("half_axes", vector(half_axes))), None],
-        ),
-        Curve::Cassini { ratio, half_length } => {
-            let half_length = ("half_length", number(half_length));
-            (
-                ShapeKind::Cassini,
-                [Some(("ratio", number(ratio))), Some(half_length)],
-            )
+        Curve::Circle { radius } => (ShapeKind::Circle, key("radius", radius)),
+        Curve::Discocyte { radius } => (ShapeKind::Discocyte, key("radius", radius)),
+        Curve::Ellipse { half_axes } => {
+            let half_axes = ("half_axes", vector(half_axes));
+            (ShapeKind::Ellipse, vec![half_axes])
         }
-        Curve::Discocyte { radius } => (
-            ShapeKind::Discocyte,
-            [Some(("radius", number(radius))), None],
-        ),
+        Curve::Cassini { ratio, half_length } => {
+            let size = [key("ratio", ratio), key("half_length", half_length)];
+            (ShapeKind::Cassini, size.concat())
+        }
     };
     let mut keys = vec![("shape", quoted(kind.word()))];
-    keys.extend(size.into_iter().flatten());
-    keys.push(("center", vector(outline.center)));
-    keys.push(("angle", number(outline.angle)));
+    keys.extend(size);
+    keys.extend([
+        ("center", vector(outline.center)),
+        ("angle", number(outline.angle)),
+    ]);
     keys
 }

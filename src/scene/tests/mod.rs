@@ -5,6 +5,7 @@ use std::io;
 use super::*;
 
 mod errors;
+mod guide;
 mod overrides;
 mod reading;
 mod robustness;

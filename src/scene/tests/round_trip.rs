@@ -125,22 +125,6 @@ fn every_parameter_that_is_declared_is_read_written_and_checked() {
     }
 }
 
-#[test]
-fn the_guide_has_the_table_of_every_table() {
-    let mut missing = String::new();
-    for table in tables() {
-        let guide = match table.name {
-            "tension" => include_str!("../../../docs/guide/effects.md"),
-            _ => include_str!("../../../docs/guide/scenes.md"),
-        };
-        let text = table.markdown();
-        if !guide.contains(&text) {
-            missing += &format!("{text}\n");
-        }
-    }
-    assert!(missing.is_empty(), "put this there:\n{missing}");
-}
-
 /// The one TOML sample of a page.
 fn only_sample(page: &str) -> &str {
     let samples: Vec<&str> = page
