@@ -1,25 +1,19 @@
 //! Colours, and the maps from values to them.
 
 use colorous::Color;
+use plotters::style::RGBColor;
 
-/// A colour of the screen: red, green, blue.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Colour(pub [u8; 3]);
-
-impl Colour {
-    pub const BLACK: Colour = Colour([0, 0, 0]);
-    pub const WHITE: Colour = Colour([255, 255, 255]);
-    pub const GREY: Colour = Colour([110, 110, 110]);
-}
+/// The colour of what is no number.
+pub(super) const GREY: RGBColor = RGBColor(110, 110, 110);
 
 /// The colours of lines, by Okabe and Ito, which people tell apart however they see colours.
-pub(super) const LINE_COLOURS: [Colour; 6] = [
-    Colour([0, 114, 178]),
-    Colour([213, 94, 0]),
-    Colour([0, 158, 115]),
-    Colour([204, 121, 167]),
-    Colour([86, 180, 233]),
-    Colour([230, 159, 0]),
+pub(super) const LINE_COLOURS: [RGBColor; 6] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(86, 180, 233),
+    RGBColor(230, 159, 0),
 ];
 
 /// How the values of a field become colours, perceptually uniform. All are bright enough for black
@@ -44,12 +38,12 @@ const MIDDLE_LIGHTNESS: f64 = 0.975;
 /// Its ends, of the same lightness and strength both: light enough for black lines.
 const END_LIGHTNESS: f64 = 0.73;
 const END_CHROMA: f64 = 0.105;
-/// Steps from the middle to either end: more than colours have.
-const STEPS: usize = 256;
+/// Steps from end to end: more than colours have.
+const STEPS: usize = 512;
 
 impl ColourMap {
     /// The colour at a share of the way from the middle to an end, from −1 to 1.
-    fn at(self, share: f64) -> Colour {
+    fn at(self, share: f64) -> RGBColor {
         let lightness = |share: f64| MIDDLE_LIGHTNESS + share * (END_LIGHTNESS - MIDDLE_LIGHTNESS);
         // Below and above zero, in degrees.
         let diverging = |[below, above]: [f64; 2]| {
@@ -67,14 +61,14 @@ impl ColourMap {
 }
 
 /// Viridis from 0 to 1, but not from its dark end, on which black lines are lost.
-fn viridis(share: f64) -> Colour {
+fn viridis(share: f64) -> RGBColor {
     let Color { r, g, b } = colorous::VIRIDIS.eval_continuous(0.25 + 0.75 * share);
-    Colour([r, g, b])
+    RGBColor(r, g, b)
 }
 
 /// The colour of a lightness, a strength and a hue in Oklab, where equal steps look equal
 /// (B. Ottosson, "A perceptual color space for image processing", 2020).
-fn perceptual(lightness: f64, chroma: f64, hue: f64) -> Colour {
+fn perceptual(lightness: f64, chroma: f64, hue: f64) -> RGBColor {
     let (sin, cos) = hue.to_radians().sin_cos();
     let (a, b) = (chroma * cos, chroma * sin);
     let cone = |of_a: f64, of_b: f64| (lightness + of_a * a + of_b * b).powi(3);
@@ -91,7 +85,8 @@ fn perceptual(lightness: f64, chroma: f64, hue: f64) -> Colour {
         value if value <= 0.003_130_8 => 12.92 * value,
         value => 1.055 * value.powf(1.0 / 2.4) - 0.055,
     };
-    Colour(linear.map(|value| (255.0 * encoded(value)).round().clamp(0.0, 255.0) as u8))
+    let [r, g, b] = linear.map(|value| (255.0 * encoded(value)).round().clamp(0.0, 255.0) as u8);
+    RGBColor(r, g, b)
 }
 
 /// Colours for the values from −`bound` to `bound`, or from 0 where nothing can be negative.
@@ -99,7 +94,7 @@ fn perceptual(lightness: f64, chroma: f64, hue: f64) -> Colour {
 pub(super) struct Scale {
     low: f64,
     high: f64,
-    colours: Vec<Colour>,
+    colours: Vec<RGBColor>,
 }
 
 impl Scale {
@@ -110,26 +105,20 @@ impl Scale {
 
     /// Diverging, from `middle` − `bound` to `middle` + `bound`.
     pub fn around(middle: f64, map: ColourMap, bound: f64) -> Scale {
-        let colours = (0..=2 * STEPS)
-            .map(|step| map.at(step as f64 / STEPS as f64 - 1.0))
-            .collect();
-        Scale {
-            low: middle - bound,
-            high: middle + bound,
-            colours,
-        }
+        let ends = [middle - bound, middle + bound];
+        Scale::new(ends, |share| map.at(2.0 * share - 1.0))
     }
 
     /// From 0 up, growing brighter.
     pub fn unsigned(bound: f64) -> Scale {
-        let colours = (0..=2 * STEPS)
-            .map(|step| viridis(step as f64 / (2 * STEPS) as f64))
-            .collect();
-        Scale {
-            low: 0.0,
-            high: bound,
-            colours,
-        }
+        Scale::new([0.0, bound], viridis)
+    }
+
+    /// With a colour for each share of the way from the low end to the high one.
+    fn new([low, high]: [f64; 2], colour: impl Fn(f64) -> RGBColor) -> Scale {
+        let shares = (0..=STEPS).map(|step| step as f64 / STEPS as f64);
+        let colours = shares.map(colour).collect();
+        Scale { low, high, colours }
     }
 
     /// The values at its ends.
@@ -138,9 +127,9 @@ impl Scale {
     }
 
     /// The colour of a value; what lies beyond an end has that end's, what is no number is grey.
-    pub fn at(&self, value: f64) -> Colour {
+    pub fn at(&self, value: f64) -> RGBColor {
         if value.is_nan() {
-            return Colour::GREY;
+            return GREY;
         }
         let share = ((value - self.low) / (self.high - self.low)).clamp(0.0, 1.0);
         let last = self.colours.len() - 1;
@@ -153,7 +142,7 @@ impl Scale {
 mod tests {
     use super::*;
 
-    fn luminance(Colour([r, g, b]): Colour) -> f64 {
+    fn luminance(RGBColor(r, g, b): RGBColor) -> f64 {
         let linear = |channel: u8| (f64::from(channel) / 255.0).powf(2.2);
         0.2126 * linear(r) + 0.7152 * linear(g) + 0.0722 * linear(b)
     }
@@ -203,7 +192,7 @@ mod tests {
     #[test]
     fn signs_differ_in_blue_against_red() {
         let scale = Scale::signed(ColourMap::BlueRed, 1.0);
-        let (Colour([r, _, b]), Colour([red, _, blue])) = (scale.at(-1.0), scale.at(1.0));
+        let (RGBColor(r, _, b), RGBColor(red, _, blue)) = (scale.at(-1.0), scale.at(1.0));
         assert!(b > r && red > blue);
     }
 
@@ -212,7 +201,7 @@ mod tests {
         let scale = Scale::signed(ColourMap::BlueRed, 1.0);
         assert_eq!(scale.at(1e300), scale.at(1.0));
         assert_eq!(scale.at(f64::NEG_INFINITY), scale.at(-1.0));
-        assert_eq!(scale.at(f64::NAN), Colour::GREY);
+        assert_eq!(scale.at(f64::NAN), GREY);
         let scale = Scale::unsigned(1.0);
         assert!(luminance(scale.at(0.0)) < luminance(scale.at(1.0)));
     }

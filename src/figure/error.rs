@@ -74,3 +74,10 @@ pub enum FigureError {
     #[error(transparent)]
     File(#[from] RecordError),
 }
+
+/// Of writing to a string, which does not fail.
+impl From<std::fmt::Error> for FigureError {
+    fn from(error: std::fmt::Error) -> Self {
+        FigureError::Draw(error.to_string())
+    }
+}

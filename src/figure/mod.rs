@@ -1,8 +1,7 @@
 //! The pictures of a report, as PNG and SVG, with their data as CSV and VTU.
 //!
-//! A picture is composed once, in pixels (`drawing`); plotters draws it on pixels or into SVG
-//! (`paint`). Letters are outlines of a font in the program, so that a picture is the same on every
-//! machine. φ = 0 is the exact zero set of the P1 function, triangle by triangle; the colour of a
+//! plotters draws the charts, on a back end that PNG and SVG have in common (`canvas`). Letters are outlines
+//! of a font in the program, so that a picture is the same on every machine. φ = 0 is the exact zero set of the P1 function, triangle by triangle; the colour of a
 //! pixel is that of the P1 function at the pixel's centre.
 //!
 //! Every PNG holds its physical size and, in text chunks, what it takes to make it again: the
@@ -10,15 +9,16 @@
 //!
 //! Nothing here knows a thread: call it where neither the solver nor the screen has to wait.
 
+mod canvas;
 mod colour;
 mod curves;
 mod data;
-mod drawing;
+mod elements;
 mod error;
+mod legend;
 mod needs;
 mod number;
 mod outline;
-mod paint;
 mod panel;
 mod pixels;
 mod png;

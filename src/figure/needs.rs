@@ -5,17 +5,17 @@
 //!
 //! | figure | pixels | PNG | SVG | foreseen |
 //! |---|---|---|---|---|
-//! | strip of five, arrows | 400 × 274 | 0.89 | 5.42 | 7.2 |
-//! | view of φ | 400 × 383 | 1.07 | 3.58 | 6.4 |
-//! | strip of five, arrows | 2000 × 480 | 5.22 | 8.22 | 10.9 |
+//! | strip of five, arrows | 400 × 274 | 0.89 | 3.78 | 7.3 |
+//! | view of φ | 400 × 383 | 1.07 | 3.45 | 6.2 |
+//! | strip of five, arrows | 2000 × 480 | 5.22 | 5.97 | 11.1 |
 //!
 //! Beyond that the drawing itself takes three bytes for each cell of its images, for which [`colours`] asks.
 //! Tables with a row a node are written as they are made.
 
 use super::FigureError;
-use super::colour::Colour;
-use super::drawing::{Drawing, Shape};
+use super::canvas::Drawing;
 use crate::simulation::Claim;
+use plotters::style::RGBColor;
 
 /// A pixel of a picture while it is drawn.
 const PIXEL: u64 = 4;
@@ -25,7 +25,7 @@ const ENCODED: u64 = 1;
 const CELL: f64 = 3.0;
 /// and one of any image there, in letters: fields are smooth, and half a byte is left of a cell.
 const CELL_IN_LETTERS: f64 = 1.5;
-/// A point of a shape, on the canvas and in an SVG.
+/// A point of a shape in an SVG.
 const POINT: u64 = 64;
 /// Whatever else: tables of the encoder, letters, the words of where the picture comes from.
 const BESIDES: u64 = 2 << 20;
@@ -35,7 +35,7 @@ const BESIDES: u64 = 2 << 20;
 /// # Errors
 /// [`FigureError::Memory`].
 pub(super) fn colours([columns, rows]: [usize; 2]) -> Result<Claim, FigureError> {
-    let bytes = columns * rows * size_of::<Colour>();
+    let bytes = columns * rows * size_of::<RGBColor>();
     claim(
         format!("a field in colour, {columns} \u{d7} {rows}"),
         bytes as u64,
@@ -57,17 +57,10 @@ pub(super) fn bytes_of_picture(drawing: &Drawing) -> u64 {
     let pixels = u64::from(drawing.width) * u64::from(drawing.height);
     let cells = drawing.images.iter().map(|image| image.cells.len());
     let (largest, all) = (cells.clone().max().unwrap_or(0), cells.sum::<usize>());
-    let points: usize = drawing.shapes.iter().map(points_of).sum();
+    let points: usize = drawing.shapes.iter().map(|it| it.path.points().len()).sum();
     let images = CELL * largest as f64 + CELL_IN_LETTERS * all as f64;
     let svg = images as u64 + POINT * points as u64;
     BESIDES + svg.max((PIXEL + ENCODED) * pixels)
-}
-
-fn points_of(shape: &Shape) -> usize {
-    match shape {
-        Shape::Line { points, .. } => points.len(),
-        Shape::Area { curves, .. } => curves.iter().map(Vec::len).sum(),
-    }
 }
 
 fn claim(what: String, bytes: u64) -> Result<Claim, FigureError> {

@@ -1,6 +1,10 @@
 //! Numbers on pictures: where ticks stand, and how they are written.
 
+use super::canvas::LARGEST;
 use super::text::Label;
+use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
+use plotters::coord::types::RangedCoordf64;
+use std::ops::Range;
 
 /// The least part of a value that ticks resolve: below it is rounding.
 const LEAST_SPAN: f64 = 1e-9;
@@ -50,6 +54,12 @@ impl Axis {
         Label::text(&with_minus(&format!("{value:.decimals$}")))
     }
 
+    /// The width of the widest of its numbers, in a text of this size.
+    pub fn widest(&self, size: f64) -> f64 {
+        let widths = self.ticks.iter().map(|tick| self.label(*tick).width(size));
+        widths.fold(0.0, f64::max)
+    }
+
     /// The name of what the axis shows, with what its numbers leave out.
     pub fn name(&self, symbol: Label) -> Label {
         match self.exponent {
@@ -67,16 +77,45 @@ impl Axis {
     }
 }
 
+/// A coordinate of plotters, with ticks of its own that are written as print has them.
+impl Ranged for Axis {
+    type FormatOption = NoDefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, limits: (i32, i32)) -> i32 {
+        RangedCoordf64::from(self.range()).map(value, limits)
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, _: Hint) -> Vec<f64> {
+        self.ticks.clone()
+    }
+
+    fn range(&self) -> Range<f64> {
+        let [low, high] = self.range;
+        low..high
+    }
+}
+
+impl ValueFormatter<f64> for Axis {
+    fn format_ext(&self, tick: &f64) -> String {
+        self.label(*tick).into()
+    }
+}
+
+/// The least and the greatest of the values that can have a place in a chart, if there is one.
+pub(super) fn extent(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
+    let values = values.filter(|value| value.abs() <= LARGEST);
+    values.fold(None, |extent, value| {
+        let [low, high] = extent.unwrap_or([value; 2]);
+        Some([low.min(value), high.max(value)])
+    })
+}
+
 /// A range that shows all values with a little room on both sides; not less than their rounding.
 pub(super) fn roomy_range(values: impl Iterator<Item = f64>) -> [f64; 2] {
-    let (low, high) = values
-        .filter(|value| value.is_finite())
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-            (low.min(value), high.max(value))
-        });
-    if low > high {
+    let Some([low, high]) = extent(values) else {
         return [0.0, 1.0];
-    }
+    };
     let size = low.abs().max(high.abs());
     let span = high - low;
     if span <= LEAST_SPAN * size || span == 0.0 {

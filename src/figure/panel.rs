@@ -1,17 +1,26 @@
 //! The picture of a state: a field in colour, the membrane, the director.
 
-use super::colour::{Colour, Scale};
+use super::canvas::{
+    Image, Page, Rectangle, draw_line, font, part, pieces, stroke, units, write_label,
+};
+use super::colour::Scale;
 use super::data::Field;
-use super::drawing::{Drawing, Image, Rectangle};
+use super::elements::{arrow, raster};
 use super::number::{Axis, number};
 use super::outline::chain;
 use super::sampling::{Frame, sample, sample_each};
-use super::text::{Across, Along, Label};
+use super::text::Label;
 use super::{Director, FigureError, needs};
 use crate::fem::{Contour, Mesh, Wall};
 use crate::physics::bending_energy_density;
 use crate::scheme::State;
+use plotters::chart::{ChartBuilder, LabelAreaPosition};
+use plotters::element::PathElement;
+use plotters::series::LineSeries;
+use plotters::style::text_anchor::{HPos, VPos};
+use plotters::style::{BLACK, ShapeStyle, WHITE};
 use std::borrow::Cow;
+use std::iter::once;
 
 /// A picture is sampled at so many points a side at least: an SVG may be shown larger.
 const LEAST_SAMPLES: f64 = 480.0;
@@ -33,15 +42,8 @@ pub(super) struct Style<'a> {
     pub size: f64,
 }
 
-impl Style<'_> {
-    /// The width of a line of weight 1.
-    pub fn stroke(&self) -> f64 {
-        stroke(self.size)
-    }
-}
-
 /// The width of a line of weight 1 in a picture whose text has this size.
-pub(super) fn stroke(size: f64) -> f64 {
+pub(super) fn line_weight(size: f64) -> f64 {
     (size / 18.0).max(0.6)
 }
 
@@ -78,141 +80,110 @@ pub(super) fn symbol(state: &State, field: Field) -> Label {
 /// # Errors
 /// [`FigureError::Memory`] for its colours.
 pub(super) fn draw(
-    drawing: &mut Drawing,
+    page: &Page,
     place: Rectangle,
     mesh: &Mesh,
     state: &State,
     style: &Style,
 ) -> Result<(), FigureError> {
+    let Frame { corner, side } = Frame::around(mesh);
+    let [x, y] = corner.map(|low| low..low + side);
+    let corners = [(x.start, y.start), (x.end, y.end)];
+    let mut chart = ChartBuilder::on(&part(page, place)).build_cartesian_2d(x, y)?;
     let values = values(state, style.field);
-    let finer = (LEAST_SAMPLES / place.width()).ceil().max(1.0);
-    // An odd factor: the centre of a pixel is then the centre of a cell.
-    let finer = finer as usize | 1;
-    let size = [
-        place.width() as usize * finer,
-        place.height() as usize * finer,
-    ];
-    let _claim = needs::colours(size)?;
-    // What no value is put into is outside of the domain.
-    let mut cells = vec![Colour::WHITE; size[0] * size[1]];
-    sample_each(mesh, [&*values], size[0], size[1], |cell, [value]| {
-        cells[cell] = style.scale.at(value);
-    });
-    drawing.images.push(Image { place, size, cells });
-
-    let frame = Frame::around(mesh);
-    let on_picture = |at: [f64; 2]| {
-        let [x, y] = frame.share(at);
-        [
-            place.left + x * place.width(),
-            place.bottom - y * place.height(),
-        ]
-    };
+    let field = |place| field_image(place, mesh, &values, style.scale);
+    chart.draw_series(once(raster(corners, field)))?;
+    let line = |width: f64| stroke(BLACK, width * line_weight(style.size));
     if let Some(director) = &state.director {
-        draw_director(drawing, &place, mesh, (&state.phi, director), style);
-    }
-    for curve in chain(&Contour::new(mesh, &state.phi)) {
-        let points = curve.into_iter().map(on_picture).collect();
-        drawing.line(points, 1.6 * style.stroke(), Colour::BLACK);
-    }
-    // A domain that does not fill the frame has its own line.
-    let area: f64 = mesh.areas().iter().sum();
-    if area < (1.0 - 1e-9) * frame.side * frame.side {
-        let wall = Contour {
-            segments: Wall::of(mesh).edges().to_vec(),
-            area,
-        };
-        for curve in chain(&wall) {
-            let points = curve.into_iter().map(on_picture).collect();
-            drawing.line(points, 0.8 * style.stroke(), Colour::BLACK);
+        let ends = director_ends(place, mesh, (&state.phi, director), style.size);
+        match style.director {
+            Director::Arrows => {
+                chart.draw_series(ends.map(|ends| arrow(ends, line(0.75))))?;
+            }
+            Director::Strokes => {
+                chart.draw_series(ends.map(|ends| PathElement::new(ends, line(1.0))))?;
+            }
+            Director::Off => {}
         }
     }
-    drawing.line(
-        place.corners().to_vec(),
-        0.8 * style.stroke(),
-        Colour::BLACK,
-    );
+    let mut curves = |contour: &Contour, line: ShapeStyle| {
+        for curve in chain(contour) {
+            for piece in pieces(curve.into_iter().map(<(f64, f64)>::from)) {
+                chart.draw_series(LineSeries::new(piece, line))?;
+            }
+        }
+        Ok::<(), FigureError>(())
+    };
+    curves(&Contour::new(mesh, &state.phi), line(1.6))?;
+    // A domain that does not fill the frame has its own line.
+    let area: f64 = mesh.areas().iter().sum();
+    if area < (1.0 - 1e-9) * side * side {
+        let segments = Wall::of(mesh).edges().to_vec();
+        curves(&Contour { segments, area }, line(0.8))?;
+    }
+    let frame = plotters::element::Rectangle::new(corners, line(0.8));
+    chart.draw_series(once(frame))?;
     Ok(())
 }
 
-/// The director inside the vesicle, on a lattice.
-fn draw_director(
-    drawing: &mut Drawing,
-    place: &Rectangle,
+/// The colours of a P1 function on the pixels of a place.
+fn field_image(
+    place: Rectangle,
+    mesh: &Mesh,
+    values: &[f64],
+    scale: &Scale,
+) -> Result<Image, FigureError> {
+    let finer = (LEAST_SAMPLES / place.width()).ceil().max(1.0);
+    // An odd factor: the centre of a pixel is then the centre of a cell.
+    let finer = finer as usize | 1;
+    let size = [place.width(), place.height()].map(|pixels| pixels as usize * finer);
+    let _claim = needs::colours(size)?;
+    // What no value is put into is outside of the domain.
+    let mut cells = vec![WHITE; size[0] * size[1]];
+    sample_each(mesh, [values], size[0], size[1], |cell, [value]| {
+        cells[cell] = scale.at(value);
+    });
+    Ok(Image { place, size, cells })
+}
+
+/// Where the director begins and ends inside the vesicle, on a lattice.
+fn director_ends(
+    place: Rectangle,
     mesh: &Mesh,
     (phi, director): (&[f64], &[Vec<f64>; 2]),
-    style: &Style,
-) {
-    if style.director == Director::Off {
-        return;
-    }
+    size: f64,
+) -> impl Iterator<Item = [(f64, f64); 2]> {
     // As many as can be told apart.
-    let cells = (place.width() / (0.42 * style.size)).clamp(10.0, 34.0) as usize;
-    let spacing = place.width() / cells as f64;
+    let cells = (place.width() / (0.42 * size)).clamp(10.0, 34.0) as usize;
+    let frame = Frame::around(mesh);
+    let spacing = frame.side / cells as f64;
     let [x, y] = director;
-    let inside = sample(mesh, [phi], FINER * cells, FINER * cells);
+    let fine = FINER * cells;
+    let inside = sample(mesh, [phi], fine, fine);
     // Whether φ > 0 there, to a fraction of the lattice's step.
-    let is_inside = |point: [f64; 2]| {
-        let steps = |offset: f64| (FINER as f64 * offset / spacing).max(0.0) as usize;
-        let (column, row) = (steps(point[0] - place.left), steps(point[1] - place.top));
-        let number = (FINER * cells * row + column).min(inside.len() - 1);
+    let is_inside = move |end: [f64; 2]| {
+        let [x, y] = frame.share(end);
+        let [column, row] = [x, 1.0 - y].map(|share| (fine as f64 * share).max(0.0) as usize);
+        let number = (fine * row + column).min(inside.len() - 1);
         inside[number][0] > 0.0
     };
-    for (number, [phi, dx, dy]) in sample(mesh, [phi, x, y], cells, cells)
-        .into_iter()
-        .enumerate()
-    {
+    let sampled = sample(mesh, [phi, x, y], cells, cells);
+    let ends = move |(number, [phi, dx, dy]): (usize, [f64; 3])| {
         let length = dx.hypot(dy);
         // What is no number is not drawn either.
         let is_seen = phi > 0.0 && length > SHORTEST && length.is_finite();
-        if !is_seen {
-            continue;
-        }
-        let center = [
-            place.left + ((number % cells) as f64 + 0.5) * spacing,
-            place.top + ((number / cells) as f64 + 0.5) * spacing,
-        ];
+        let center = [number % cells, cells - 1 - number / cells].map(|it| it as f64 + 0.5);
         let half = 0.5 * spacing * (ARROW * length).min(LONGEST) / length;
-        // y points down in a picture.
-        let step = [dx * half, -dy * half];
+        let end = |sign: f64| {
+            let step = [dx, dy].map(|part| sign * half * part);
+            [0, 1].map(|axis| frame.corner[axis] + spacing * center[axis] + step[axis])
+        };
+        let ends = [-1.0, 1.0].map(end);
         // What belongs to the inside does not reach over the membrane.
-        let ends = [-1.0, 1.0].map(|sign| [0, 1].map(|i| center[i] + sign * step[i]));
-        if !ends.into_iter().all(is_inside) {
-            continue;
-        }
-        match style.director {
-            Director::Arrows => draw_arrow(drawing, center, step, style),
-            Director::Strokes | Director::Off => {
-                drawing.line(ends.to_vec(), style.stroke(), Colour::BLACK);
-            }
-        }
-    }
-}
-
-/// An arrow from `center` − `step` to `center` + `step`.
-fn draw_arrow(drawing: &mut Drawing, center: [f64; 2], step: [f64; 2], style: &Style) {
-    let half = step[0].hypot(step[1]);
-    let head = 0.85 * half;
-    let along = step.map(|part| part / half);
-    let across = [-along[1], along[0]];
-    let at = |forward: f64, aside: f64| {
-        [0, 1].map(|i| center[i] + forward * along[i] + aside * across[i])
+        let is_drawn = is_seen && ends.into_iter().all(&is_inside);
+        is_drawn.then(|| ends.map(<(f64, f64)>::from))
     };
-    drawing.line(
-        vec![at(-half, 0.0), at(half - 0.7 * head, 0.0)],
-        0.75 * style.stroke(),
-        Colour::BLACK,
-    );
-    let barb = 0.36 * head;
-    drawing.polygon(
-        vec![
-            at(half, 0.0),
-            at(half - head, barb),
-            at(half - 0.75 * head, 0.0),
-            at(half - head, -barb),
-        ],
-        Colour::BLACK,
-    );
+    sampled.into_iter().enumerate().filter_map(ends)
 }
 
 /// How long ticks are, in sizes of the text.
@@ -237,60 +208,48 @@ pub(super) fn lower_room(size: f64) -> f64 {
 
 /// Ticks at the square's left and lower side, with numbers where they are asked for.
 pub(super) fn draw_axes(
-    drawing: &mut Drawing,
+    page: &Page,
     place: Rectangle,
     mesh: &Mesh,
     size: f64,
     numbers: Numbers,
-) {
-    let tick = TICK * size;
-    let width = 0.8 * stroke(size);
+) -> Result<(), FigureError> {
     let Frame { corner, side } = Frame::around(mesh);
-    for share in [0.0, 0.5, 1.0] {
-        let [across, up] = corner.map(|least| tick_label(least + share * side, side));
-        let x = place.left + share * place.width();
-        let y = place.bottom - share * place.height();
-        drawing.line(
-            vec![[x, place.bottom], [x, place.bottom + tick]],
-            width,
-            Colour::BLACK,
-        );
-        drawing.line(
-            vec![[place.left, y], [place.left - tick, y]],
-            width,
-            Colour::BLACK,
-        );
-        if numbers.below {
-            let at = [x, place.bottom + tick + NUMBER_GAP * size];
+    for (axis, name, is_numbered) in [(0, "x", numbers.below), (1, "y", numbers.left)] {
+        // So many sizes of the text away from the square.
+        let at = |share: f64, out: f64| match axis {
+            0 => [
+                place.left + share * place.width(),
+                place.bottom + out * size,
+            ],
+            _ => [
+                place.left - out * size,
+                place.bottom - share * place.height(),
+            ],
+        };
+        let gap = TICK + [NUMBER_GAP, TICK_GAP][axis];
+        let beside = [(HPos::Center, VPos::Top), (HPos::Right, VPos::Center)][axis];
+        for share in [0.0, 0.5, 1.0] {
+            let width = 0.8 * line_weight(size);
+            draw_line(page, &[at(share, 0.0), at(share, TICK)], width)?;
+            let label = tick_label(corner[axis] + share * side, side);
             // Long numbers at the ends keep out of the next picture.
+            let is_long = axis == 0 && label.width(size) >= LONG_NUMBER * size;
             let anchor = match share {
-                _ if across.width(size) < LONG_NUMBER * size => Across::Middle,
-                0.0 => Across::Left,
-                1.0 => Across::Right,
-                _ => Across::Middle,
+                0.0 if is_long => (HPos::Left, VPos::Top),
+                1.0 if is_long => (HPos::Right, VPos::Top),
+                _ => beside,
             };
-            drawing.label(&across, size, at, anchor, Along::Top);
+            if is_numbered {
+                write_label(page, &label, size, at(share, gap), anchor)?;
+            }
         }
-        if numbers.left {
-            let at = [place.left - tick - TICK_GAP * size, y];
-            drawing.label(&up, size, at, Across::Right, Along::Middle);
+        if is_numbered {
+            // The axis' name stands between the numbers.
+            write_label(page, &Label::symbol(name), size, at(0.75, gap), beside)?;
         }
     }
-    // The axes' names stand between the numbers.
-    if numbers.below {
-        let at = [
-            place.left + 0.75 * place.width(),
-            place.bottom + tick + NUMBER_GAP * size,
-        ];
-        drawing.label(&Label::symbol("x"), size, at, Across::Middle, Along::Top);
-    }
-    if numbers.left {
-        let at = [
-            place.left - tick - TICK_GAP * size,
-            place.bottom - 0.75 * place.height(),
-        ];
-        drawing.label(&Label::symbol("y"), size, at, Across::Right, Along::Middle);
-    }
+    Ok(())
 }
 
 /// A coordinate in at most two decimals, or in three digits where the domain is too small for that.
@@ -329,8 +288,8 @@ pub(super) fn bar_axis(scale: &Scale, height: f64, size: f64) -> Axis {
 pub(super) fn bar_room(scale: &Scale, size: f64, name: &Label) -> f64 {
     let room = |most: usize| {
         let axis = Axis::new(scale.range(), most);
-        let widths = axis.ticks.iter().map(|tick| axis.label(*tick).width(size));
-        let numbers = widths.fold(0.0, f64::max) + (BAR + TICK + TICK_GAP) * size;
+        // plotters writes the numbers two ticks away.
+        let numbers = axis.widest(size) + (BAR + 2.0 * TICK) * size;
         numbers.max(axis.name(name.clone()).width(size))
     };
     BAR_TICKS.map(room).fold(0.0, f64::max)
@@ -344,42 +303,47 @@ const BAR: f64 = 0.9;
 
 /// Draws a colour bar whose upper left corner is `corner`, with its name above.
 pub(super) fn draw_bar(
-    drawing: &mut Drawing,
+    page: &Page,
     scale: &Scale,
     corner: [f64; 2],
     height: f64,
     size: f64,
     name: &Label,
-) {
-    let place = Rectangle {
-        left: corner[0],
-        top: corner[1],
-        right: corner[0] + BAR * size,
-        bottom: corner[1] + height,
-    }
-    .on_pixels();
-    let (columns, rows) = (place.width() as usize, place.height() as usize);
+) -> Result<(), FigureError> {
+    let bar = Rectangle::new(corner, [BAR * size, height]).on_pixels();
+    let axis = bar_axis(scale, height, size);
+    let [low, high] = scale.range();
+    let room = bar_room(scale, size, name);
+    let mut chart = ChartBuilder::on(&part(page, bar.with_room([0.0, room, 0.0])))
+        .right_y_label_area_size(units(room))
+        .build_cartesian_2d(0.0..1.0, axis.clone())?;
+    let corners = [(0.0, low), (1.0, high)];
+    chart.draw_series(once(raster(corners, |place| Ok(bar_image(place, scale)))))?;
+    let line = stroke(BLACK, 0.8 * line_weight(size));
+    chart
+        .configure_mesh()
+        .disable_mesh()
+        .axis_style(line)
+        .label_style(font(size))
+        .set_tick_mark_size(LabelAreaPosition::Right, units(TICK * size))
+        .draw()?;
+    // plotters draws the fourth side, as an axis.
+    let sides = [(1.0, high), (0.0, high), (0.0, low), (1.0, low)];
+    chart.draw_series(once(PathElement::new(sides, line)))?;
+    let at = [bar.left, bar.top - 1.35 * size];
+    let name = axis.name(name.clone());
+    write_label(page, &name, size, at, (HPos::Left, VPos::Top))
+}
+
+/// The colours of a scale from the top of a place to its bottom.
+fn bar_image(place: Rectangle, scale: &Scale) -> Image {
+    // A single column would do, but some programs blur it to the sides when they show an SVG.
+    let size @ [columns, rows] = [place.width(), place.height()].map(|pixels| pixels as usize);
     let [low, high] = scale.range();
     let value = |row: usize| high - (high - low) * (row as f64 + 0.5) / rows as f64;
     let row = |row: usize| std::iter::repeat_n(scale.at(value(row)), columns);
-    drawing.images.push(Image {
-        place,
-        // A single column would do, but some programs blur it to the sides when they show an SVG.
-        size: [columns, rows],
-        cells: (0..rows).flat_map(row).collect(),
-    });
-    let width = 0.8 * stroke(size);
-    drawing.line(place.corners().to_vec(), width, Colour::BLACK);
-    let axis = bar_axis(scale, height, size);
-    for &tick in &axis.ticks {
-        let y = place.bottom - axis.place(tick) * place.height();
-        let end = place.right + TICK * size;
-        drawing.line(vec![[place.right, y], [end, y]], width, Colour::BLACK);
-        let at = [end + TICK_GAP * size, y];
-        drawing.label(&axis.label(tick), size, at, Across::Left, Along::Middle);
-    }
-    let at = [place.left, place.top - 1.35 * size];
-    drawing.label(&axis.name(name.clone()), size, at, Across::Left, Along::Top);
+    let cells = (0..rows).flat_map(row).collect();
+    Image { place, size, cells }
 }
 
 /// The scale for some states of one figure: the same for all, and wide enough for each.

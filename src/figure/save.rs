@@ -1,7 +1,7 @@
 //! Figures as files.
 
+use super::canvas::Drawing;
 use super::data::{Field, RunData, RunLabel, Snapshot, View, check_fields, five};
-use super::drawing::Drawing;
 use super::provenance::{Provenance, Shown};
 use super::scalars::{self, ScalarFigure};
 use super::strip::{self, Strip};
@@ -27,14 +27,15 @@ pub fn save_view(
     check_fields(view.name, view.mesh, view.state, view.report.t)?;
     let label = RunLabel::new(view.name, view.scene, &[]);
     let (step, t) = (view.report.step, view.report.t);
-    let stem = format!("{}-step-{step:07}{}", label.file, suffix(view.field));
+    let (what, suffix) = what_and_suffix(view.field);
+    let stem = format!("{}-step-{step:07}{suffix}", label.file);
     let mut files = Files::claim(folder, vec![stem], &["png", "svg", "csv", "vtu"], options)?;
     let shown = Shown {
         label: &label,
         scene: view.scene,
         times: vec![(step, t)],
     };
-    let provenance = Provenance::new(what(view.field), view.command, &[shown]);
+    let provenance = Provenance::new(what, view.command, &[shown]);
     let stem = files.stem(0);
     // The numbers first: a picture may be what there is no memory for.
     files.write(&stem, "csv", |file| {
@@ -48,25 +49,14 @@ pub fn save_view(
     Ok(files.written)
 }
 
-/// What a view shows.
-fn what(field: Field) -> &'static str {
+/// What a view shows, and the field in the name of its files; φ is not named.
+fn what_and_suffix(field: Field) -> (&'static str, &'static str) {
     match field {
-        Field::Phase => "View of φ",
-        Field::DirectorLength => "View of |d|",
-        Field::Bending => "View of ω",
-        Field::Potential => "View of μ",
-        Field::BendingDensity { .. } => "View of ε/2 ω²",
-    }
-}
-
-/// The field in the name of a file; φ is not named.
-fn suffix(field: Field) -> &'static str {
-    match field {
-        Field::Phase => "",
-        Field::DirectorLength => "-director",
-        Field::Bending => "-omega",
-        Field::Potential => "-mu",
-        Field::BendingDensity { .. } => "-bending-density",
+        Field::Phase => ("View of φ", ""),
+        Field::DirectorLength => ("View of |d|", "-director"),
+        Field::Bending => ("View of ω", "-omega"),
+        Field::Potential => ("View of μ", "-mu"),
+        Field::BendingDensity { .. } => ("View of ε/2 ω²", "-bending-density"),
     }
 }
 
@@ -221,7 +211,7 @@ impl<'a> Set<'a> {
                 [label] => format!("{}: {}", figure.what, label.title),
                 _ => figure.what.to_owned(),
             };
-            let drawing = curves::draw(&Label::text(&title), &keys, &figure.plots, options);
+            let drawing = curves::draw(&Label::text(&title), &keys, &figure.plots, options)?;
             let provenance = self.provenance(figure.what, |number| {
                 let history = &self.runs[number].history;
                 let [steps, times] =

@@ -1,8 +1,9 @@
 //! Which scalars of a run are plotted, and how they are called.
 
 use super::colour::LINE_COLOURS;
-use super::curves::{Curve, Key, Look, Pattern, Plot};
+use super::curves::{Curve, Look, Pattern, Plot};
 use super::data::{RunData, RunLabel};
+use super::number::extent;
 use super::table::Table;
 use super::text::Label;
 
@@ -45,13 +46,13 @@ impl Scalar {
 }
 
 /// What the lines of several runs stand for.
-pub(super) fn keys(labels: &[RunLabel]) -> Vec<Key> {
+pub(super) fn keys(labels: &[RunLabel]) -> Vec<(Label, Look)> {
     let key = |(label, look): (&RunLabel, Look)| (Label::text(&label.title), look);
     labels.iter().zip(looks(labels.len())).map(key).collect()
 }
 
 /// How the lines of the runs are broken, group by group.
-const PATTERNS: [Pattern; 3] = [Pattern::Solid, Pattern::DashDot, Pattern::Long];
+const PATTERNS: [Pattern; 3] = [Pattern::Solid, Pattern::Long, Pattern::Dots];
 
 /// How the lines of so many runs look. Where there are more than colours, they make groups that are
 /// equal but for the dashes: the paper's four cases with one anchoring and then with the other have the
@@ -184,12 +185,12 @@ fn plot(scalar: Scalar, runs: &[RunData]) -> Plot {
         let ends = [times.first(), times.last()].into_iter().flatten();
         if let Some(&Some(target)) = targets.get(number) {
             curves.push(Curve {
-                points: ends.map(|t| [*t, target]).collect(),
+                points: ends.map(|t| (*t, target)).collect(),
                 look: aside,
             });
         }
         if let Some(values) = &scalar.values[number] {
-            let points = times.iter().zip(values).map(|(t, value)| [*t, *value]);
+            let points = times.iter().zip(values).map(|(t, value)| (*t, *value));
             curves.push(Curve {
                 points: points.collect(),
                 look,
@@ -206,11 +207,8 @@ fn plot(scalar: Scalar, runs: &[RunData]) -> Plot {
 
 /// An upright dashed line wherever the anchoring of a run was switched, as high as the run's curve.
 fn marks(run: &RunData, times: &[f64], values: &[f64], look: Look) -> Vec<Curve> {
-    let finite = || values.iter().copied().filter(|value| value.is_finite());
-    let (low, high) = (
-        finite().fold(f64::INFINITY, f64::min),
-        finite().fold(f64::NEG_INFINITY, f64::max),
-    );
+    // Where there is no value there is no line.
+    let [low, high] = extent(values.iter().copied()).unwrap_or([f64::NAN; 2]);
     let steps = run.history.column("step").unwrap_or_default();
     let switched = run.switches.iter().filter_map(|(step, _)| {
         let row = steps.iter().position(|other| *other == *step as f64)?;
@@ -218,7 +216,7 @@ fn marks(run: &RunData, times: &[f64], values: &[f64], look: Look) -> Vec<Curve>
     });
     switched
         .map(|t| Curve {
-            points: vec![[*t, low], [*t, high]],
+            points: vec![(*t, low), (*t, high)],
             look,
         })
         .collect()

@@ -1,12 +1,13 @@
 //! Pictures of states beside each other, for one run or for several under each other.
 
+use super::canvas::{Drawing, Rectangle, write_label, write_paragraph};
 use super::data::{Field, Snapshot};
-use super::drawing::{Drawing, Rectangle};
 use super::number::number;
 use super::panel::{self, Numbers, Style};
-use super::text::{Across, Along, Label, line_height};
+use super::text::Label;
 use super::{FigureError, FigureOptions, TEXT_SIZES_A_WIDTH, text_size};
 use crate::fem::Mesh;
+use plotters::style::text_anchor::{HPos, VPos};
 
 /// A run's strip.
 pub(super) struct Strip<'a> {
@@ -48,75 +49,61 @@ pub(super) fn draw(strips: &[Strip], options: &FigureOptions) -> Result<Drawing,
     let left = margin + panel::left_room(size);
     let room = width - left - gap - bar - margin;
 
-    let widest_title = states()
-        .map(|snapshot| time_label(snapshot.t).width(size))
-        .fold(0.0, f64::max);
+    let titles = states().map(|snapshot| time_label(snapshot.t).width(size));
+    let widest_title = titles.fold(0.0, f64::max);
     let least_side = (widest_title + 0.3 * size).max(5.0 * size);
-    let most = strips
-        .iter()
-        .map(|strip| strip.snapshots.len())
-        .max()
-        .unwrap_or(1)
-        .max(1);
+    let counts = strips.iter().map(|strip| strip.snapshots.len());
+    let most = counts.fold(1, usize::max);
     let side_of = |columns: usize| (room - gap * (columns as f64 - 1.0)) / columns as f64;
-    let columns = (1..=most)
-        .rev()
-        .find(|&columns| side_of(columns) >= least_side)
-        .unwrap_or(1);
+    let fits = |columns: &usize| side_of(*columns) >= least_side;
+    let columns = (1..=most).rev().find(fits).unwrap_or(1);
     // Lines of much the same length: of five, three and two, not four and one.
     let columns = most.div_ceil(most.div_ceil(columns));
     // Two or three pictures alone are not to fill the width.
     let side = side_of(columns.max(most.min(3))).floor();
 
-    let mut drawing = Drawing {
-        width: options.width,
-        ..Drawing::default()
-    };
-    let mut top = margin;
-    for (number, strip) in strips.iter().enumerate() {
-        for line in strip.title.wrapped(size, width - 2.0 * margin) {
-            drawing.label(&line, size, [margin, top], Across::Left, Along::Top);
-            top += line_height(size);
-        }
-        top += 0.25 * size;
-        let lines = strip.snapshots.chunks(columns);
-        let count = lines.len();
-        for (line, snapshots) in lines.enumerate() {
-            top += 1.35 * size;
-            let is_last = line + 1 == count;
-            let numbers_below = count > 1 || number + 1 == strips.len();
-            let mut place = Rectangle {
-                left,
-                top,
-                right: left + side,
-                bottom: top + side,
-            };
-            for (column, snapshot) in snapshots.iter().enumerate() {
-                place.left = left + column as f64 * (side + gap);
-                place.right = place.left + side;
-                let square = place.on_pixels();
-                panel::draw(&mut drawing, square, strip.mesh, &snapshot.state, &style)?;
-                let numbers = Numbers {
-                    left: column == 0,
-                    below: numbers_below,
+    Drawing::compose(options.width, |page| {
+        let mut top = margin;
+        for (number, strip) in strips.iter().enumerate() {
+            top = write_paragraph(
+                page,
+                &strip.title,
+                size,
+                [margin, top],
+                width - 2.0 * margin,
+            )?;
+            top += 0.25 * size;
+            let lines = strip.snapshots.chunks(columns);
+            let count = lines.len();
+            for (line, snapshots) in lines.enumerate() {
+                top += 1.35 * size;
+                let is_last = line + 1 == count;
+                let numbers_below = count > 1 || number + 1 == strips.len();
+                for (column, snapshot) in snapshots.iter().enumerate() {
+                    let left = left + column as f64 * (side + gap);
+                    let square = Rectangle::new([left, top], [side; 2]).on_pixels();
+                    panel::draw(page, square, strip.mesh, &snapshot.state, &style)?;
+                    let numbers = Numbers {
+                        left: column == 0,
+                        below: numbers_below,
+                    };
+                    panel::draw_axes(page, square, strip.mesh, size, numbers)?;
+                    let at = [0.5 * (square.left + square.right), top - 1.35 * size];
+                    let place = (HPos::Center, VPos::Top);
+                    write_label(page, &time_label(snapshot.t), size, at, place)?;
+                }
+                if line == 0 {
+                    let corner = [left + columns as f64 * (side + gap), top.round()];
+                    panel::draw_bar(page, &scale, corner, side.round(), size, &name)?;
+                }
+                top += side;
+                top += match numbers_below {
+                    true => panel::lower_room(size) + if is_last { 0.0 } else { 0.5 * size },
+                    false => 0.5 * size,
                 };
-                panel::draw_axes(&mut drawing, square, strip.mesh, size, numbers);
-                let at = [0.5 * (square.left + square.right), top - 1.35 * size];
-                let title = time_label(snapshot.t);
-                drawing.label(&title, size, at, Across::Middle, Along::Top);
             }
-            if line == 0 {
-                let corner = [left + columns as f64 * (side + gap), top.round()];
-                panel::draw_bar(&mut drawing, &scale, corner, side.round(), size, &name);
-            }
-            top += side;
-            top += match numbers_below {
-                true => panel::lower_room(size) + if is_last { 0.0 } else { 0.5 * size },
-                false => 0.5 * size,
-            };
+            top += 0.6 * size;
         }
-        top += 0.6 * size;
-    }
-    drawing.height = top.ceil() as u32;
-    Ok(drawing)
+        Ok(top)
+    })
 }

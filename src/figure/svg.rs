@@ -1,60 +1,32 @@
-//! SVG files, drawn by plotters; what it does not write is written here: the physical size, where
-//! the picture comes from, the images, and round corners of lines.
+//! SVG files of drawings.
 
-use super::drawing::{Drawing, Image};
-use super::paint::{paint, units_a_pixel};
+use super::canvas::{Drawing, Image, Shape};
 use super::png::encode_plain;
 use super::provenance::Provenance;
 use super::{FigureError, MILLIMETRES_AN_INCH};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use plotters::prelude::SVGBackend;
+use plotters::style::RGBColor;
 use std::fmt::{self, Write};
+use tiny_skia::{PathSegment, Point};
 
 /// The text of the SVG file.
 ///
 /// # Errors
-/// [`FigureError::Encode`], [`FigureError::Draw`].
+/// [`FigureError::Encode`].
 pub(super) fn encode(
     drawing: &Drawing,
     dpi: u32,
     provenance: &Provenance,
 ) -> Result<String, FigureError> {
-    let units = units_a_pixel(drawing);
-    let size = (drawing.width * units, drawing.height * units);
-    let mut shapes = String::new();
-    paint(drawing, units, SVGBackend::with_string(&mut shapes, size))
-        .map_err(|error| FigureError::Draw(error.to_string()))?;
-    // The first line is the tag of the whole.
-    let (_, shapes) = shapes.split_once('\n').unwrap_or(("", &shapes));
-    let images: Vec<String> = drawing
-        .images
-        .iter()
-        .map(data_uri)
-        .collect::<Result<_, _>>()?;
-    let mut text = head(drawing, units, dpi, provenance, &images)
-        .map_err(|error| FigureError::Draw(error.to_string()))?;
-    text.push_str(shapes);
-    Ok(text)
-}
-
-fn head(
-    drawing: &Drawing,
-    units: u32,
-    dpi: u32,
-    provenance: &Provenance,
-    images: &[String],
-) -> Result<String, fmt::Error> {
-    let millimetres = |pixels: u32| f64::from(pixels) * MILLIMETRES_AN_INCH / f64::from(dpi);
     let mut text = String::new();
+    let (width, height) = (drawing.width, drawing.height);
+    let [across, down] =
+        [width, height].map(|pixels| f64::from(pixels) * MILLIMETRES_AN_INCH / f64::from(dpi));
     writeln!(text, r#"<?xml version="1.0" encoding="UTF-8"?>"#)?;
     writeln!(
         text,
-        r#"<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" width="{:.3}mm" height="{:.3}mm" viewBox="0 0 {} {}" stroke-linecap="round" stroke-linejoin="round">"#,
-        millimetres(drawing.width),
-        millimetres(drawing.height),
-        drawing.width * units,
-        drawing.height * units,
+        r#"<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" width="{across:.3}mm" height="{down:.3}mm" viewBox="0 0 {width} {height}" stroke-linecap="round" stroke-linejoin="round">"#,
     )?;
     writeln!(text, "<title>{}</title>", Escaped(provenance.title()))?;
     // The letters are outlines; for search and for those who listen, here they are again.
@@ -74,23 +46,57 @@ fn head(
         text,
         r##"<rect width="100%" height="100%" fill="#FFFFFF"/>"##
     )?;
-    for (image, uri) in drawing.images.iter().zip(images) {
-        let scale = f64::from(units);
+    for image in &drawing.images {
+        let uri = data_uri(image)?;
         let place = image.place;
         writeln!(
             text,
             r#"<image x="{}" y="{}" width="{}" height="{}" preserveAspectRatio="none" xlink:href="{uri}"/>"#,
-            place.left * scale,
-            place.top * scale,
-            place.width() * scale,
-            place.height() * scale,
+            place.left,
+            place.top,
+            place.width(),
+            place.height(),
         )?;
     }
+    for shape in &drawing.shapes {
+        write_shape(&mut text, shape)?;
+    }
+    text.push_str("</svg>\n");
     Ok(text)
 }
 
+fn write_shape(text: &mut String, shape: &Shape) -> fmt::Result {
+    let RGBColor(r, g, b) = shape.colour;
+    let colour = format!("#{r:02X}{g:02X}{b:02X}");
+    match shape.stroke.map(short) {
+        Some(width) => write!(
+            text,
+            r#"<path fill="none" stroke="{colour}" stroke-width="{width}" d=""#
+        )?,
+        None => write!(text, r#"<path fill="{colour}" d=""#)?,
+    }
+    let at = |point: Point| format!("{} {}", short(point.x), short(point.y));
+    for segment in shape.path.segments() {
+        match segment {
+            PathSegment::MoveTo(end) => write!(text, "M{}", at(end)),
+            PathSegment::LineTo(end) => write!(text, "L{}", at(end)),
+            PathSegment::QuadTo(a, end) => write!(text, "Q{} {}", at(a), at(end)),
+            PathSegment::CubicTo(a, b, end) => write!(text, "C{} {} {}", at(a), at(b), at(end)),
+            PathSegment::Close => write!(text, "Z"),
+        }?;
+    }
+    writeln!(text, r#""/>"#)
+}
+
+/// A length in pixels to a hundredth.
+fn short(pixels: f32) -> f32 {
+    (100.0 * pixels).round() / 100.0
+}
+
 fn data_uri(image: &Image) -> Result<String, FigureError> {
-    let bytes: Vec<u8> = image.cells.iter().flat_map(|colour| colour.0).collect();
+    let bytes: Vec<u8> = (image.cells.iter())
+        .flat_map(|&RGBColor(r, g, b)| [r, g, b])
+        .collect();
     let [columns, rows] = image
         .size
         .map(|cells| u32::try_from(cells).unwrap_or(u32::MAX));

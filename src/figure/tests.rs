@@ -1,8 +1,8 @@
 //! Pictures as a whole: their text, their pixels, their files.
 
+use super::canvas::{Drawing, Rectangle, write_label};
 use super::colour::Scale;
 use super::data::RunLabel;
-use super::drawing::{Drawing, Shape};
 use super::strip::Strip;
 use super::text::Label;
 use super::*;
@@ -12,12 +12,16 @@ use crate::record::Columns;
 use crate::scene::{Anchoring, AnchoringKind, Area, Scene};
 use crate::scheme::State;
 use crate::simulation::{NamedValue, OutlineMeasure, Report};
+use plotters::style::text_anchor::{HPos, VPos};
 use std::sync::Arc;
 
 mod files;
 mod memory;
 
-const WIDTHS: [u32; 5] = [400, 640, 1200, 2000, 4000];
+/// Two frames' places, in pixels.
+const ROUNDING: f64 = 1.0 / super::canvas::UNITS;
+
+pub const WIDTHS: [u32; 5] = [400, 640, 1200, 2000, 4000];
 
 fn scene(name: &str) -> Scene {
     Scene {
@@ -124,7 +128,7 @@ fn drawings(runs: &[RunData], width: u32) -> Vec<(&'static str, Drawing)> {
         let title = Label::text(&labels[0].title);
         drawings.push((
             figure.file,
-            curves::draw(&title, &keys, &figure.plots, &options),
+            curves::draw(&title, &keys, &figure.plots, &options).expect("it is drawn"),
         ));
     }
     drawings
@@ -166,7 +170,7 @@ fn views(run: &RunData, width: u32) -> Vec<(&'static str, Drawing)> {
 
 /// All text is inside of the picture, no text is on another or on an image, nothing is outside.
 #[track_caller]
-fn assert_tidy(name: &str, drawing: &Drawing) {
+pub fn assert_tidy(name: &str, drawing: &Drawing) {
     let (width, height) = (f64::from(drawing.width), f64::from(drawing.height));
     let place = format!("{name} at {width} × {height}");
     assert!(!drawing.texts.is_empty(), "{place} has no text");
@@ -177,12 +181,12 @@ fn assert_tidy(name: &str, drawing: &Drawing) {
             "{place}: '{}' leaves the picture: {frame:?}",
             text.text
         );
-        let meets = |other: &drawing::Rectangle| {
-            // Lines under each other touch, to rounding.
-            frame.left + 1e-6 < other.right
-                && other.left + 1e-6 < frame.right
-                && frame.top + 1e-6 < other.bottom
-                && other.top + 1e-6 < frame.bottom
+        let meets = |other: &Rectangle| {
+            // Lines under each other touch, to the rounding of their places.
+            frame.left + ROUNDING < other.right
+                && other.left + ROUNDING < frame.right
+                && frame.top + ROUNDING < other.bottom
+                && other.top + ROUNDING < frame.bottom
         };
         for other in &drawing.texts[number + 1..] {
             assert!(
@@ -202,16 +206,13 @@ fn assert_tidy(name: &str, drawing: &Drawing) {
         }
     }
     for shape in &drawing.shapes {
-        let (points, half): (Vec<[f64; 2]>, f64) = match shape {
-            Shape::Line { points, width, .. } => (points.clone(), 0.5 * width),
-            Shape::Area { curves, .. } => (curves.concat(), 0.0),
-        };
-        for [x, y] in points {
-            assert!(
-                x - half >= 0.0 && x + half <= width && y - half >= 0.0 && y + half <= height,
-                "{place}: something is drawn at ({x}, {y})"
-            );
-        }
+        let (bounds, half) = (shape.path.bounds(), 0.5 * shape.stroke.unwrap_or(0.0));
+        let sides = [bounds.left(), bounds.top()].map(|side| f64::from(side - half));
+        let [right, bottom] = [bounds.right(), bounds.bottom()].map(|side| f64::from(side + half));
+        assert!(
+            sides.iter().all(|side| *side >= 0.0) && right <= width && bottom <= height,
+            "{place}: something is drawn at {bounds:?}"
+        );
     }
 }
 
@@ -245,14 +246,13 @@ fn text_is_whole_and_apart_at_every_size() {
 fn the_check_of_text_finds_what_is_wrong() {
     let outcome = |at: [f64; 2]| {
         std::panic::catch_unwind(|| {
-            let mut drawing = Drawing {
-                width: 400,
-                height: 100,
-                ..Drawing::default()
-            };
-            let place = (text::Across::Left, text::Along::Top);
-            drawing.label(&Label::text("one"), 20.0, [10.0, 10.0], place.0, place.1);
-            drawing.label(&Label::text("two"), 20.0, at, place.0, place.1);
+            let drawing = Drawing::compose(400, |page| {
+                let place = (HPos::Left, VPos::Top);
+                write_label(page, &Label::text("one"), 20.0, [10.0, 10.0], place)?;
+                write_label(page, &Label::text("two"), 20.0, at, place)?;
+                Ok(100.0)
+            });
+            let drawing = drawing.expect("it is drawn");
             assert_tidy("test", &drawing);
         })
     };
@@ -298,7 +298,7 @@ fn beta_is_the_target_times_the_first_area() {
         .expect("β");
     assert_eq!(
         dashed.points,
-        [[0.0, 1.25 * 1.5], [report(1000).t, 1.25 * 1.5]]
+        [(0.0, 1.25 * 1.5), (report(1000).t, 1.25 * 1.5)]
     );
     let mut lines = figure.table.text().lines();
     assert_eq!(lines.next(), Some("scene,step,t,A_drift,B,beta"));
@@ -355,7 +355,7 @@ fn a_switched_anchoring_is_named_and_marked() {
     let figures = scalars::figures(&runs, &[label]);
     let upright = |plot: &curves::Plot| {
         (plot.curves.iter()).any(|curve| {
-            curve.look.pattern == curves::Pattern::Short && curve.points.iter().all(|p| p[0] == t)
+            curve.look.pattern == curves::Pattern::Short && curve.points.iter().all(|p| p.0 == t)
         })
     };
     assert!(

@@ -3,8 +3,10 @@
 //! A picture's text is drawn as filled outlines, in PNG and SVG alike: neither making a picture nor
 //! looking at it needs a font on the machine, and what is measured here is what is seen.
 
-use super::drawing::Rectangle;
+use super::canvas::Rectangle;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::sync::LazyLock;
+use tiny_skia::{Path, PathBuilder};
 use ttf_parser::{Face, GlyphId, OutlineBuilder};
 
 /// What a line of text takes above its base line, in sizes.
@@ -17,8 +19,8 @@ const INDEX_SIZE: f64 = 0.72;
 const LOWER: f64 = 0.12;
 /// How far one above stands over it.
 const UPPER: f64 = 0.36;
-/// A curve of an outline is drawn with so many straight pieces.
-const PIECES: usize = 6;
+/// Half the height of a figure, in sizes.
+const MIDDLE: f64 = 0.365;
 
 static UPRIGHT: LazyLock<Font> = LazyLock::new(|| Font::new(dejavu::sans::regular()));
 static SLANTED: LazyLock<Font> = LazyLock::new(|| Font::new(dejavu::sans::oblique()));
@@ -51,7 +53,7 @@ impl Font {
     }
 }
 
-/// How a piece of a label is set.
+/// How a letter of a label is set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Set {
     Upright,
@@ -61,6 +63,13 @@ enum Set {
 }
 
 impl Set {
+    const ALL: [Set; 4] = [Set::Upright, Set::Slanted, Set::Below, Set::Above];
+
+    /// The control character before letters that are set so.
+    fn mark(self) -> char {
+        char::from(0x11 + self as u8)
+    }
+
     fn font(self) -> &'static Font {
         match self {
             Set::Slanted => &SLANTED,
@@ -80,10 +89,15 @@ impl Set {
 
 /// A line of text with symbols and indices.
 ///
-/// Symbols are slanted, indices upright, as print has them.
+/// Symbols are slanted, indices upright, as print has them. It is a string in which a control character
+/// tells how the letters after it are set: plotters hands strings from its charts to the back end.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub(super) struct Label {
-    pieces: Vec<(Set, String)>,
+pub(super) struct Label(String);
+
+impl From<Label> for String {
+    fn from(label: Label) -> String {
+        label.0
+    }
 }
 
 impl Label {
@@ -95,6 +109,15 @@ impl Label {
     /// A symbol.
     pub fn symbol(text: &str) -> Label {
         Label::default().and_symbol(text)
+    }
+
+    /// A label again that was made a string.
+    pub fn of_string(text: &str) -> Label {
+        Label(text.to_owned())
+    }
+
+    pub fn as_str(&self) -> &str {
+        &self.0
     }
 
     /// Followed by plain text.
@@ -118,81 +141,112 @@ impl Label {
     }
 
     /// Followed by another label.
-    pub fn and_label(mut self, label: Label) -> Label {
-        self.pieces.extend(label.pieces);
+    pub fn and_label(self, label: Label) -> Label {
+        label.letters().fold(self, Label::push)
+    }
+
+    fn with(self, set: Set, text: &str) -> Label {
+        let visible = |c: char| if c.is_control() { ' ' } else { c };
+        let letters = text.chars().map(|c| (set, visible(c)));
+        letters.fold(self, Label::push)
+    }
+
+    fn push(mut self, (set, character): Letter) -> Label {
+        let last = self.letters().last().map_or(Set::Upright, |(set, _)| set);
+        if set != last {
+            self.0.push(set.mark());
+        }
+        self.0.push(character);
         self
     }
 
-    fn with(mut self, set: Set, text: &str) -> Label {
-        let visible = |c: char| if c.is_control() { ' ' } else { c };
-        let text: String = text.chars().map(visible).collect();
-        if !text.is_empty() {
-            self.pieces.push((set, text));
-        }
-        self
+    fn letters(&self) -> impl Iterator<Item = Letter> {
+        let mut now = Set::Upright;
+        self.0.chars().filter_map(move |character| {
+            let set = Set::ALL.into_iter().find(|set| set.mark() == character);
+            now = set.unwrap_or(now);
+            set.is_none().then_some((now, character))
+        })
     }
 
     /// The text without its setting.
     pub fn plain(&self) -> String {
-        self.pieces.iter().map(|(_, text)| text.as_str()).collect()
+        self.letters().map(|(_, character)| character).collect()
     }
 
     /// The width at a size.
     pub fn width(&self, size: f64) -> f64 {
-        let width = |(set, text): &(Set, String)| {
-            let advances: f64 = text.chars().map(|c| set.font().advance(c)).sum();
-            advances * set.size_and_rise().0
-        };
-        size * self.pieces.iter().map(width).sum::<f64>()
+        let advance = |(set, c): Letter| set.size_and_rise().0 * set.font().advance(c);
+        size * self.letters().map(advance).sum::<f64>()
     }
 
     /// The lines of a label that is to be no wider than `width`: broken at spaces, and where a
     /// word is too wide, within it.
     pub fn wrapped(&self, size: f64, width: f64) -> Vec<Label> {
-        let fits = |letters: &[Letter]| Label::of(letters).width(size) <= width;
-        let letters: Vec<Letter> = self
-            .pieces
-            .iter()
-            .flat_map(|(set, text)| text.chars().map(|character| (*set, character)))
-            .collect();
-        if fits(&letters) {
+        let fits = |label: &Label| label.width(size) <= width;
+        if fits(self) {
             return vec![self.clone()];
         }
-        let mut lines: Vec<Vec<Letter>> = vec![Vec::new()];
-        for word in letters
-            .split(|letter| *letter == SPACE)
-            .filter(|word| !word.is_empty())
-        {
-            let last = lines.last().map_or(&[][..], Vec::as_slice);
-            let longer = match last {
-                [] => word.to_vec(),
-                line => [line, &[SPACE], word].concat(),
+        let letters: Vec<Letter> = self.letters().collect();
+        let mut lines = vec![Label::default()];
+        let words = letters.split(|letter| *letter == SPACE);
+        for word in words.filter(|word| !word.is_empty()) {
+            let word: Label = word.iter().copied().fold(Label::default(), Label::push);
+            let last = lines.pop().unwrap_or_default();
+            let longer = match last.0.is_empty() {
+                true => word.clone(),
+                false => last.clone().push(SPACE).and_label(word.clone()),
             };
             if fits(&longer) {
-                lines.pop();
                 lines.push(longer);
                 continue;
             }
-            let mut line = Vec::new();
-            for &letter in word {
-                line.push(letter);
-                if line.len() > 1 && !fits(&line) {
-                    line.pop();
-                    lines.push(std::mem::replace(&mut line, vec![letter]));
+            lines.push(last);
+            let mut line = Label::default();
+            for letter in word.letters() {
+                let longer = line.clone().push(letter);
+                if !line.0.is_empty() && !fits(&longer) {
+                    lines.push(std::mem::take(&mut line));
                 }
+                line = line.push(letter);
             }
             lines.push(line);
         }
-        lines.retain(|line| !line.is_empty());
-        lines.iter().map(|line| Label::of(line)).collect()
+        lines.retain(|line| !line.0.is_empty());
+        lines
     }
 
-    fn of(letters: &[Letter]) -> Label {
-        let same_set = letters.chunk_by(|(a, _), (b, _)| a == b);
-        let pieces = same_set.map(|piece| (piece[0].0, piece.iter().map(|(_, c)| c).collect()));
-        Label {
-            pieces: pieces.collect(),
+    /// The frame that the label takes at a size and a place, and its outlines in one path: none if there is
+    /// nothing to see.
+    pub fn set(&self, size: f64, [x, y]: [f64; 2], anchor: Pos) -> (Rectangle, Option<Path>) {
+        let width = self.width(size);
+        let left = match anchor.h_pos {
+            HPos::Left => x,
+            HPos::Center => x - 0.5 * width,
+            HPos::Right => x - width,
+        };
+        let base = match anchor.v_pos {
+            VPos::Top => y + ASCENT * size,
+            VPos::Center => y + MIDDLE * size,
+            VPos::Bottom => y - DESCENT * size,
+        };
+        let frame = Rectangle::new([left, base - ASCENT * size], [width, line_height(size)]);
+        let mut outline = Outline {
+            path: PathBuilder::new(),
+            origin: [left, base],
+            scale: 0.0,
+        };
+        for (set, character) in self.letters() {
+            let (scale, rise) = set.size_and_rise();
+            let font = set.font();
+            outline.scale = scale * size / font.units_per_size;
+            outline.origin[1] = base - rise * size;
+            // Nothing is drawn where there is nothing to see, such as a space.
+            let glyph = font.glyph(character);
+            font.face.outline_glyph(glyph, &mut outline);
+            outline.origin[0] += font.advance(character) * scale * size;
         }
+        (frame, outline.path.finish())
     }
 }
 
@@ -206,134 +260,46 @@ pub(super) fn line_height(size: f64) -> f64 {
     (ASCENT + DESCENT) * size
 }
 
-/// Where a label stands to a point, horizontally.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Across {
-    /// It begins there.
-    Left,
-    /// It is centred there.
-    Middle,
-    /// It ends there.
-    Right,
-}
-
-/// Where a label stands to a point, vertically.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Along {
-    /// Its top is there.
-    Top,
-    /// The middle of its figures is there.
-    Middle,
-}
-
-/// Sets a label: the frame that it takes, and its outlines, closed curves in one.
-pub(super) fn set_label(
-    label: &Label,
-    size: f64,
-    [x, y]: [f64; 2],
-    across: Across,
-    along: Along,
-) -> (Rectangle, Vec<Vec<[f64; 2]>>) {
-    let width = label.width(size);
-    let left = match across {
-        Across::Left => x,
-        Across::Middle => x - 0.5 * width,
-        Across::Right => x - width,
-    };
-    // Figures are 0.73 sizes high.
-    let base = match along {
-        Along::Top => y + ASCENT * size,
-        Along::Middle => y + 0.365 * size,
-    };
-    let frame = Rectangle {
-        left,
-        top: base - ASCENT * size,
-        right: left + width,
-        bottom: base + DESCENT * size,
-    };
-    let mut outlines = Vec::new();
-    let mut pen = left;
-    for (set, text) in &label.pieces {
-        let (scale, rise) = set.size_and_rise();
-        let font = set.font();
-        for character in text.chars() {
-            let mut outline = Outline {
-                origin: [pen, base - rise * size],
-                scale: scale * size / font.units_per_size,
-                curves: &mut outlines,
-            };
-            // Nothing is drawn where there is nothing to see, such as a space.
-            font.face.outline_glyph(font.glyph(character), &mut outline);
-            pen += font.advance(character) * scale * size;
-        }
-    }
-    (frame, outlines)
-}
-
-/// Takes the outline of a glyph as polygons.
-struct Outline<'a> {
+/// Takes the outlines of glyphs into a path.
+struct Outline {
+    path: PathBuilder,
     origin: [f64; 2],
     scale: f64,
-    curves: &'a mut Vec<Vec<[f64; 2]>>,
 }
 
-impl Outline<'_> {
-    fn place(&self, x: f32, y: f32) -> [f64; 2] {
-        [
-            self.origin[0] + self.scale * f64::from(x),
-            self.origin[1] - self.scale * f64::from(y),
-        ]
-    }
-
-    fn last(&self) -> [f64; 2] {
-        let last = self.curves.last().and_then(|curve| curve.last());
-        last.copied().unwrap_or(self.origin)
-    }
-
-    fn push(&mut self, point: [f64; 2]) {
-        if let Some(curve) = self.curves.last_mut() {
-            curve.push(point);
-        }
-    }
-
-    /// A Bézier curve, by repeated interpolation.
-    fn bend(&mut self, controls: &[[f64; 2]]) {
-        for piece in 1..=PIECES {
-            let share = piece as f64 / PIECES as f64;
-            let mut points = controls.to_vec();
-            while points.len() > 1 {
-                let between = |pair: &[[f64; 2]]| {
-                    [0, 1].map(|axis| pair[0][axis] + share * (pair[1][axis] - pair[0][axis]))
-                };
-                points = points.windows(2).map(between).collect();
-            }
-            self.push(points[0]);
-        }
+impl Outline {
+    fn place(&self, x: f32, y: f32) -> (f32, f32) {
+        let [left, base] = self.origin;
+        let (x, y) = (self.scale * f64::from(x), self.scale * f64::from(y));
+        ((left + x) as f32, (base - y) as f32)
     }
 }
 
-impl OutlineBuilder for Outline<'_> {
+impl OutlineBuilder for Outline {
     fn move_to(&mut self, x: f32, y: f32) {
-        let start = self.place(x, y);
-        self.curves.push(vec![start]);
+        let (x, y) = self.place(x, y);
+        self.path.move_to(x, y);
     }
 
     fn line_to(&mut self, x: f32, y: f32) {
-        self.push(self.place(x, y));
+        let (x, y) = self.place(x, y);
+        self.path.line_to(x, y);
     }
 
     fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
-        let controls = [self.last(), self.place(x1, y1), self.place(x, y)];
-        self.bend(&controls);
+        let ((x1, y1), (x, y)) = (self.place(x1, y1), self.place(x, y));
+        self.path.quad_to(x1, y1, x, y);
     }
 
     fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
-        let [second, third, end] = [self.place(x1, y1), self.place(x2, y2), self.place(x, y)];
-        let controls = [self.last(), second, third, end];
-        self.bend(&controls);
+        let ((x1, y1), (x2, y2)) = (self.place(x1, y1), self.place(x2, y2));
+        let (x, y) = self.place(x, y);
+        self.path.cubic_to(x1, y1, x2, y2, x, y);
     }
 
-    fn close(&mut self) {}
+    fn close(&mut self) {
+        self.path.close();
+    }
 }
 
 #[cfg(test)]
@@ -361,15 +327,21 @@ mod tests {
     #[test]
     fn all_ink_is_within_the_frame() {
         for label in [energy(), Label::text("Égy (j) |d| ∫φ"), Label::text("0.5")] {
-            let (frame, outlines) =
-                set_label(&label, 20.0, [100.0, 50.0], Across::Middle, Along::Middle);
-            assert!(!outlines.is_empty());
+            let middle = Pos::new(HPos::Center, VPos::Center);
+            let (frame, outlines) = label.set(20.0, [100.0, 50.0], middle);
+            let ink = outlines.expect("something to see").bounds();
+            let [left, top, right, bottom] =
+                [ink.left(), ink.top(), ink.right(), ink.bottom()].map(f64::from);
             // Glyphs may reach over their advance by a little, as slanted ones do.
             let slack = 0.08 * 20.0;
-            for [x, y] in outlines.into_iter().flatten() {
-                assert!(x >= frame.left - slack && x <= frame.right + slack, "{x}");
-                assert!(y >= frame.top && y <= frame.bottom, "{y} in {frame:?}");
-            }
+            assert!(
+                left >= frame.left - slack && right <= frame.right + slack,
+                "{ink:?}"
+            );
+            assert!(
+                top >= frame.top && bottom <= frame.bottom,
+                "{ink:?} in {frame:?}"
+            );
         }
     }
 
@@ -378,13 +350,13 @@ mod tests {
         // DejaVu Sans: the advance of a figure is 1303 of 2048.
         let width = Label::text("0123456789").width(2.048);
         assert!((width - 13.03).abs() < 1e-9, "{width}");
-        let frame = |across| {
-            let (frame, _) = set_label(&Label::text("00"), 10.0, [0.0; 2], across, Along::Top);
+        let frame = |h_pos| {
+            let (frame, _) = Label::text("00").set(10.0, [0.0; 2], Pos::new(h_pos, VPos::Top));
             [frame.left, frame.right, frame.top]
         };
         let width = Label::text("00").width(10.0);
-        assert_eq!(frame(Across::Left), [0.0, width, 0.0]);
-        assert_eq!(frame(Across::Right), [-width, 0.0, 0.0]);
+        assert_eq!(frame(HPos::Left), [0.0, width, 0.0]);
+        assert_eq!(frame(HPos::Right), [-width, 0.0, 0.0]);
     }
 
     #[test]
@@ -410,5 +382,16 @@ mod tests {
     #[test]
     fn what_controls_is_a_space() {
         assert_eq!(Label::text("a\nb\0").plain(), "a b ");
+        let marks: String = Set::ALL.map(Set::mark).into_iter().collect();
+        assert_eq!(Label::text(&marks), Label::text("    "));
+    }
+
+    #[test]
+    fn a_label_survives_being_a_string() {
+        let string = String::from(energy());
+        assert_eq!(Label::of_string(&string), energy());
+        assert_eq!(energy().plain(), "λnemEnem / 10−4");
+        let twice = Label::text("a ").and_label(energy()).and_label(energy());
+        assert_eq!(twice.plain(), "a λnemEnem / 10−4λnemEnem / 10−4");
     }
 }

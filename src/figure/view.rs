@@ -1,10 +1,10 @@
 //! The picture of one state alone.
 
+use super::canvas::{Drawing, Rectangle, write_paragraph};
 use super::data::{RunLabel, View};
-use super::drawing::{Drawing, Rectangle};
 use super::number::number;
 use super::panel::{self, Numbers, Style};
-use super::text::{Across, Along, Label, line_height};
+use super::text::Label;
 use super::{FigureError, FigureOptions, VIEW_TEXT_SIZES_A_WIDTH, text_size};
 
 /// Draws the view, with its title and its time above.
@@ -30,11 +30,6 @@ pub(super) fn draw(
     let bar = panel::bar_room(&scale, size, &name);
     let side = (width - left - gap - bar - margin).floor();
 
-    let mut drawing = Drawing {
-        width: options.width,
-        ..Drawing::default()
-    };
-    let mut top = margin;
     let energy = Label::symbol("E")
         .below("total")
         .and(" = ")
@@ -44,29 +39,22 @@ pub(super) fn draw(
         .and_label(number(view.report.t, 6))
         .and(&format!(", step {}, ", view.report.step))
         .and_label(energy);
-    for label in [Label::text(&label.title), time] {
-        for line in label.wrapped(size, width - 2.0 * margin) {
-            drawing.label(&line, size, [margin, top], Across::Left, Along::Top);
-            top += line_height(size);
+    Drawing::compose(options.width, |page| {
+        let mut top = margin;
+        for label in [Label::text(&label.title), time] {
+            top = write_paragraph(page, &label, size, [margin, top], width - 2.0 * margin)?;
         }
-    }
-    // The name of the colour bar stands above it.
-    top += 1.2 * size;
-    let square = Rectangle {
-        left,
-        top,
-        right: left + side,
-        bottom: top + side,
-    }
-    .on_pixels();
-    panel::draw(&mut drawing, square, view.mesh, view.state, &style)?;
-    let numbers = Numbers {
-        left: true,
-        below: true,
-    };
-    panel::draw_axes(&mut drawing, square, view.mesh, size, numbers);
-    let corner = [square.right + gap, square.top];
-    panel::draw_bar(&mut drawing, &scale, corner, square.height(), size, &name);
-    drawing.height = (square.bottom + panel::lower_room(size) + margin).ceil() as u32;
-    Ok(drawing)
+        // The name of the colour bar stands above it.
+        top += 1.2 * size;
+        let square = Rectangle::new([left, top], [side; 2]).on_pixels();
+        panel::draw(page, square, view.mesh, view.state, &style)?;
+        let numbers = Numbers {
+            left: true,
+            below: true,
+        };
+        panel::draw_axes(page, square, view.mesh, size, numbers)?;
+        let corner = [square.right + gap, square.top];
+        panel::draw_bar(page, &scale, corner, square.height(), size, &name)?;
+        Ok(square.bottom + panel::lower_room(size) + margin)
+    })
 }
