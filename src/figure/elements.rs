@@ -112,9 +112,9 @@ pub(super) fn marker<'a>(
             plotters::element::Rectangle::new(corners, style).into_dyn()
         }
         Mark::Star => {
-            let corner = |number: u32| {
-                let angle = std::f64::consts::TAU * f64::from(number) / 10.0;
-                let radius = size * if number % 2 == 0 { 0.55 } else { 0.23 };
+            let corner = |number: usize| {
+                let angle = std::f64::consts::TAU * number as f64 / 10.0;
+                let radius = size * [0.55, 0.23][number % 2];
                 (
                     x + units(radius * angle.sin()),
                     y - units(radius * angle.cos()),

@@ -17,8 +17,10 @@ pub(super) fn pixels(drawing: &Drawing) -> Result<Vec<u8>, FigureError> {
     for image in &drawing.images {
         put(image, &mut pixmap);
     }
-    let mut paint = Paint::default();
-    paint.anti_alias = true;
+    let mut paint = Paint {
+        anti_alias: true,
+        ..Paint::default()
+    };
     let place = Transform::identity();
     for shape in &drawing.shapes {
         let RGBColor(r, g, b) = shape.colour;
