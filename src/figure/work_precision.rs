@@ -385,6 +385,7 @@ mod tests {
         let phase = ErrorSize::new(error);
         Point {
             cells,
+            mesh: format!("{cells} cells"),
             nodes: 0,
             pace: StepControl::Tolerance(1e-3),
             quadrature: "consistent",
