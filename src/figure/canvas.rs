@@ -27,7 +27,7 @@ pub(super) fn units(pixels: f64) -> i32 {
 }
 
 /// A length in units in pixels.
-pub(super) fn pixels(units: impl Into<f64>) -> f64 {
+pub(super) fn in_pixels(units: impl Into<f64>) -> f64 {
     units.into() / UNITS
 }
 
@@ -145,7 +145,7 @@ impl Drawing {
         if let Some(path) = path.filter(|_| colour.alpha > 0.0) {
             self.shapes.push(Shape {
                 path,
-                stroke: stroke.map(|width| pixels(width) as f32),
+                stroke: stroke.map(|width| in_pixels(width) as f32),
                 colour: RGBColor(r, g, b),
             });
         }
@@ -155,7 +155,7 @@ impl Drawing {
 fn path(points: impl IntoIterator<Item = BackendCoord>, is_closed: bool) -> Option<Path> {
     let mut path = PathBuilder::new();
     for (x, y) in points {
-        let (x, y) = (pixels(x) as f32, pixels(y) as f32);
+        let (x, y) = (in_pixels(x) as f32, in_pixels(y) as f32);
         match path.is_empty() {
             true => path.move_to(x, y),
             false => path.line_to(x, y),
@@ -232,7 +232,7 @@ impl DrawingBackend for &mut Drawing {
         style: &S,
         fill: bool,
     ) -> Done {
-        let [x, y, radius] = [pixels(x), pixels(y), pixels(radius)].map(|it| it as f32);
+        let [x, y, radius] = [in_pixels(x), in_pixels(y), in_pixels(radius)].map(|it| it as f32);
         let circle = PathBuilder::from_circle(x, y, radius);
         let stroke = (!fill).then(|| style.stroke_width());
         self.push(circle, stroke, style.color());
@@ -256,7 +256,7 @@ impl DrawingBackend for &mut Drawing {
         (x, y): BackendCoord,
     ) -> Done {
         let label = Label::of_string(text);
-        let at = [x, y].map(pixels);
+        let at = [x, y].map(in_pixels);
         let (frame, outlines) = label.set(style.size() / UNITS, at, style.anchor());
         if outlines.is_some() {
             let text = label.plain();
@@ -295,12 +295,8 @@ pub(super) fn stroke(colour: RGBColor, width: f64) -> ShapeStyle {
 
 /// Black text of this size in pixels.
 pub(super) fn font(size: f64) -> TextStyle<'static> {
-    FontDesc::new(
-        FontFamily::Name("DejaVu Sans"),
-        size * UNITS,
-        FontStyle::Normal,
-    )
-    .into()
+    let family = FontFamily::Name("DejaVu Sans");
+    FontDesc::new(family, size * UNITS, FontStyle::Normal).into()
 }
 
 /// The greatest coordinate, in pixels: farther away nothing shows.

@@ -1,7 +1,7 @@
 //! Scalars against time: small charts beside and under each other.
 
 use super::canvas::{
-    Drawing, Page, Rectangle, UNITS, font, part, pieces, stroke, units, write_paragraph,
+    Drawing, Page, Rectangle, font, in_pixels, part, pieces, stroke, units, write_paragraph,
 };
 use super::legend::{Entry, draw_legend};
 use super::number::{Axis, extent, roomy_range};
@@ -193,7 +193,7 @@ fn draw_plot(
         .set_tick_mark_size(LabelAreaPosition::Bottom, units(TICKS[1] * size))
         .x_desc(time.name(Label::symbol("t")))
         .draw()?;
-    let columns = 2.0 * f64::from(chart.plotting_area().dim_in_pixel().0) / UNITS;
+    let columns = 2.0 * in_pixels(chart.plotting_area().dim_in_pixel().0);
     for curve in curves {
         let style = curve.look.style(size);
         // Where a value is no number the line has a gap.

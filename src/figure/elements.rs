@@ -1,7 +1,7 @@
 //! What plotters does not have among its elements: a field in colour, an arrow, a star.
 
 use super::FigureError;
-use super::canvas::{Done, Drawing, Image, Rectangle, pixels, units};
+use super::canvas::{Done, Drawing, Image, Rectangle, in_pixels, units};
 use plotters::element::{Circle, Cross, DynElement, IntoDynElement, Polygon};
 use plotters::element::{Drawable, PointCollection};
 use plotters::style::ShapeStyle;
@@ -51,8 +51,8 @@ pub(super) fn raster<F: Fn(Rectangle) -> Result<Image, FigureError>>(
     image: F,
 ) -> Between<impl Fn([BackendCoord; 2], &mut Drawing) -> Done> {
     Between::new(corners, move |[a, b], drawing| {
-        let corner = [a.0.min(b.0), a.1.min(b.1)].map(pixels);
-        let size = [a.0.abs_diff(b.0), a.1.abs_diff(b.1)].map(pixels);
+        let corner = [a.0.min(b.0), a.1.min(b.1)].map(in_pixels);
+        let size = [a.0.abs_diff(b.0), a.1.abs_diff(b.1)].map(in_pixels);
         let place = Rectangle::new(corner, size).on_pixels();
         drawing
             .images

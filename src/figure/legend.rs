@@ -2,7 +2,7 @@
 //! for several charts at once.
 
 use super::FigureError;
-use super::canvas::{Drawing, Page, Rectangle, UNITS, font, part, units};
+use super::canvas::{Drawing, Page, Rectangle, font, in_pixels, part, units};
 use super::elements::{Mark, marker};
 use super::text::Label;
 use plotters::chart::{ChartBuilder, SeriesLabelPosition};
@@ -65,7 +65,7 @@ pub(super) fn draw_legend<'a>(
     size: f64,
 ) -> Result<f64, FigureError> {
     let (width, height) = page.dim_in_pixel();
-    let [width, height] = [width, height].map(|it| f64::from(it) / UNITS);
+    let [width, height] = [width, height].map(in_pixels);
     let right = width - left;
     let widths = entries.iter().map(|entry| entry.label.width(size));
     let column = (SAMPLE + SPACE + GAP) * size + widths.fold(0.0, f64::max);

@@ -6,7 +6,7 @@ use super::canvas::{
 use super::colour::Scale;
 use super::data::Field;
 use super::elements::{arrow, raster};
-use super::number::{Axis, number};
+use super::number::{Axis, extent, number};
 use super::outline::chain;
 use super::sampling::{Frame, sample, sample_each};
 use super::text::Label;
@@ -206,16 +206,16 @@ pub(super) fn lower_room(size: f64) -> f64 {
     super::text::line_height(size) + (TICK + NUMBER_GAP) * size
 }
 
-/// Ticks at the square's left and lower side, with numbers where they are asked for.
+/// Ticks at the square's lower and left side; `numbers` says which of the two has numbers.
 pub(super) fn draw_axes(
     page: &Page,
     place: Rectangle,
     mesh: &Mesh,
     size: f64,
-    numbers: Numbers,
+    numbers: [bool; 2],
 ) -> Result<(), FigureError> {
     let Frame { corner, side } = Frame::around(mesh);
-    for (axis, name, is_numbered) in [(0, "x", numbers.below), (1, "y", numbers.left)] {
+    for (axis, name) in ["x", "y"].into_iter().enumerate() {
         // So many sizes of the text away from the square.
         let at = |share: f64, out: f64| match axis {
             0 => [
@@ -240,11 +240,11 @@ pub(super) fn draw_axes(
                 1.0 if is_long => (HPos::Right, VPos::Top),
                 _ => beside,
             };
-            if is_numbered {
+            if numbers[axis] {
                 write_label(page, &label, size, at(share, gap), anchor)?;
             }
         }
-        if is_numbered {
+        if numbers[axis] {
             // The axis' name stands between the numbers.
             write_label(page, &Label::symbol(name), size, at(0.75, gap), beside)?;
         }
@@ -263,13 +263,6 @@ fn tick_label(value: f64, span: f64) -> Label {
         "-0" => "0".to_owned(),
         text => text.replace('-', "\u{2212}"),
     })
-}
-
-/// Which axes of a picture have numbers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Numbers {
-    pub left: bool,
-    pub below: bool,
 }
 
 /// The ticks of a colour bar that is `height` high: two at least, for one number is no scale.
@@ -357,8 +350,9 @@ pub(super) fn scale<'a>(
     let mut departure = None;
     for state in states {
         let values = values(state, field);
-        let finite = values.iter().filter(|value| value.is_finite());
-        bound = finite.fold(bound, |bound, value| bound.max(value.abs()));
+        if let Some([low, high]) = extent(values.iter().copied()) {
+            bound = bound.max(-low).max(high);
+        }
         if field == Field::DirectorLength && state.director.is_some() {
             let inside = values.iter().zip(&state.phi).filter(|(_, phi)| **phi > 0.0);
             let departures = inside.map(|(length, _)| (length - 1.0).abs());

@@ -3,7 +3,7 @@
 use super::canvas::{Drawing, Rectangle, write_label, write_paragraph};
 use super::data::{Field, Snapshot};
 use super::number::number;
-use super::panel::{self, Numbers, Style};
+use super::panel::{self, Style};
 use super::text::Label;
 use super::{FigureError, FigureOptions, TEXT_SIZES_A_WIDTH, text_size};
 use crate::fem::Mesh;
@@ -83,10 +83,7 @@ pub(super) fn draw(strips: &[Strip], options: &FigureOptions) -> Result<Drawing,
                     let left = left + column as f64 * (side + gap);
                     let square = Rectangle::new([left, top], [side; 2]).on_pixels();
                     panel::draw(page, square, strip.mesh, &snapshot.state, &style)?;
-                    let numbers = Numbers {
-                        left: column == 0,
-                        below: numbers_below,
-                    };
+                    let numbers = [numbers_below, column == 0];
                     panel::draw_axes(page, square, strip.mesh, size, numbers)?;
                     let at = [0.5 * (square.left + square.right), top - 1.35 * size];
                     let place = (HPos::Center, VPos::Top);

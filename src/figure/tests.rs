@@ -311,6 +311,7 @@ fn what_is_no_number_does_no_harm() {
     let mut run = run("a", "Case 3", 1);
     let mut broken = state(&run.mesh, 0.3);
     broken.phi[300] = f64::NAN;
+    broken.phi[301] = f64::MAX;
     broken.mu[2] = f64::INFINITY;
     if let Some([x, _]) = &mut broken.director {
         x[310] = f64::NAN;
@@ -322,6 +323,14 @@ fn what_is_no_number_does_no_harm() {
         total_energy: f64::INFINITY,
         ..Report::default()
     });
+    for total_energy in [f64::MAX, f64::MIN, 1e300, -1e300] {
+        run.history.push(&Report {
+            step: 1002,
+            t: report(1002).t,
+            total_energy,
+            ..Report::default()
+        });
+    }
     save_set(&[run], &options(400), folder.path()).expect("it is saved");
 }
 

@@ -3,7 +3,7 @@
 use super::canvas::{Drawing, Rectangle, write_paragraph};
 use super::data::{RunLabel, View};
 use super::number::number;
-use super::panel::{self, Numbers, Style};
+use super::panel::{self, Style};
 use super::text::Label;
 use super::{FigureError, FigureOptions, VIEW_TEXT_SIZES_A_WIDTH, text_size};
 
@@ -48,11 +48,7 @@ pub(super) fn draw(
         top += 1.2 * size;
         let square = Rectangle::new([left, top], [side; 2]).on_pixels();
         panel::draw(page, square, view.mesh, view.state, &style)?;
-        let numbers = Numbers {
-            left: true,
-            below: true,
-        };
-        panel::draw_axes(page, square, view.mesh, size, numbers)?;
+        panel::draw_axes(page, square, view.mesh, size, [true; 2])?;
         let corner = [square.right + gap, square.top];
         panel::draw_bar(page, &scale, corner, square.height(), size, &name)?;
         Ok(square.bottom + panel::lower_room(size) + margin)

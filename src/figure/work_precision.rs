@@ -5,7 +5,9 @@
 //! beats joined by a broad grey line; the scene's own choice a star; other steps, rules and iterations
 //! open squares; a run without result a cross at the top, at the time that it took.
 
-use super::canvas::{Drawing, Page, Rectangle, UNITS, font, part, stroke, units, write_paragraph};
+use super::canvas::{
+    Drawing, Page, Rectangle, font, in_pixels, part, stroke, units, write_paragraph,
+};
 use super::colour::{GREY, LINE_COLOURS};
 use super::curves::TICKS;
 use super::elements::{Mark, marker};
@@ -254,7 +256,7 @@ impl Diagram<'_> {
         let errors = self.points.iter().filter_map(Point::error).chain(floors);
         let errors = Decades::around(errors.map(ErrorSize::get));
         let (width, height) = page.dim_in_pixel();
-        let [width, height] = [width, height].map(|units| f64::from(units) / UNITS);
+        let [width, height] = [width, height].map(in_pixels);
         let mut chart = ChartBuilder::on(page)
             .y_label_area_size(units(LEFT_ROOM * size))
             .x_label_area_size(units(LOWER_ROOM * size))
@@ -320,7 +322,7 @@ impl Diagram<'_> {
                 let label = Label::text(name);
                 let (x, _) = chart.backend_coord(&place);
                 let end = chart.plotting_area().get_x_axis_pixel_range().end;
-                let fits = 0.6 * size + label.width(size) < f64::from(end - x) / UNITS;
+                let fits = 0.6 * size + label.width(size) < in_pixels(end - x);
                 let (gap, side) = match fits {
                     true => (0.6, HPos::Left),
                     false => (-0.6, HPos::Right),
