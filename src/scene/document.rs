@@ -18,7 +18,7 @@ struct Source {
 }
 
 /// A range of bytes in one of the sources.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Location {
     source: usize,
     start: usize,
@@ -117,15 +117,9 @@ pub(super) fn read(
     }));
     let sources = Sources(sources);
 
-    let whole = Location {
-        source: 0,
-        start: 0,
-        end: 0,
-    };
-    let mut table = match DeTable::parse(text) {
-        Ok(table) => convert_table(table.get_ref(), whole),
-        Err(error) => return Err(syntax_error(&sources, &error, whole)),
-    };
+    let location = Location::default();
+    let table = DeTable::parse(text).map_err(|error| syntax_error(&sources, &error, location))?;
+    let mut table = convert_table(table.get_ref(), location);
     for (index, text) in overrides.iter().enumerate() {
         let start = Location {
             source: index + 1,
@@ -134,13 +128,8 @@ pub(super) fn read(
         };
         overrides::apply(&sources, &mut table, text, start)?;
     }
-    Ok((
-        sources,
-        Node {
-            value: Value::Table(table),
-            location: whole,
-        },
-    ))
+    let value = Value::Table(table);
+    Ok((sources, Node { value, location }))
 }
 
 /// Reads one value, which stands at `location`.
@@ -149,13 +138,9 @@ pub(super) fn read_value(
     text: &str,
     location: Location,
 ) -> Result<Node, SceneError> {
-    match DeValue::parse(text) {
-        Ok(value) => Ok(Node {
-            value: convert(value.get_ref(), location),
-            location,
-        }),
-        Err(error) => Err(syntax_error(sources, &error, location)),
-    }
+    let value = DeValue::parse(text).map_err(|error| syntax_error(sources, &error, location))?;
+    let value = convert(value.get_ref(), location);
+    Ok(Node { value, location })
 }
 
 /// `base` is where the text begins that `error` counts from.

@@ -58,8 +58,8 @@ pub enum Problem {
         reason: &'static str,
     },
     /// A key that no scene has.
-    #[error("unknown key {} {}{}{} Allowed: {}", Quoted(key), Inside(table), DidYouMean(near),
-        Elsewhere(elsewhere), allowed.join(", "))]
+    #[error("unknown key {} {}{}{} Allowed: {}", Quoted(key), inside(table), DidYouMean(near),
+        elsewhere_words(*elsewhere), allowed.join(", "))]
     UnknownKey {
         /// The key.
         key: String,
@@ -181,7 +181,7 @@ pub enum Problem {
         reason: String,
     },
     /// A line of a file of nodal values that does not hold as many finite numbers as it must.
-    #[error("a line must hold {} ({key}); {} is not", Count(*columns, "finite number"),
+    #[error("a line must hold {} ({key}); {} is not", numbers(*columns),
         Quoted(found))]
     NodalLine {
         /// The key with its table.
@@ -335,15 +335,11 @@ impl fmt::Display for Quoted<'_> {
 }
 
 /// The table that a key stands in.
-struct Inside<'a>(&'a str);
-
-impl fmt::Display for Inside<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0 {
-            "" => f.write_str("at the top level"),
-            table if table.contains('.') => write!(f, "in {table}"),
-            table => write!(f, "in [{table}]"),
-        }
+fn inside(table: &str) -> String {
+    match table {
+        "" => "at the top level".to_owned(),
+        table if table.contains('.') => format!("in {table}"),
+        table => format!("in [{table}]"),
     }
 }
 
@@ -360,25 +356,13 @@ impl fmt::Display for DidYouMean<'_> {
 }
 
 /// Where a key would be right.
-struct Elsewhere<'a>(&'a Option<&'static str>);
-
-impl fmt::Display for Elsewhere<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0 {
-            Some(table) => write!(f, " It is a key of [{table}]."),
-            None => Ok(()),
-        }
-    }
+fn elsewhere_words(table: Option<&str>) -> String {
+    table.map_or_else(String::new, |table| format!(" It is a key of [{table}]."))
 }
 
-/// A number of things.
-struct Count(usize, &'static str);
-
-impl fmt::Display for Count {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let plural = if self.0 == 1 { "" } else { "s" };
-        write!(f, "{} {}{plural}", self.0, self.1)
-    }
+/// A number of finite numbers.
+fn numbers(count: usize) -> String {
+    format!("{count} finite number{}", if count == 1 { "" } else { "s" })
 }
 
 #[cfg(test)]

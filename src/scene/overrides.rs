@@ -82,10 +82,16 @@ fn set(
         return Ok(());
     };
     for (depth, (word, location)) in way.iter().enumerate() {
-        let index = position_or_insert(table, word, *location, || Node {
-            value: Value::Table(Table::new()),
-            location: *location,
-        });
+        let found = table.iter().position(|entry| entry.key == *word);
+        let index = found.unwrap_or(table.len());
+        if found.is_none() {
+            let (value, location) = (Value::Table(Table::new()), *location);
+            table.push(Entry {
+                key: (*word).to_owned(),
+                key_location: location,
+                node: Node { value, location },
+            });
+        }
         match &mut table[index].node.value {
             Value::Table(inner) => table = inner,
             other => {
@@ -106,23 +112,4 @@ fn set(
         node,
     });
     Ok(())
-}
-
-fn position_or_insert(
-    table: &mut Table,
-    key: &str,
-    key_location: Location,
-    node: impl FnOnce() -> Node,
-) -> usize {
-    match table.iter().position(|entry| entry.key == key) {
-        Some(index) => index,
-        None => {
-            table.push(Entry {
-                key: key.to_owned(),
-                key_location,
-                node: node(),
-            });
-            table.len() - 1
-        }
-    }
 }

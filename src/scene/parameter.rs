@@ -112,14 +112,14 @@ pub(super) trait Value: Sized {
 /// Says of a plain type how it is read by a bound, written, and what the bound allows.
 macro_rules! plain {
     ($Type:ty, $Bound:ty, $read:expr, $write:expr, $words:expr) => {
-        impl Value for $Type {
+        impl $crate::scene::parameter::Value for $Type {
             type Bound = $Bound;
 
             fn read(
-                field: &Field<'_>,
+                field: &$crate::scene::reader::Field<'_>,
                 bound: &$Bound,
-                _: &mut Context<'_>,
-            ) -> Result<Self, SceneError> {
+                _: &mut $crate::scene::nodal_file::Context<'_>,
+            ) -> Result<Self, $crate::scene::error::SceneError> {
                 $read(field, bound)
             }
 
@@ -133,6 +133,7 @@ macro_rules! plain {
         }
     };
 }
+pub(super) use plain;
 
 plain! {
     f64, Bound,

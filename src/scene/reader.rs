@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 
 use super::document::{Entry, Location, Node, Sources, Value};
 use super::error::{Problem, SceneError};
-use super::parameter::{Choice, SEED, SEEDS, Value as _, one_of};
+use super::parameter::{Choice, Parameter, SEED, SEEDS, Value as _, one_of};
 use super::suggest::nearest;
 use super::tables::table_with;
 
@@ -41,7 +41,8 @@ impl Bound {
 #[derive(Clone)]
 pub(super) struct Reader<'a> {
     sources: &'a Sources,
-    path: String,
+    /// Its dotted key.
+    pub path: String,
     entries: Vec<&'a Entry>,
     location: Location,
 }
@@ -88,18 +89,12 @@ impl<'a> Reader<'a> {
 
     /// A key that `owner` cannot do without.
     pub(super) fn require(&self, key: &'static str, owner: &str) -> Result<Field<'a>, SceneError> {
-        let owner = || owner.to_owned();
-        self.get(key).ok_or_else(|| {
-            self.error(Problem::MissingKey {
-                key,
-                owner: owner(),
-            })
-        })
+        let field = self.get(key);
+        field.ok_or_else(|| self.missing(key, owner.to_owned()))
     }
 
-    /// An error about a parameter that the table must have.
-    pub(super) fn missing(&self, key: &'static str) -> SceneError {
-        let owner = format!("[{}]", self.path);
+    /// The error that `owner` lacks a key.
+    pub(super) fn missing(&self, key: &'static str, owner: String) -> SceneError {
         self.error(Problem::MissingKey { key, owner })
     }
 
@@ -111,6 +106,48 @@ impl<'a> Reader<'a> {
     /// Reads on as if a key were not there.
     pub(super) fn pass_over(&mut self, key: &str) {
         self.entries.retain(|entry| entry.key != key);
+    }
+
+    /// Of two keys that exclude each other, the one that an override gave takes the place of the other. Whether
+    /// both were there.
+    pub(super) fn choose(&mut self, keys: [&str; 2], problem: Problem) -> Result<bool, SceneError> {
+        let [Some(first), Some(second)] = keys.map(|key| self.get(key)) else {
+            return Ok(false);
+        };
+        match (first.is_override(), second.is_override()) {
+            (true, false) => self.pass_over(keys[1]),
+            (false, true) => self.pass_over(keys[0]),
+            _ => return Err(first.key_error(problem)),
+        }
+        Ok(true)
+    }
+
+    /// Refuses keys that do not go with the kind of the table; `owner` says how the user chose it. Where an
+    /// override did, keys that went with the former kind are passed over.
+    pub(super) fn allow_kind(
+        &self,
+        parameters: &[Parameter],
+        [kind, owner]: [&str; 2],
+        is_overridden: bool,
+    ) -> Result<(), SceneError> {
+        let is_allowed = |it: &&Parameter| it.kinds.is_empty() || it.kinds.contains(&kind);
+        let allowed = parameters.iter().filter(is_allowed).map(|it| it.key);
+        let allowed: Vec<&'static str> = allowed.collect();
+        for (key, field) in self.fields() {
+            let mut of_kinds = parameters.iter().filter(|it| !it.kinds.is_empty());
+            if allowed.contains(&key) {
+                continue;
+            } else if !of_kinds.any(|it| it.key == key) {
+                self.allow(&allowed)?;
+            } else if !is_overridden || field.is_override() {
+                return Err(field.key_error(Problem::MisplacedKey {
+                    key: key.to_owned(),
+                    owner: owner.to_owned(),
+                    allowed,
+                }));
+            }
+        }
+        Ok(())
     }
 
     /// The table of this name, where it is there.
@@ -182,15 +219,6 @@ impl<'a> Field<'a> {
     /// An error about the key.
     pub(super) fn key_error(&self, problem: Problem) -> SceneError {
         self.sources.error(self.key_location, problem)
-    }
-
-    /// A key that belongs to another kind of the same table; `owner` is the kind that was chosen.
-    pub(super) fn misplaced(&self, key: &str, owner: &str, allowed: &[&'static str]) -> SceneError {
-        self.key_error(Problem::MisplacedKey {
-            key: key.to_owned(),
-            owner: owner.to_owned(),
-            allowed: allowed.to_vec(),
-        })
     }
 
     /// An error about a part of a string, in bytes of the string.

@@ -105,10 +105,7 @@ impl Table for Mesh {
 
     fn parameters() -> Vec<Parameter> {
         let of = |value: u64| DefaultValue::of(&value);
-        let (zero, size) = (
-            DefaultValue::of(&0.0),
-            DefaultValue::Value("1/120".to_owned()),
-        );
+        let [zero, size] = [0.0, SIZE].map(|value| DefaultValue::of(&value));
         let edge = format!("a number from {SHORTEST_EDGE} to {LONGEST_EDGE}");
         parameters! {
             kind of &[], DefaultValue::of(&Kind::Structured), Kind::words(&()), "Its kind";
@@ -124,20 +121,11 @@ impl Table for Mesh {
     fn read(table: Reader<'_>, context: &mut Context<'_>) -> Result<Self, SceneError> {
         let kind = table.choice("kind", Kind::Structured)?;
         let parameters = Self::parameters();
-        let keys = |of: &dyn Fn(&&Parameter) -> bool| -> Vec<&'static str> {
-            parameters.iter().filter(of).map(|it| it.key).collect()
-        };
-        table.allow(&keys(&|_| true))?;
+        let keys: Vec<&'static str> = parameters.iter().map(|it| it.key).collect();
+        table.allow(&keys)?;
         let owner = format!("mesh.kind = \"{}\"", kind.word());
-        let allowed = keys(&|it| it.kinds.is_empty() || it.kinds.contains(&kind.word()));
-        // An override of the kind leaves what belongs to another one in the file.
         let is_overridden = table.get("kind").is_some_and(|field| field.is_override());
-        for (key, field) in table.fields() {
-            let is_left_over = is_overridden && !field.is_override();
-            if !allowed.contains(&key) && !is_left_over {
-                return Err(field.misplaced(key, &owner, &allowed));
-            }
-        }
+        table.allow_kind(&parameters, [kind.word(), &owner], is_overridden)?;
         match kind {
             Kind::Structured => {
                 let cells = table.get("cells");

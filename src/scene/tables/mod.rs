@@ -32,6 +32,11 @@ pub(super) trait Table: Rules {
     /// Its keys and their values as TOML.
     fn write(&self) -> Vec<(&'static str, String)>;
 
+    /// Whether it [needs the director](Rules::needs_director).
+    fn is_on_director(&self) -> bool {
+        false
+    }
+
     /// Its files of nodal values.
     fn nodal_files(&mut self) -> Vec<(NodalKey, &mut NodalValues)> {
         Vec::new()
@@ -100,7 +105,7 @@ macro_rules! table {
     (@default $($rest:tt)*) => {};
     (@missing $table:ident, $key:ident, $default:expr) => { $default };
     (@missing $table:ident, $key:ident) => {
-        return Err($table.missing(stringify!($key)))
+        return Err($table.missing(stringify!($key), format!("[{}]", $table.path)))
     };
     (@words $Type:ty, $default:expr) => { DefaultValue::of::<$Type>(&$default) };
     (@words $Type:ty) => { DefaultValue::Required };
@@ -163,6 +168,10 @@ macro_rules! table {
                     let values = [$((stringify!($key), Value::write(&self.$key))),+];
                     let values = values.into_iter().filter(|(key, _)| !self.leaves_out(key));
                     values.filter_map(|(key, value)| Some((key, value?))).collect()
+                }
+
+                fn is_on_director(&self) -> bool {
+                    Self::needs_director()
                 }
 
                 fn nodal_files(&mut self) -> Vec<(NodalKey, &mut NodalValues)> {
@@ -295,12 +304,13 @@ macro_rules! scene {
                     solver: Solver::read(top.table("solver")?, context)?,
                     mesh: context.mesh.clone(),
                 };
-                scene.mesh.check_scene(&scene, &top.table("mesh")?)?;
-                $(
-                    $(#[cfg($cfg)])?
-                    scene.check_effect(scene.$name.as_ref(), stringify!($name), top)?;
-                )+
-                scene.solver.check_scene(&scene, &top.table("solver")?)?;
+                for (name, table) in scene.named_tables() {
+                    let read = top.table(name)?;
+                    if table.is_on_director() && scene.nematic.is_none() {
+                        table.without_director(name, &read)?;
+                    }
+                    table.check_scene(&scene, &read)?;
+                }
                 Ok(scene)
             }
 
@@ -337,22 +347,17 @@ macro_rules! scene {
             /// Takes away the table of an effect, and with `[nematic]` those that need the director. Whether it
             /// was there.
             pub fn remove_effect(&mut self, name: &str) -> bool {
-                let had_director = self.nematic.is_some();
+                let takes_director = name == "nematic" && self.nematic.is_some();
                 let mut was_there = false;
                 $(
                     $(#[cfg($cfg)])?
                     {
-                        was_there |= name == stringify!($name) && self.$name.take().is_some();
+                        let is_it = name == stringify!($name);
+                        if is_it || takes_director && $Table::needs_director() {
+                            was_there |= self.$name.take().is_some() && is_it;
+                        }
                     }
                 )+
-                if had_director && self.nematic.is_none() {
-                    $(
-                        $(#[cfg($cfg)])?
-                        {
-                            self.$name.take_if(|_| $Table::needs_director());
-                        }
-                    )+
-                }
                 was_there
             }
         }
@@ -372,22 +377,6 @@ scene! {
 }
 
 impl Scene {
-    fn check_effect<T: Table>(
-        &self,
-        effect: Option<&T>,
-        name: &'static str,
-        top: &Reader<'_>,
-    ) -> Result<(), SceneError> {
-        let Some(effect) = effect else {
-            return Ok(());
-        };
-        let table = top.table(name)?;
-        if T::needs_director() && self.nematic.is_none() {
-            effect.without_director(name, &table)?;
-        }
-        effect.check_scene(self, &table)
-    }
-
     /// The scene as TOML, complete: every key, defaults too. [`Scene::parse`] reads it back as an equal scene.
     pub fn to_toml(&self) -> String {
         let boundary = self.boundary;
@@ -405,10 +394,10 @@ impl Scene {
 
     /// The next time after t at which an effect is switched, as a field is.
     pub fn next_event(&self, t: f64) -> Option<f64> {
-        let events = self
-            .named_tables()
-            .filter_map(|(_, table)| table.next_event(t));
-        events.min_by(f64::total_cmp)
+        let events = |(_, table): (_, &dyn Table)| table.next_event(t);
+        self.named_tables()
+            .filter_map(events)
+            .min_by(f64::total_cmp)
     }
 
     /// What the tables that it has warn of.
@@ -450,8 +439,5 @@ impl TableInfo {
 /// The first table that has a key of this name.
 pub(super) fn table_with(key: &str) -> Option<&'static str> {
     let has_key = |table: &TableInfo| table.parameters.iter().any(|it| it.key == key);
-    tables()
-        .iter()
-        .find(|table| has_key(table))
-        .map(|table| table.name)
+    Some(tables().into_iter().find(has_key)?.name)
 }

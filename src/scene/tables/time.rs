@@ -4,8 +4,7 @@ use std::ops::RangeInclusive;
 
 use super::{Rules, Scene};
 use crate::scene::error::{Problem, SceneError};
-use crate::scene::nodal_file::Context;
-use crate::scene::parameter::Value;
+use crate::scene::parameter::plain;
 use crate::scene::reader::{Field, POSITIVE, Reader};
 use crate::scene::warning::Warning;
 
@@ -37,15 +36,8 @@ impl Time {
 impl Rules for Time {
     /// An override of the one takes the place of the other and of the order that belongs to it.
     fn prepare(table: &mut Reader<'_>) -> Result<(), SceneError> {
-        let (Some(step), Some(tolerance)) = (table.get("step"), table.get("tolerance")) else {
-            return Ok(());
-        };
-        match (step.is_override(), tolerance.is_override()) {
-            (false, true) => table.pass_over("step"),
-            (true, false) => table.pass_over("tolerance"),
-            _ => return Err(tolerance.key_error(Problem::StepAndTolerance)),
-        }
-        if table.get("order").is_some_and(|order| !order.is_override()) {
+        let replaces = table.choose(["tolerance", "step"], Problem::StepAndTolerance)?;
+        if replaces && table.get("order").is_some_and(|order| !order.is_override()) {
             table.pass_over("order");
         }
         Ok(())
@@ -105,22 +97,13 @@ impl Order {
 
 const ORDERS: RangeInclusive<u64> = 1..=3;
 
-impl Value for Order {
-    type Bound = ();
-
-    fn read(field: &Field<'_>, (): &(), _: &mut Context<'_>) -> Result<Self, SceneError> {
-        Ok(match field.integer(&ORDERS)? {
-            1 => Self::First,
-            2 => Self::Second,
-            _ => Self::Third,
-        })
-    }
-
-    fn write(&self) -> Option<String> {
-        Some(self.number().to_string())
-    }
-
-    fn words((): &()) -> String {
-        u64::words(&ORDERS)
-    }
+plain! {
+    Order, (),
+    |field: &Field<'_>, (): &()| Ok(match field.integer(&ORDERS)? {
+        1 => Order::First,
+        2 => Order::Second,
+        _ => Order::Third,
+    }),
+    |order: &Order| Some(order.number().to_string()),
+    |(): &()| u64::words(&ORDERS)
 }

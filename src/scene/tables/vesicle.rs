@@ -159,26 +159,10 @@ choice! {
 
 const OUTLINES: &[&str] = &["circle", "ellipse", "cassini", "discocyte"];
 impl ShapeKind {
-    /// The keys that go with it.
-    fn keys(self) -> Vec<&'static str> {
-        keys(|parameter| parameter.kinds.contains(&self.word()))
-    }
-
     /// How the user chose it, for messages.
     fn phrase(self) -> String {
         format!("shape = \"{}\"", self.word())
     }
-}
-
-/// The keys of some of the parameters.
-fn keys(of: impl Fn(&Parameter) -> bool) -> Vec<&'static str> {
-    let parameters = Vesicle::parameters().into_iter().filter(of);
-    parameters.map(|parameter| parameter.key).collect()
-}
-
-/// Whether a key belongs to some of the shapes.
-fn is_of_shape(key: &str) -> bool {
-    keys(|parameter| !parameter.kinds.is_empty()).contains(&key)
 }
 
 impl Table for Vesicle {
@@ -207,10 +191,10 @@ impl Table for Vesicle {
         }
     }
 
-    fn read(table: Reader<'_>, context: &mut Context<'_>) -> Result<Self, SceneError> {
+    fn read(mut table: Reader<'_>, context: &mut Context<'_>) -> Result<Self, SceneError> {
         let default = Self::default();
         Ok(Self {
-            shape: read_shape(&table, context)?,
+            shape: read_shape(&mut table, context)?,
             projection: table.choice("projection", default.projection)?,
             scale: table.number("scale", default.scale, FINITE)?,
         })
@@ -249,34 +233,20 @@ impl Table for Vesicle {
 
 impl Rules for Vesicle {}
 
-fn read_shape(table: &Reader<'_>, context: &mut Context<'_>) -> Result<Shape, SceneError> {
-    let (shape, parts) = match (table.get("shape"), table.get("parts")) {
-        // The one of an override takes the place of the scene's.
-        (Some(shape), Some(parts)) if shape.is_override() && !parts.is_override() => {
-            (Some(shape), None)
-        }
-        (Some(shape), Some(parts)) if parts.is_override() && !shape.is_override() => {
-            (None, Some(parts))
-        }
-        (Some(shape), Some(_)) => {
-            let problem = Problem::Conflict {
-                first: "vesicle.shape",
-                second: "vesicle.parts",
-            };
-            return Err(shape.key_error(problem));
-        }
-        either => either,
+fn read_shape(table: &mut Reader<'_>, context: &mut Context<'_>) -> Result<Shape, SceneError> {
+    let problem = Problem::Conflict {
+        first: "vesicle.shape",
+        second: "vesicle.parts",
     };
-    if let Some(parts) = parts {
-        allow(table, "parts", vec!["parts"], parts.is_override())?;
+    table.choose(["shape", "parts"], problem)?;
+    let parameters = Vesicle::parameters();
+    if let Some(parts) = table.get("parts") {
+        table.allow_kind(&parameters, ["parts"; 2], parts.is_override())?;
         return read_parts(&parts).map(Shape::Outlines);
     }
-    let kind = match &shape {
-        Some(shape) => shape.choice(ShapeKind::NAMES)?,
-        None => ShapeKind::Cassini,
-    };
-    let overridden = shape.is_some_and(|field| field.is_override());
-    allow(table, &kind.phrase(), kind.keys(), overridden)?;
+    let kind = table.choice("shape", ShapeKind::Cassini)?;
+    let overridden = table.get("shape").is_some_and(|field| field.is_override());
+    table.allow_kind(&parameters, [kind.word(), &kind.phrase()], overridden)?;
     match kind {
         ShapeKind::Random => Ok(Shape::Random {
             amplitude: table
@@ -298,40 +268,6 @@ fn read_shape(table: &Reader<'_>, context: &mut Context<'_>) -> Result<Shape, Sc
     }
 }
 
-/// Refuses keys of [vesicle] that do not go with the shape. Where an override chose the shape, keys
-/// that went with the scene's own shape are passed over.
-fn allow(
-    table: &Reader<'_>,
-    owner: &str,
-    mut allowed: Vec<&'static str>,
-    overridden: bool,
-) -> Result<(), SceneError> {
-    allowed.extend(keys(|parameter| parameter.kinds.is_empty()));
-    for (key, field) in table.fields() {
-        let superseded = overridden && !field.is_override() && is_of_shape(key);
-        if !superseded {
-            check_key(table, key, &field, owner, &allowed)?;
-        }
-    }
-    Ok(())
-}
-
-fn check_key(
-    table: &Reader<'_>,
-    key: &str,
-    field: &Field<'_>,
-    owner: &str,
-    allowed: &[&'static str],
-) -> Result<(), SceneError> {
-    if allowed.contains(&key) {
-        Ok(())
-    } else if is_of_shape(key) {
-        Err(field.misplaced(key, owner, allowed))
-    } else {
-        table.allow(allowed)
-    }
-}
-
 fn read_parts(parts: &Field<'_>) -> Result<Vec<Outline>, SceneError> {
     let items = parts.items(PARTS)?;
     if items.is_empty() {
@@ -345,9 +281,9 @@ fn read_part(part: &Field<'_>) -> Result<Outline, SceneError> {
     let mut outlines = ShapeKind::NAMES.to_vec();
     outlines.retain(|(name, _)| OUTLINES.contains(name));
     let kind = table.require("shape", &part.path)?.choice(&outlines)?;
-    for (key, field) in table.fields() {
-        check_key(&table, key, &field, &kind.phrase(), &kind.keys())?;
-    }
+    let mut parameters = Vesicle::parameters();
+    parameters.retain(|parameter| !parameter.kinds.is_empty());
+    table.allow_kind(&parameters, [kind.word(), &kind.phrase()], false)?;
     read_outline(&table, kind, table.get("angle"))
 }
 
