@@ -11,7 +11,7 @@ use super::extrapolation::PredictorErrors;
 use super::membrane::LinearCheckpoint;
 use super::predictor::Predictor;
 use super::solvers::selection::Selection;
-use super::{Scheme, State};
+use super::{Scheme, State, StepReport};
 use crate::linalg::LinalgError;
 use crate::physics::{Interval, NamedValue};
 use crate::scene::{Anchoring, AnchoringKind};
@@ -139,27 +139,28 @@ impl Scheme {
         // The energies that belong to it are in the checkpoint. Before the first step: the moment 0.
         self.effects
             .set_interval(checkpoint.interval.unwrap_or_default());
-        let report = &mut self.report;
-        report.energies.clear();
+        let StepReport {
+            mut energies,
+            mut ledger,
+            ..
+        } = std::mem::take(&mut self.report);
+        ledger.clear();
+        energies.clear();
         let with_energy = self.effects.iter().filter(|effect| effect.has_energy());
-        let energies = with_energy.zip(&checkpoint.energies);
-        report
-            .energies
-            .extend(energies.map(|(effect, &value)| NamedValue {
-                name: effect.name(),
-                value,
-            }));
-        report.total_energy = checkpoint.total_energy;
-        report.phase_integral = checkpoint.phase_integral;
-        report.surface_area = checkpoint.surface_area;
-        report.ledger.clear();
-        report.law_residual = 0.0;
-        (report.newton, report.krylov, report.director_iterations) = (0, 0, 0);
-        report.fallback = None;
-        report.newton_took_over = None;
-        (report.refused_ways, report.damping) = (0, 1.0);
-        report.switched = None;
-        report.algebraic_error = 0.0;
+        let values = with_energy.zip(&checkpoint.energies);
+        energies.extend(values.map(|(effect, &value)| NamedValue {
+            name: effect.name(),
+            value,
+        }));
+        self.report = StepReport {
+            energies,
+            total_energy: checkpoint.total_energy,
+            phase_integral: checkpoint.phase_integral,
+            surface_area: checkpoint.surface_area,
+            ledger,
+            damping: 1.0,
+            ..StepReport::default()
+        };
         self.t = checkpoint.t;
         self.switched = None;
         self.history.copy(&checkpoint.history);
