@@ -29,12 +29,16 @@ fn config() -> WorkerConfig {
 }
 
 fn start(config: WorkerConfig, scene: Scene) -> Watched {
+    start_from(config, scene, Continuity::default())
+}
+
+fn start_from(config: WorkerConfig, scene: Scene, continuity: Continuity) -> Watched {
     let (sender, event) = mpsc::channel();
     let sink = move |message| {
         // The receiver may have been dropped.
         let _ = sender.send(message);
     };
-    let worker = Worker::start(config, Arc::new(scene), sink);
+    let worker = Worker::start_from(config, Arc::new(scene), continuity, sink);
     Watched { worker, event }
 }
 
@@ -458,27 +462,18 @@ fn a_hard_step_is_told_and_kept_in_its_midst() {
     let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
     let scene = Scene::parse(text, "the test", &[], &mut no_files).unwrap();
     let start = |from: Option<Box<SimulationCheckpoint>>| {
-        let (sender, event) = mpsc::channel();
-        let sink = move |message: Message| {
-            // The receiver may have been dropped.
-            let _ = sender.send(message.event);
-        };
-        let continuity = Continuity {
-            from,
-            keep: Some(Duration::ZERO),
-        };
+        let keep = Some(Duration::ZERO);
         let config = WorkerConfig {
             paused: false,
             ..config()
         };
-        let worker = Worker::start_from(config, Arc::new(scene.clone()), continuity, sink);
-        (worker, event)
+        start_from(config, scene.clone(), Continuity { from, keep })
     };
-    let (worker, event) = start(None);
+    let Watched { worker, event } = start(None);
     // Until a part of the step is behind it.
     let mut kept: Option<Box<SimulationCheckpoint>> = None;
     let underway = loop {
-        match event.recv_timeout(PATIENCE).unwrap() {
+        match event.recv_timeout(PATIENCE).unwrap().event {
             WorkerEvent::StepProgress(underway)
                 if kept.as_ref().is_some_and(|kept| kept.t() > 0.0) =>
             {
@@ -498,11 +493,10 @@ fn a_hard_step_is_told_and_kept_in_its_midst() {
     assert!(kept.is_begun() && kept.step() == 0);
     assert!(0.0 < kept.t() && kept.t() <= underway.t, "{}", kept.t());
     drop(worker);
-
-    let (_worker, event) = start(Some(kept.clone()));
+    let Watched { event, .. } = &start(Some(kept.clone()));
     let next = || {
         loop {
-            match event.recv_timeout(PATIENCE).unwrap() {
+            match event.recv_timeout(PATIENCE).unwrap().event {
                 WorkerEvent::SettingUp(_) => {}
                 event => break event,
             }
@@ -674,17 +668,8 @@ fn an_event_of_a_switch_is_told_once() {
 fn a_run_goes_on_from_the_state_of_another() {
     let scene = small(&[]);
     let start_from = |from: Option<Box<SimulationCheckpoint>>| {
-        let (sender, event) = mpsc::channel();
-        let sink = move |message| {
-            // The receiver may have been dropped.
-            let _ = sender.send(message);
-        };
-        let continuity = Continuity {
-            from,
-            keep: Some(Duration::from_secs(3600)),
-        };
-        let worker = Worker::start_from(config(), Arc::new(scene.clone()), continuity, sink);
-        Watched { worker, event }
+        let keep = Some(Duration::from_secs(3600));
+        start_from(config(), scene.clone(), Continuity { from, keep })
     };
     let first = start_from(None);
     first.worker.tell(Command::Step);
@@ -696,7 +681,6 @@ fn a_run_goes_on_from_the_state_of_another() {
     };
     assert_eq!(checkpoint.step(), 2);
     assert!(first.event.recv_timeout(PATIENCE).is_err(), "nothing more");
-
     let second = start_from(Some(checkpoint.clone()));
     second.worker.tell(Command::Step);
     let mut told = second.words_until("paused");
