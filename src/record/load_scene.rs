@@ -70,7 +70,7 @@ pub enum LoadError {
     },
     /// A run's folder has no scene.
     #[error(
-        "{0} holds a run, but no scene.toml, its scene: to go on with it name the scene that it was begun \
+        "{0} holds a run, but no scene.toml, its scene: to resume it name the scene that it was begun \
          with, a preset or a TOML file: vesica run SCENE --out {0} --resume",
         folder.display()
     )]

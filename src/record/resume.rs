@@ -232,7 +232,7 @@ impl Resumption {
             step,
             t,
             text: {
-                let mut text = format!("the run was taken up again from {name}");
+                let mut text = format!("the run was resumed from {name}");
                 if !self.problems.is_empty() {
                     text += &format!("; not used: {}", self.problems.join("; "));
                 }

@@ -47,7 +47,7 @@ pub enum SimulationError {
     #[error("the linear solver: {0}")]
     Factor(LinalgError),
     /// The state to continue from is of another scene.
-    #[error("the state to go on from cannot be used: {0}")]
+    #[error("the state to resume from cannot be used: {0}")]
     Restore(#[from] RestoreError),
     /// Anchoring without anything to anchor.
     #[error("the scene has no director to anchor: give it a table [nematic]")]

@@ -119,7 +119,7 @@ pub(super) fn put_aside(slots: &[Slot], kept: &[(usize, Arc<Kept>)]) -> String {
     });
     let words: Vec<String> = words.collect();
     format!(
-        "put aside, to be gone on with another time: {}",
+        "put aside, to be resumed another time: {}",
         words.join("; ")
     )
 }

@@ -241,7 +241,7 @@ fn a_damaged_state_is_told_and_put_aside() {
     let aside = format!("{}-unusable", first.file_name().unwrap().to_string_lossy());
     app.wait("what is wrong", |seen| {
         let text = seen.text();
-        text.contains("cannot be gone on with") && text.contains("unusable")
+        text.contains("cannot be resumed") && text.contains("unusable")
     });
     wait_running(&app);
     quit(&mut app);

@@ -33,7 +33,7 @@ pub enum KeptNote {
     },
     /// No state can be used.
     #[error(
-        "the run that was kept in {} cannot be gone on with ({}){}",
+        "the run that was kept in {} cannot be resumed ({}){}",
         folder.display(),
         problems.join("; "),
         put_aside(aside)
@@ -47,7 +47,7 @@ pub enum KeptNote {
         aside: Option<PathBuf>,
     },
     /// A recorded run has no state to resume from.
-    #[error("{} has no checkpoint to go on from: the run begins anew", folder.display())]
+    #[error("{} has no checkpoint to resume from: the run starts from the beginning", folder.display())]
     NoCheckpoint {
         /// The run's folder.
         folder: PathBuf,
@@ -61,7 +61,7 @@ pub enum KeptNote {
         problems: Vec<String>,
     },
     /// A recorded run cannot be resumed.
-    #[error("{} cannot be gone on with, and the run begins anew: {problem}", folder.display())]
+    #[error("{} cannot be resumed, and the run starts from the beginning: {problem}", folder.display())]
     Recorded {
         /// The run's folder.
         folder: PathBuf,

@@ -22,11 +22,11 @@ pub enum Problem {
         bytes: u64,
     },
     /// It does not begin as a checkpoint does.
-    #[error("it is no checkpoint of vesica")]
+    #[error("it is not a checkpoint of vesica")]
     NotACheckpoint,
     /// It is of another version.
     #[error(
-        "its format is version {version}, and this vesica reads version {VERSION}: go on with the \
+        "its format is version {version}, and this vesica reads version {VERSION}: resume with the \
          vesica that wrote it"
     )]
     Version {
@@ -58,7 +58,7 @@ pub enum Problem {
 pub enum CheckpointError {
     /// There is a run but no checkpoint.
     #[error(
-        "{} holds a run but no checkpoint, so it cannot be taken up again: run the scene anew, into \
+        "{} holds a run but no checkpoint, so it cannot be resumed: run the scene again, into \
          another folder or with --force",
         folder.display()
     )]
@@ -80,7 +80,7 @@ pub enum CheckpointError {
     },
     /// No checkpoint can be used.
     #[error(
-        "the run in {} cannot be taken up again:{}\nnothing was changed. To begin anew give another \
+        "the run in {} cannot be resumed:{}\nnothing was changed. To start again give another \
          folder with --out; --force in place of --resume would replace this run",
         folder.display(),
         problems.iter().map(|problem| format!("\n  {problem}")).collect::<String>()

@@ -259,7 +259,10 @@ fn go_beyond(app: &mut App, beyond: Beyond, effects: &mut Vec<Effect>) {
         let command = run.control.step();
         effects.push(Effect::Tell(run.id, command));
     }
-    remark(app, format!("the run goes on to t = {}", ShortNumber(end)));
+    remark(
+        app,
+        format!("the run continues to t = {}", ShortNumber(end)),
+    );
 }
 
 /// Whether the run that a key is for has reached its end.
@@ -318,7 +321,7 @@ fn next_anchoring(app: &mut App, effects: &mut Vec<Effect>) {
         Some(run) => {
             run.control.anchoring = Some(kind);
             if matches!(run.status, Status::Failed(_)) {
-                text = format!("the anchoring is {kind} when the run begins anew: r");
+                text = format!("the anchoring is {kind} when the run is restarted: r");
             } else {
                 effects.push(Effect::Tell(run.id, Command::Anchor(kind)));
             }

@@ -70,7 +70,7 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
                 app.reloaded = None;
                 remark(
                     app,
-                    "the run goes on with the scene as it was before it was edited",
+                    "the run continues with the scene as it was before it was edited",
                 );
             }
         }

@@ -474,7 +474,7 @@ fn a_run_that_fails_says_so_and_the_app_lives() {
             .remark
             .clone()
             .unwrap()
-            .contains("when the run begins anew")
+            .contains("when the run is restarted")
     );
     assert!(rig.app.ending.is_none());
     rig.keys("1");
