@@ -34,7 +34,6 @@ mod warning;
 mod write;
 
 // By its former name, for outline/.
-use tables as model;
 
 pub use error::{Origin, Place, Problem, SceneError};
 pub use expression::{Expression, ExpressionError, ExpressionProblem};

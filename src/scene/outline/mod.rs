@@ -18,7 +18,7 @@ use self::arc::{PreparedArc, QuarterArc};
 use self::cassini::Cassini;
 use self::discocyte::Discocyte;
 use self::ellipse::Ellipse;
-use super::model::{Curve, Outline};
+use super::{Curve, Outline};
 use crate::geometry::{BoundingBox, Point, Vector, direction, frame, length};
 
 /// A signed distance to a curve, and its slope.
