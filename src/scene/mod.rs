@@ -33,8 +33,6 @@ mod tests;
 mod warning;
 mod write;
 
-// By its former name, for outline/.
-
 pub use error::{Origin, Place, Problem, SceneError};
 pub use expression::{Expression, ExpressionError, ExpressionProblem};
 pub use initial_director::{initial_director, random_phase};
