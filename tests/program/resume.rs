@@ -201,7 +201,10 @@ fn kill_test(seed: u64, kills: usize, settings: &[&str]) {
     for name in ["newton", "refused", "errors"] {
         assert_eq!(run[name], whole[name], "{name}");
     }
-    assert!(resumed(&run) > 0);
+    // Which of the runs were killed after their first state was saved is up to the machine.
+    let resumptions =
+        (1..=runs).map(|number| resumed(&summary(&path.join(format!("run{number}")))));
+    assert!(resumptions.sum::<usize>() > 0);
 }
 
 fn check_killed(child: Child) {
