@@ -204,7 +204,7 @@ fn a_region_holds_less_than_the_whole_mesh_with_lumped_quadrature() {
     assert!(part < whole, "{part} {whole}");
 }
 
-/// Where the region of substep 1 becomes another one its space and its matrices are made anew: such steps
+/// Where the region of substep 1 becomes another one its space and its matrices are rebuilt: such steps
 /// allocate, and are few. How few in case 3 is printed.
 #[test]
 fn only_a_step_with_a_new_region_allocates() {

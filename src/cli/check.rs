@@ -100,7 +100,8 @@ fn needs(foresight: Option<&Foresight>, scene: &Scene) -> String {
     }
 }
 
-/// How a check ends in which so many scenes are wrong, and of so many it was not found out.
+/// How a check of `checked` scenes ends: `wrong` of them cannot be run, and the first steps of `undecided` were not
+/// solved in the time.
 fn ending(wrong: usize, undecided: usize, checked: usize) -> Result<(), CliError> {
     match (wrong, undecided) {
         (0, 0) => Ok(()),

@@ -220,7 +220,7 @@ fn tell_missing(folder: &Path, run: &RecordedRun) {
         ));
     } else if run.history.known("length").is_none() {
         output::note(format_args!(
-            "{folder} never has one vesicle alone: there is no figure of its size"
+            "{folder} has several vesicles or none at all times: no figure of the vesicle's size is drawn"
         ));
     }
 }

@@ -163,7 +163,7 @@ fn reopen(
             ));
         }
         None => tell(format_args!(
-            "how the run in {folder} ended is not known: its run.json cannot be read, and is written anew"
+            "how the run in {folder} ended is not known: its run.json cannot be read, and is rewritten"
         )),
         Some(_) => {}
     }

@@ -145,7 +145,7 @@ pub trait Effect: Send + std::fmt::Debug {
     }
 
     /// Told the time of a step before it begins. Whether the energy of a state is another one than in
-    /// the step before; the scheme then measures the energies anew.
+    /// the step before; the scheme then measures the energies again.
     fn set_interval(&mut self, _interval: Interval) -> bool {
         false
     }

@@ -26,7 +26,7 @@
 //! |χ| c Q ≥ 0.
 //!
 //! A field that is switched on or off changes the energy of a state and not the state; it does so
-//! between two steps only, and the scheme then measures the energies anew, so that the law of each step
+//! between two steps only, and the scheme then measures the energies again, so that the law of each step
 //! is that of one energy. A step has the field if it is on in the middle of the step: `from` and
 //! `until` are so rounded to the nearest end of a step.
 

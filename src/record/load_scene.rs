@@ -50,8 +50,8 @@ pub enum LoadError {
     },
     /// The run in a folder is still computed.
     #[error(
-        "the run in {} is in use by another process, or open here: end that first, or open {} to begin its \
-         scene anew",
+        "the run in {} is in use by another process, or open here: end that first, or open {} to restart its \
+         scene",
         folder.display(),
         folder.join("scene.toml").display()
     )]

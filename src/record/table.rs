@@ -325,14 +325,16 @@ impl Found {
             FoundContent::Whole { .. } => Vec::new(),
             FoundContent::Repaired(repaired) => repaired.remarks.clone(),
             FoundContent::Lost(loss) => vec![match loss {
-                Loss::Gone => format!("{path} is gone, with {rows} rows: it begins anew"),
-                Loss::Empty => format!("{path} is empty, and had {rows} rows: it begins anew"),
+                Loss::Gone => format!("{path} is gone, with {rows} rows: a new one begins"),
+                Loss::Empty => format!("{path} is empty, and had {rows} rows: a new one begins"),
                 Loss::Unreadable(reason) => {
-                    format!("{path} cannot be read ({reason}), and had {rows} rows: it begins anew")
+                    format!(
+                        "{path} cannot be read ({reason}), and had {rows} rows: a new one begins"
+                    )
                 }
                 Loss::Headless => format!(
                     "{path} cannot be read (no line has the names of its columns), and had {rows} \
-                     rows: it begins anew"
+                     rows: a new one begins"
                 ),
             }],
         }

@@ -153,7 +153,7 @@ impl fmt::Display for Warning {
                     if is_jittered {
                         "lower mesh.jitter"
                     } else {
-                        "mesh the domain anew without them (in Gmsh: Mesh.Optimize, and no two points or \
+                        "mesh the domain again without them (in Gmsh: Mesh.Optimize, and no two points or \
                          curves that nearly meet)"
                     },
                 )

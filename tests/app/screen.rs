@@ -142,8 +142,8 @@ fn the_editor_gets_the_terminal_and_the_scene_is_loaded_anew() {
     let mut app = app_with(&[VESICA, "small.toml"]);
     wait_running(&app);
     app.type_keys("e");
-    // The run is not saved: it is asked before it begins anew.
-    app.wait_text("Begin small anew");
+    // The run is not saved: it is asked before it starts again.
+    app.wait_text("Restart small");
     app.type_keys("y");
     app.wait_text("/2000000");
     let read = |name: &str| fs::read_to_string(folder.path().join(name)).expect("the editor ran");

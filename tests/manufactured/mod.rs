@@ -2,7 +2,7 @@
 //! continuous equations is added to the scheme as an effect, and the errors of the runs must fall
 //! as h² and as Δt, and be those of `errors.csv` to 1 %.
 //!
-//! The continuous equations are written anew in `model`, from the energies; the solver's own
+//! The continuous equations are written again in `model`, from the energies; the solver's own
 //! formulas are not used. The law's ledger counts the work of the source, so that the energy law
 //! holds at every step here too (to 1e-9; a run would stop otherwise).
 

@@ -1,4 +1,4 @@
-//! The continuous equations, written anew from the energies: what an exact solution leaves over in
+//! The continuous equations, written again from the energies: what an exact solution leaves over in
 //! them is the source. Nothing here comes from the solver's own formulas.
 
 use vesica::geometry::{Point, Vector};

@@ -1,4 +1,4 @@
-//! The committed errors: `errors.csv` beside this file. Written anew, lines of runs that are not
+//! The committed errors: `errors.csv` beside this file. Written again, lines of runs that are not
 //! made any more stay until they are deleted by hand.
 
 use std::collections::BTreeMap;

@@ -209,7 +209,7 @@ fn the_picture_is_the_golden_one() {
     assert!(differing as f64 / golden.len() as f64 > 1e-3, "{differing}");
 }
 
-/// Makes the golden picture anew: `cargo test --lib golden_anew -- --ignored`. Look at it before you
+/// Makes the golden picture again: `cargo test --lib golden_anew -- --ignored`. Look at it before you
 /// commit it.
 #[test]
 #[ignore = "changes what another test compares to"]

@@ -137,8 +137,8 @@ fn a_table_that_is_cut_has_what_is_left_of_it() {
         ),
         ("step,t\n", "", "all 4 rows are missing"),
         ("step,t", "", "all 4 rows are missing"),
-        ("", "", "is empty, and had 4 rows: it begins anew"),
-        ("\n \n", "", "is empty, and had 4 rows: it begins anew"),
+        ("", "", "is empty, and had 4 rows: a new one begins"),
+        ("\n \n", "", "is empty, and had 4 rows: a new one begins"),
         (
             "step\n0\n1\n2\n3\n",
             "0,\n1,\n2,\n3,\n",

@@ -17,7 +17,7 @@ pub(super) fn when_not_over(app: &App) -> Result<(), &'static str> {
     let status = app.active_run().map(|run| &run.status);
     match (app.screen, status) {
         (Screen::Run, Some(Status::Failed(_))) => {
-            Err("the run has failed: r begins it anew, e edits its scene")
+            Err("the run has failed: r restarts it, e edits its scene")
         }
         (Screen::Gallery, _) if app.slots[app.cases()].iter().all(is_over) => {
             Err("all runs are over: Enter looks at one of them")

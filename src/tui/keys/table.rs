@@ -212,7 +212,7 @@ pub static BINDINGS: &[Binding] = &[
         label: "r",
         plain_label: "r",
         brief: |_| "restart",
-        words: "begin the run anew; asks if it is saved nowhere",
+        words: "restart the run; asks if it is saved nowhere",
         when: on_one_run,
     },
     Binding {
@@ -254,7 +254,7 @@ pub static BINDINGS: &[Binding] = &[
         label: "i",
         plain_label: "i",
         brief: |_| "improve",
-        words: "improve: a new run with what the estimated errors suggest; asks, and tells its price",
+        words: "improve: propose a new run by the estimated errors, with its time; asks",
         when: on_one_run,
     },
     Binding {
@@ -263,7 +263,7 @@ pub static BINDINGS: &[Binding] = &[
         label: "e",
         plain_label: "e",
         brief: |_| "edit",
-        words: "edit the scene in $EDITOR and load it anew",
+        words: "edit the scene in $EDITOR and reload it",
         when: on_one_run,
     },
     Binding {
@@ -324,7 +324,7 @@ pub static BINDINGS: &[Binding] = &[
         label: "n",
         plain_label: "n",
         brief: |_| "no",
-        words: "leave everything as it is; where runs can be gone on with: begin anew and put them aside",
+        words: "leave everything as it is; where runs can be resumed: restart, and keep the old ones",
         when: always,
     },
     Binding {

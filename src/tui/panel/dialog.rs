@@ -31,10 +31,10 @@ pub fn confirm(app: &App, question: Question, theme: &Theme, screen: Rect, buffe
     let title = question.title();
     let words = match question {
         Question::Restart => {
-            format!("Begin {name} anew? It is {place}, and {saved}: n, then S saves it.")
+            format!("Restart {name}? It is {place}, and {saved}: n, then S saves it.")
         }
         Question::Reload => format!(
-            "Begin {name} anew with the scene as it stands in its file now? \
+            "Restart {name} with the scene as it is in its file now? \
              It is {place}, and {saved}."
         ),
         Question::Quit => quit_words(app),
@@ -57,7 +57,7 @@ pub fn confirm(app: &App, question: Question, theme: &Theme, screen: Rect, buffe
     ];
     if question == Question::GoOn {
         answers.extend([
-            Span::raw(" begin anew    "),
+            Span::raw(" restart    "),
             Span::styled(" Esc ", theme.pill(Role::Accent)),
             Span::raw(" not now"),
         ]);
@@ -108,7 +108,7 @@ pub(in crate::tui) fn kept_words(app: &App) -> String {
         })
         .collect();
     let mut words = format!(
-        "Go on where you were: {}? With n the runs begin anew and these are put aside; with Esc they stay, to be \
+        "Go on where you were: {}? With n the runs restart and these are put aside; with Esc they stay, to be \
          asked about the next time.",
         kept.join(", ")
     );
