@@ -159,7 +159,7 @@ fn the_folder_of_a_run_that_goes_on_is_refused_and_the_other_runs_are_named() {
     let mut one = Pty::start((120, 40), folder.path(), &program, &[]);
     one.wait_text("Go on where you were");
     let mut other = Pty::start((120, 40), folder.path(), &program, &[]);
-    assert_eq!(other.exit_status(LIMIT), 2);
+    other.assert_restored(2);
     let text = other.seen().text().replace('\n', "");
     assert!(text.contains("is in use by another process"), "{text}");
     assert!(text.contains(&format!("{source}/scene.toml")), "{text}");
