@@ -9,7 +9,7 @@ use std::sync::Arc;
 use criterion::{Criterion, criterion_group, criterion_main};
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
-use vesica::fem::{Mesh, Raster, Rectangle};
+use vesica::fem::{Mesh, Raster};
 use vesica::scene::{Scene, find_preset};
 use vesica::simulation::{RunId, RunSnapshot, Setting, Simulation};
 use vesica::tui::canvas::Canvas;
@@ -78,7 +78,7 @@ fn screen(criterion: &mut Criterion) {
 fn raster(criterion: &mut Criterion) {
     let mesh = Mesh::structured(120, 0.2, 1).expect("a fair mesh");
     let values: Vec<f64> = mesh.nodes().iter().map(|at| at.x * at.y).collect();
-    let region = Rectangle::around(&mesh);
+    let region = mesh.bounding_box();
     for (columns, rows) in [(62, 62), (102, 102)] {
         criterion.bench_function(&format!("raster/build/{columns}x{rows}"), |bencher| {
             bencher.iter(|| Raster::new(black_box(&mesh), region, columns, rows));

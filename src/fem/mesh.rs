@@ -8,7 +8,7 @@ use rand_chacha::rand_core::SeedableRng;
 
 use super::FemError;
 use super::hilbert::along_curve;
-use crate::geometry::{Point, Vector, doubled_area};
+use crate::geometry::{BoundingBox, Point, Vector, doubled_area};
 use crate::scene::Triangulation;
 
 /// A triangulation. Nothing in it says how it was made, [`Mesh::grid`] apart.
@@ -207,6 +207,17 @@ impl Mesh {
     /// Where the nodes are.
     pub fn nodes(&self) -> &[Point] {
         &self.nodes
+    }
+
+    /// The smallest box that holds the nodes; from 0 to 1 where it would have no extent.
+    pub fn bounding_box(&self) -> BoundingBox {
+        let mut hull = BoundingBox::around(&self.nodes);
+        for axis in 0..2 {
+            if hull.lower[axis] >= hull.upper[axis] {
+                (hull.lower[axis], hull.upper[axis]) = (0.0, 1.0);
+            }
+        }
+        hull
     }
 
     /// The three nodes of each triangle, counter-clockwise.

@@ -34,5 +34,5 @@ pub use patch::Patch;
 pub use pieces::{Pieces, long_axis};
 pub use projection::{GivenFunction, l2_projection, ritz_projection};
 pub use quadrature::QuadratureRule;
-pub use raster::{Raster, Rectangle};
+pub use raster::Raster;
 pub use space::Space;

@@ -12,37 +12,6 @@ use crate::geometry::{BoundingBox, Point};
 /// inside: far more than rounding, far less than what shows.
 const SLACK: f64 = 1e-10;
 
-/// A rectangle with its sides along the axes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rectangle {
-    /// Where it begins and ends in x.
-    pub x: [f64; 2],
-    /// Where it begins and ends in y.
-    pub y: [f64; 2],
-}
-
-impl Rectangle {
-    /// The smallest one that holds a mesh; the unit square for a mesh without nodes.
-    pub fn around(mesh: &Mesh) -> Self {
-        let BoundingBox { lower, upper } = BoundingBox::around(mesh.nodes());
-        let range = |low: f64, high: f64| if low < high { [low, high] } else { [0.0, 1.0] };
-        Self {
-            x: range(lower.x, upper.x),
-            y: range(lower.y, upper.y),
-        }
-    }
-
-    /// Its extent in x.
-    pub fn width(&self) -> f64 {
-        self.x[1] - self.x[0]
-    }
-
-    /// Its extent in y.
-    pub fn height(&self) -> f64 {
-        self.y[1] - self.y[0]
-    }
-}
-
 /// Where a sample lies: the nodes of its triangle and its barycentric coordinates there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Place {
@@ -63,10 +32,11 @@ pub struct Raster {
 impl Raster {
     /// Finds the triangle of each sample. A sample on an edge or a vertex belongs to the first of
     /// the triangles that meet there, a sample outside of all triangles to none.
-    pub fn new(mesh: &Mesh, region: Rectangle, columns: usize, rows: usize) -> Self {
+    pub fn new(mesh: &Mesh, region: BoundingBox, columns: usize, rows: usize) -> Self {
         let mut places = vec![None; columns * rows];
-        let across = region.width() / columns.max(1) as f64;
-        let down = region.height() / rows.max(1) as f64;
+        let BoundingBox { lower, upper } = region;
+        let across = (upper.x - lower.x) / columns.max(1) as f64;
+        let down = (upper.y - lower.y) / rows.max(1) as f64;
         for (triangle, gradients) in mesh.triangles().iter().zip(mesh.gradients()) {
             let corners = triangle.map(|node| mesh.nodes()[node as usize]);
             // The samples whose centres lie between the corners, as (first, one past the last).
@@ -79,16 +49,16 @@ impl Raster {
                 let end = (greatest + 1e-6).floor() + 1.0;
                 (first, (end.max(0.0) as usize).min(count))
             };
-            let (left, right) = span(0, region.x[0], across, columns);
-            let (top, bottom) = span(1, region.y[1], -down, rows);
+            let (left, right) = span(0, lower.x, across, columns);
+            let (top, bottom) = span(1, upper.y, -down, rows);
             for row in top..bottom {
-                let y = region.y[1] - (row as f64 + 0.5) * down;
+                let y = upper.y - (row as f64 + 0.5) * down;
                 for column in left..right {
                     let place = &mut places[row * columns + column];
                     if place.is_some() {
                         continue;
                     }
-                    let x = region.x[0] + (column as f64 + 0.5) * across;
+                    let x = lower.x + (column as f64 + 0.5) * across;
                     let at = Point::new(x, y);
                     let weights = [0, 1, 2].map(|corner| {
                         let (gradient, offset) = (gradients[corner], at - corners[corner]);
@@ -158,9 +128,9 @@ impl Place {
 mod tests {
     use super::*;
 
-    const UNIT: Rectangle = Rectangle {
-        x: [0.0, 1.0],
-        y: [0.0, 1.0],
+    const UNIT: BoundingBox = BoundingBox {
+        lower: Point::new(0.0, 0.0),
+        upper: Point::new(1.0, 1.0),
     };
 
     fn nodal(mesh: &Mesh, f: impl Fn(f64, f64) -> f64) -> Vec<f64> {
@@ -210,9 +180,9 @@ mod tests {
     #[test]
     fn what_lies_outside_has_no_value() {
         let mesh = Mesh::structured(6, 0.2, 1).expect("a fair mesh");
-        let wide = Rectangle {
-            x: [-1.0, 2.0],
-            y: [0.0, 1.0],
+        let wide = BoundingBox {
+            lower: Point::new(-1.0, 0.0),
+            upper: Point::new(2.0, 1.0),
         };
         let raster = Raster::new(&mesh, wide, 30, 10);
         let values = nodal(&mesh, |x, _| x);
@@ -231,7 +201,7 @@ mod tests {
         // One triangle: the lower right half of the unit square.
         let nodes = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]].map(Point::from);
         let mesh = Mesh::new(nodes.to_vec(), vec![[0, 1, 2]]).expect("counter-clockwise");
-        assert_eq!(Rectangle::around(&mesh), UNIT);
+        assert_eq!(mesh.bounding_box(), UNIT);
         let raster = Raster::new(&mesh, UNIT, 4, 4);
         for row in 0..4 {
             for column in 0..4 {

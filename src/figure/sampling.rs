@@ -1,6 +1,6 @@
 //! P1 functions at the points of a lattice, exactly.
 
-use crate::fem::{Mesh, Rectangle};
+use crate::fem::Mesh;
 
 /// Points within this of a triangle's edge, in barycentric coordinates, count as inside: no point
 /// may fall between two triangles by rounding.
@@ -18,11 +18,11 @@ pub(super) struct Frame {
 impl Frame {
     /// The smallest one that has a mesh in its middle: the unit square for a mesh of that.
     pub fn around(mesh: &Mesh) -> Self {
-        let region = Rectangle::around(mesh);
-        let side = region.width().max(region.height());
-        let corner = [region.x, region.y].map(|[low, high]| {
-            let room = side - (high - low);
-            low - 0.5 * room
+        let region = mesh.bounding_box();
+        let side = region.extent().max();
+        let corner = [0, 1].map(|axis| {
+            let room = side - region.extent()[axis];
+            region.lower[axis] - 0.5 * room
         });
         Self { corner, side }
     }

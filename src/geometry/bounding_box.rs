@@ -30,6 +30,11 @@ impl BoundingBox {
     pub fn extent(&self) -> Vector {
         (self.upper - self.lower).sup(&Vector::zeros())
     }
+
+    /// Its width by its height.
+    pub fn aspect(&self) -> f64 {
+        self.extent().x / self.extent().y
+    }
 }
 
 #[cfg(test)]

@@ -9,8 +9,8 @@
 //! digits).
 
 use super::error_size::ErrorSize;
-use crate::fem::{Contour, Mesh, Raster, Rectangle};
-use crate::geometry::{Segment, length, segment_offset};
+use crate::fem::{Contour, Mesh, Raster};
+use crate::geometry::{BoundingBox, Point, Segment, length, segment_offset};
 use crate::physics::potentials;
 use crate::scheme::State;
 use crate::simulation::Simulation;
@@ -100,21 +100,23 @@ impl Solution {
     /// that one of the two has not.
     fn square_differences(&self, reference: &Self) -> [Option<f64>; 2] {
         let meshes = [&*self.mesh, &*reference.mesh];
-        let [a, b] = meshes.map(Rectangle::around);
-        let range = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].min(b[1])];
-        let region = Rectangle {
-            x: range(a.x, b.x),
-            y: range(a.y, b.y),
+        let [a, b] = meshes.map(Mesh::bounding_box);
+        let region = BoundingBox {
+            lower: a.lower.sup(&b.lower),
+            upper: a.upper.inf(&b.upper),
         };
-        if !(region.width() > 0.0 && region.height() > 0.0) {
+        let size = region.extent();
+        if size.min() <= 0.0 {
             return [None; 2];
         }
         let directors = self.director.as_ref().zip(reference.director.as_ref());
         let (mut phase, mut director, mut is_empty) = (0.0, 0.0, true);
         for band in 0..BANDS {
-            let y =
-                [band, band + 1].map(|n| region.y[0] + region.height() * n as f64 / BANDS as f64);
-            let band = Rectangle { y, ..region };
+            let y = [band, band + 1].map(|n| region.lower.y + size.y * n as f64 / BANDS as f64);
+            let band = BoundingBox {
+                lower: Point::new(region.lower.x, y[0]),
+                upper: Point::new(region.upper.x, y[1]),
+            };
             let rasters = meshes.map(|mesh| Raster::new(mesh, band, SAMPLES, SAMPLES / BANDS));
             for row in 0..SAMPLES / BANDS {
                 for column in 0..SAMPLES {
@@ -138,7 +140,7 @@ impl Solution {
                 }
             }
         }
-        let cell = region.width() * region.height() / (SAMPLES * SAMPLES) as f64;
+        let cell = size.x * size.y / (SAMPLES * SAMPLES) as f64;
         [
             (!is_empty).then_some(cell * phase),
             directors.filter(|_| !is_empty).map(|_| cell * director),

@@ -4,7 +4,8 @@
 
 use std::sync::{Arc, Weak};
 
-use crate::fem::{Mesh, Raster, Rectangle};
+use crate::fem::{Mesh, Raster};
+use crate::geometry::BoundingBox;
 
 /// Rasters kept: those of a gallery of four and of the single view, twice over for a resize.
 const KEPT: usize = 16;
@@ -14,14 +15,14 @@ const KEPT: usize = 16;
 pub struct Canvas {
     /// The last used last.
     rasters: Vec<(Weak<Mesh>, Arc<Raster>)>,
-    regions: Vec<(Weak<Mesh>, Rectangle)>,
+    regions: Vec<(Weak<Mesh>, BoundingBox)>,
 }
 
 impl Canvas {
     /// The rectangle that a mesh covers.
-    pub fn region(&mut self, mesh: &Arc<Mesh>) -> Rectangle {
+    pub fn region(&mut self, mesh: &Arc<Mesh>) -> BoundingBox {
         let region = take(&mut self.regions, mesh, |_| true);
-        let region = region.unwrap_or_else(|| Rectangle::around(mesh));
+        let region = region.unwrap_or_else(|| mesh.bounding_box());
         keep(&mut self.regions, mesh, region);
         region
     }

@@ -123,7 +123,7 @@ pub fn names(field: Field, theme: &Theme) -> (&'static str, &'static str) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fem::{Mesh, Rectangle};
+    use crate::fem::Mesh;
     use crate::geometry::Point;
 
     fn sampled(field: Field, director: Option<[Vec<f64>; 2]>) -> FieldImage {
@@ -135,7 +135,7 @@ mod tests {
             mu: nodes.iter().map(|at| -(at.x + at.y)).collect(),
             director,
         };
-        let raster = Raster::new(&mesh, Rectangle::around(&mesh), 8, 8);
+        let raster = Raster::new(&mesh, mesh.bounding_box(), 8, 8);
         FieldImage::new(field, &state, 0.1, &raster)
     }
 

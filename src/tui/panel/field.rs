@@ -9,7 +9,7 @@ use super::Look;
 use super::plot::{Plot, level, ramp_glyph, ramp_style};
 use super::shown::Shown;
 use super::text;
-use crate::fem::Rectangle;
+use crate::geometry::BoundingBox;
 use crate::tui::canvas::Canvas;
 use crate::tui::field_image;
 use crate::tui::layout::{Step, centred, fit};
@@ -74,7 +74,7 @@ pub fn draw(
         area.width.saturating_sub(labels + 2 + BAR),
         area.height.saturating_sub(3),
     );
-    let (columns, rows) = fit(region.width() / region.height(), room.0, room.1);
+    let (columns, rows) = fit(region.aspect(), room.0, room.1);
     if columns < 2 || rows < 1 {
         return;
     }
@@ -143,18 +143,18 @@ fn coordinate(value: f64, span: f64) -> String {
 }
 
 /// Ticks on the frame and their numbers.
-fn axes(region: Rectangle, parts: u16, frame: Rect, theme: &Theme, buffer: &mut Buffer) {
+fn axes(region: BoundingBox, parts: u16, frame: Rect, theme: &Theme, buffer: &mut Buffer) {
     let glyphs = theme.glyphs();
     let (left, bottom) = (frame.x, frame.bottom() - 1);
     for tick in 0..=parts {
         let share = f64::from(tick) / f64::from(parts);
-        let label = |range: [f64; 2]| {
-            let span = range[1] - range[0];
-            Span::styled(coordinate(range[0] + share * span, span), theme.muted())
+        let label = |axis: usize| {
+            let (start, span) = (region.lower[axis], region.extent()[axis]);
+            Span::styled(coordinate(start + share * span, span), theme.muted())
         };
         let inner = tick > 0 && tick < parts;
         let x = left + (share * f64::from(frame.width - 1)).round() as u16;
-        let number = label(region.x);
+        let number = label(0);
         let width = number.width() as u16;
         let area = Rect {
             x: x.saturating_sub(width / 2),
@@ -173,7 +173,7 @@ fn axes(region: Rectangle, parts: u16, frame: Rect, theme: &Theme, buffer: &mut 
             width: left.saturating_sub(1),
             height: 1,
         };
-        text::line_right(buffer, area, 0, label(region.y));
+        text::line_right(buffer, area, 0, label(1));
         if let Some(cell) = buffer.cell_mut((left, y)).filter(|_| inner) {
             cell.set_symbol(glyphs.ticks[1]);
         }

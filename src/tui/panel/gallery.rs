@@ -123,7 +123,7 @@ fn draw_tile(
     let region = canvas.region(&setting.mesh);
     let room = if below { 2 } else { beside + 2 };
     let (columns, rows) = fit(
-        region.width() / region.height(),
+        region.aspect(),
         area.width.saturating_sub(room),
         area.height.saturating_sub(if below { 3 } else { 2 }),
     );
