@@ -422,8 +422,7 @@ mod tests {
     /// What happened before the first checkpoint is known to a run that resumes from there.
     #[test]
     fn a_run_that_is_killed_in_its_first_step_knows_what_happened_at_the_start() {
-        let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
-        let scene = Scene::parse(HARD, "the test", &[], &mut no_files).unwrap();
+        let scene = Scene::of_text(HARD, &[]);
         let parent = tempfile::tempdir().unwrap();
         let folder = RunFolder::at(parent.path(), IfOccupied::Refuse).unwrap();
         let settings = Settings::default();
@@ -444,8 +443,7 @@ mod tests {
     /// it is ended its files are about the same time.
     #[test]
     fn a_run_that_is_ended_within_its_steps_is_the_same_run() {
-        let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
-        let scene = Scene::parse(HARD, "the test", &[], &mut no_files).unwrap();
+        let scene = Scene::of_text(HARD, &[]);
         let parent = tempfile::tempdir().unwrap();
         let [whole, parted] = ["whole", "parted"].map(|name| parent.path().join(name));
         for (path, attempts) in [(&whole, u32::MAX), (&parted, 30)] {

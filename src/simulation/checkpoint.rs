@@ -146,10 +146,7 @@ mod tests {
     "#;
 
     fn simulation(settings: &[&str]) -> Simulation {
-        let settings: Vec<String> = settings.iter().map(|s| (*s).to_owned()).collect();
-        let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
-        let scene = Scene::parse(TEXT, "the test", &settings, &mut no_files).expect("a scene");
-        Simulation::new(&scene).expect("a run")
+        Simulation::new(&Scene::of_text(TEXT, settings)).expect("a run")
     }
 
     /// What a report says, but for the clock.

@@ -29,9 +29,7 @@ pub(super) fn small(settings: &[&str]) -> Scene {
         [anchoring]
         kind = 'parallel'
     ";
-    let settings: Vec<String> = settings.iter().map(|text| (*text).to_owned()).collect();
-    let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
-    Scene::parse(text, "the test", &settings, &mut no_files).unwrap()
+    Scene::of_text(text, settings)
 }
 
 fn simulation(steps: usize) -> Simulation {

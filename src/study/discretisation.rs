@@ -197,8 +197,7 @@ mod tests {
     fn a_generated_mesh_is_refined_as_a_whole() {
         let text =
             "mesh = { kind = 'delaunay', size = 0.03, refine = { band = 0.1, size = 0.01 } }";
-        let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
-        let scene = Scene::parse(text, "a study", &[], &mut no_files).expect("a scene");
+        let scene = Scene::of_text(text, &[]);
         assert_eq!(fixed_mesh(&scene), None);
         let own = Discretisation::of(&scene);
         assert_eq!(
@@ -258,9 +257,8 @@ mod tests {
                 "{reason}"
             );
         }
-        let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
         let text = "pull.potential = 'x'\n[nematic]\n[area]";
-        let scene = Scene::parse(text, "a study", &[], &mut no_files).expect("a scene");
+        let scene = Scene::of_text(text, &[]);
         assert_eq!(fixed_mesh(&scene), None);
     }
 }

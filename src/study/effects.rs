@@ -258,9 +258,8 @@ mod tests {
     use super::*;
 
     fn scene(text: &str) -> Scene {
-        let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
         let text = format!("mesh.cells = 12\nmembrane.interface_width = 0.08\n{text}");
-        Scene::parse(&text, "the test", &[], &mut no_files).expect("a scene")
+        Scene::of_text(&text, &[])
     }
 
     const PLAN: Plan = Plan {

@@ -204,10 +204,8 @@ mod tests {
     use super::*;
 
     fn scene(settings: &[&str]) -> Scene {
-        let settings: Vec<String> = settings.iter().map(|s| (*s).to_owned()).collect();
-        let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
         let text = crate::scene::preset("case3").expect("a preset");
-        Scene::parse(text, "case3", &settings, &mut no_files).expect("a scene")
+        Scene::of_text(text, settings)
     }
 
     fn what(settings: &[&str], [time, space, algebra]: [f64; 3]) -> Option<String> {

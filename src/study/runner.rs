@@ -603,8 +603,7 @@ mod tests {
             solver.law_tolerance = 1e-300
             area = {}
             time = { tolerance = 1e-3, end = 1e-4 }";
-        let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
-        let scene = Scene::parse(text, "the test", &[], &mut no_files).expect("right");
+        let scene = Scene::of_text(text, &[]);
         let budget = Budget {
             time: Duration::from_secs(8),
             full: false,

@@ -15,8 +15,7 @@ pub(super) fn scene(settings: &str) -> Scene {
         membrane.interface_width = 0.06
         {settings}"
     );
-    let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
-    Scene::parse(&text, "the test", &[], &mut no_files).expect("right")
+    Scene::of_text(&text, &[])
 }
 
 /// Made once for all tests.

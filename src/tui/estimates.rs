@@ -58,9 +58,8 @@ mod tests {
     use super::*;
 
     fn scene() -> Scene {
-        let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
         let text = "mesh.cells = 8\nmembrane.interface_width = 0.1\n[area]";
-        Scene::parse(text, "the test", &[], &mut no_files).expect("a scene")
+        Scene::of_text(text, &[])
     }
 
     #[test]

@@ -289,9 +289,8 @@ mod tests {
     }
 
     fn run_of(steps: u64) -> (Slot, Run) {
-        let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
         let text = "[time]\nstep = 1e-6\nend = 1e-3";
-        let scene = Scene::parse(text, "the test", &[], &mut no_files).unwrap();
+        let scene = Scene::of_text(text, &[]);
         let mut run = Run::new(RunId(1), None);
         run.setting = Some(Arc::new(Setting {
             scene: scene.clone(),

@@ -11,6 +11,15 @@ mod reading;
 mod robustness;
 mod round_trip;
 
+impl Scene {
+    /// The scene of a text that is right and reads no files, with settings `KEY=VALUE`: for the tests of
+    /// all modules.
+    #[track_caller]
+    pub(crate) fn of_text(text: &str, settings: &[&str]) -> Self {
+        read_with(text, settings, &[]).unwrap_or_else(|error| panic!("{error}"))
+    }
+}
+
 /// Reads `text` with overrides, and with files.
 fn read_with(text: &str, overrides: &[&str], files: &[(&str, &str)]) -> Result<Scene, SceneError> {
     let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
@@ -23,5 +32,5 @@ fn read_with(text: &str, overrides: &[&str], files: &[(&str, &str)]) -> Result<S
 }
 
 fn read(text: &str) -> Scene {
-    read_with(text, &[], &[]).unwrap_or_else(|error| panic!("{error}"))
+    Scene::of_text(text, &[])
 }

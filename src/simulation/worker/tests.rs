@@ -459,8 +459,7 @@ fn a_hard_step_is_told_and_kept_in_its_midst() {
         area = { target = 1.25, penalty = 1e-3 }
         time = { step = 1e-6, end = 1.0 }
     ";
-    let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
-    let scene = Scene::parse(text, "the test", &[], &mut no_files).unwrap();
+    let scene = Scene::of_text(text, &[]);
     let start = |from: Option<Box<SimulationCheckpoint>>| {
         let keep = Some(Duration::ZERO);
         let config = WorkerConfig {

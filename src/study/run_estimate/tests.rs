@@ -128,8 +128,7 @@ fn hard(settings: &str) -> Scene {
         area = {{ target = 1.25 }}
         {settings}"
     );
-    let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
-    Scene::parse(&text, "hard", &[], &mut no_files).expect("right")
+    Scene::of_text(&text, &[])
 }
 
 #[test]

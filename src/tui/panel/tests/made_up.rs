@@ -21,8 +21,7 @@ const INTERFACE: f64 = std::f64::consts::SQRT_2 * 0.01;
 /// A preset's scene.
 pub fn scene(name: &str) -> Scene {
     let text = find_preset(name).expect("it is built in");
-    let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
-    Scene::parse(text, name, &[], &mut no_files).expect("a sound scene")
+    Scene::of_text(text, &[])
 }
 
 /// A biconcave vesicle, long in y; `time` from 0 to 1 narrows its waist and turns the director.

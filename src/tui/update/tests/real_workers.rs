@@ -37,8 +37,7 @@ fn scene(kind: &str) -> Scene {
         [anchoring]
     ";
     let setting = format!("anchoring.kind={kind}");
-    let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
-    Scene::parse(text, "the test", &[setting], &mut no_files).unwrap()
+    Scene::of_text(text, &[&setting])
 }
 
 impl Watched {

@@ -190,9 +190,7 @@ pub(super) fn scene(settings: &[&str]) -> Scene {
         [nematic]
         [anchoring]
     ";
-    let settings: Vec<String> = settings.iter().map(|text| (*text).to_owned()).collect();
-    let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
-    Scene::parse(text, "the test", &settings, &mut no_files).unwrap()
+    Scene::of_text(text, settings)
 }
 
 pub(super) fn slot(name: &str) -> Slot {
