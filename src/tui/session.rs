@@ -418,7 +418,7 @@ impl Session {
     fn aside(&self, name: &str, work: impl FnOnce() + Send + 'static) -> Result<(), String> {
         let thread = spawn(name, self.incoming.clone(), work);
         thread
-            .map(|_| ())
+            .map(drop)
             .map_err(|reason| format!("the system starts no thread for it now: {reason}"))
     }
 
@@ -436,10 +436,7 @@ impl Session {
             // If the loop has ended, nobody wants it.
             let _ = incoming.send(AppEvent::Message(Message::Loaded(loaded)));
         });
-        match thread {
-            Ok(()) => Ok(()),
-            Err(words) => self.message(Message::Loaded(Err(words))),
-        }
+        thread.or_else(|words| self.message(Message::Loaded(Err(words))))
     }
 
     /// Prices the effects of a scene, until it is done or nobody looks any more.
@@ -454,10 +451,7 @@ impl Session {
                 let _ = incoming.send(AppEvent::Message(Message::Prices(text)));
             });
         });
-        match thread {
-            Ok(()) => Ok(()),
-            Err(words) => self.message(Message::Prices(words)),
-        }
+        thread.or_else(|words| self.message(Message::Prices(words)))
     }
 
     /// Measures what a scene would take, until it is done or nobody looks any more.
@@ -478,10 +472,7 @@ impl Session {
             // If the loop has ended, nobody wants it.
             let _ = incoming.send(AppEvent::Message(Message::Expected(name, words)));
         });
-        match thread {
-            Ok(()) => Ok(()),
-            Err(words) => self.message(Message::Expected(asked, Some(Err(words)))),
-        }
+        thread.or_else(|words| self.message(Message::Expected(asked, Some(Err(words)))))
     }
 
     fn save_view(&mut self, picture: Arc<RunSnapshot>, slot: usize) -> Result<(), AppError> {
@@ -593,10 +584,7 @@ impl Session {
             // If the loop has ended, nobody wants it.
             let _ = incoming.send(AppEvent::Edited(edited));
         });
-        match thread {
-            Ok(()) => Ok(()),
-            Err(words) => self.edited(Err(words)),
-        }
+        thread.or_else(|words| self.edited(Err(words)))
     }
 
     fn edited(&mut self, edited: Result<PathBuf, String>) -> Result<(), AppError> {
