@@ -58,7 +58,7 @@ pub enum Problem {
         reason: &'static str,
     },
     /// A key that no scene has.
-    #[error("unknown key {} {}{}{} Allowed: {}", Quoted(key), inside(table), DidYouMean(near),
+    #[error("unknown key {} {}{}{} Allowed: {}", Quoted(key), inside(table), did_you_mean(near.map(Quoted)),
         elsewhere_words(*elsewhere), allowed.join(", "))]
     UnknownKey {
         /// The key.
@@ -129,7 +129,7 @@ pub enum Problem {
         found: String,
     },
     /// A word that is none of the choices.
-    #[error("{key} cannot be {}{} Allowed: {}", Quoted(found), DidYouMean(near),
+    #[error("{key} cannot be {}{} Allowed: {}", Quoted(found), did_you_mean(near.map(Quoted)),
         allowed.join(", "))]
     UnknownChoice {
         /// The key with its table.
@@ -344,15 +344,11 @@ fn inside(table: &str) -> String {
 }
 
 /// The end of a first half sentence.
-pub(super) struct DidYouMean<'a>(pub(super) &'a Option<&'static str>);
-
-impl fmt::Display for DidYouMean<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0 {
-            Some(word) => write!(f, "; did you mean '{word}'?"),
-            None => f.write_str("."),
-        }
-    }
+pub(super) fn did_you_mean(words: Option<impl fmt::Display>) -> String {
+    words.map_or_else(
+        || ".".to_owned(),
+        |words| format!("; did you mean {words}?"),
+    )
 }
 
 /// Where a key would be right.

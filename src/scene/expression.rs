@@ -13,7 +13,6 @@
 //! A formula becomes a list of instructions for a stack machine while it is read, so that only the
 //! reading recurses, and no deeper than a fixed bound.
 
-use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -21,7 +20,7 @@ use thiserror::Error;
 
 use crate::geometry::Point;
 
-use super::error::Quoted;
+use super::error::{Quoted, did_you_mean};
 use super::suggest::nearest;
 
 /// Signs, powers and parentheses inside each other; each level is a recursion of the parser.
@@ -116,18 +115,6 @@ fn uncalled(name: &str) -> Option<String> {
     })
 }
 
-/// The end of a first half sentence.
-struct Meant<'a>(&'a Option<String>);
-
-impl fmt::Display for Meant<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0 {
-            Some(words) => write!(f, "; did you mean {words}?"),
-            None => f.write_str("."),
-        }
-    }
-}
-
 /// −1, 0 or 1 (the standard library's has no 0).
 fn sign(value: f64) -> f64 {
     if value == 0.0 { 0.0 } else { value.signum() }
@@ -192,7 +179,7 @@ pub enum ExpressionProblem {
         expected: &'static str,
     },
     /// Neither a variable nor a constant nor a function.
-    #[error("unknown name {} in the expression{} Allowed: {}", Quoted(name), Meant(meant),
+    #[error("unknown name {} in the expression{} Allowed: {}", Quoted(name), did_you_mean(meant.as_ref()),
         allowed.join(", "))]
     UnknownName {
         /// The name.

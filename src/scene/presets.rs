@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::error::{DidYouMean, Quoted};
+use super::error::{Quoted, did_you_mean};
 use super::suggest::nearest;
 
 macro_rules! presets {
@@ -22,7 +22,7 @@ presets! {
 
 /// There is no such preset.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("there is no preset {}{} Presets: {}", Quoted(name), DidYouMean(near),
+#[error("there is no preset {}{} Presets: {}", Quoted(name), did_you_mean(near.map(Quoted)),
     preset_names().collect::<Vec<_>>().join(", "))]
 pub struct UnknownPreset {
     /// What was asked for.
