@@ -70,17 +70,15 @@ impl Plot<'_> {
         let map = theme.map(self.view.colour_map);
         match half {
             Some(half) => paint(&sampled, &contour, map, theme, half, area, buffer),
-            None if theme.paints() => {
-                paint_cells(&sampled, &contour, map, theme, area, buffer);
-            }
-            None => self.ink(&sampled, &contour, theme, area, buffer),
+            None => self.fill(&sampled, &contour, theme, area, buffer),
         }
         self.director(&sampled, &contour, theme, canvas, area, buffer);
         (cells, sampled.range)
     }
 
-    /// Without colours: a ramp of glyphs, the contour above all.
-    fn ink(
+    /// One sample a cell: colours in a locale without blocks; without colours a ramp of glyphs, the contour above
+    /// all.
+    fn fill(
         &self,
         sampled: &FieldImage,
         contour: &[bool],
@@ -89,21 +87,27 @@ impl Plot<'_> {
         buffer: &mut Buffer,
     ) {
         let columns = usize::from(area.width);
+        let map = theme.map(self.view.colour_map);
         for (index, (value, on_contour)) in sampled.values.iter().zip(contour).enumerate() {
-            let Some(value) = value else { continue };
+            let Some(share) = value.map(|value| sampled.share(value)) else {
+                continue;
+            };
             let Some(cell) = cell_of(buffer, area, index, columns) else {
                 continue;
             };
-            if *on_contour {
-                let style = Style::default()
-                    .fg(theme.contour(theme.map(self.view.colour_map)))
-                    .add_modifier(Modifier::BOLD);
-                cell.set_symbol(theme.glyphs().contour).set_style(style);
-            } else {
-                let share = sampled.share(*value);
-                cell.set_symbol(ramp_glyph(share, self.view, theme))
-                    .set_style(ramp_style(share, theme));
-            }
+            match (theme.paints(), on_contour) {
+                (true, true) => cell.set_bg(theme.contour(map)),
+                (true, false) => cell.set_bg(theme.level(map, level(share))),
+                (false, true) => {
+                    let style = Style::default()
+                        .fg(theme.contour(map))
+                        .add_modifier(Modifier::BOLD);
+                    cell.set_symbol(theme.glyphs().contour).set_style(style)
+                }
+                (false, false) => cell
+                    .set_symbol(ramp_glyph(share, self.view, theme))
+                    .set_style(ramp_style(share, theme)),
+            };
         }
     }
 
@@ -264,28 +268,6 @@ fn paint(
                 }
                 (None, None) => {}
             }
-        }
-    }
-}
-
-/// One sample a cell: colours in a locale without blocks.
-fn paint_cells(
-    sampled: &FieldImage,
-    contour: &[bool],
-    map: &ColourMap,
-    theme: &Theme,
-    area: Rect,
-    buffer: &mut Buffer,
-) {
-    let columns = usize::from(area.width);
-    for (index, (value, on_contour)) in sampled.values.iter().zip(contour).enumerate() {
-        let Some(value) = value else { continue };
-        if let Some(cell) = cell_of(buffer, area, index, columns) {
-            cell.set_bg(if *on_contour {
-                theme.contour(map)
-            } else {
-                theme.level(map, level(sampled.share(*value)))
-            });
         }
     }
 }
