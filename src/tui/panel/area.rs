@@ -49,11 +49,9 @@ pub fn draw(shown: &Shown<'_>, look: Look, theme: &Theme, area: Rect, buffer: &m
     if let Some(target) = shown.target() {
         let gap = Row {
             name: theme.word("B-β", "B-target"),
-            colour: None,
             value: Some(report.surface_area - target),
-            start: None,
             digits: Some(4),
-            series: None,
+            ..Row::default()
         };
         let row = next(area);
         rows::draw(&gap, widths, &curves, theme, row, buffer);
@@ -79,11 +77,10 @@ pub fn draw(shown: &Shown<'_>, look: Look, theme: &Theme, area: Rect, buffer: &m
         for (name, value, series) in sizes {
             let size = Row {
                 name,
-                colour: None,
                 value: Some(value),
                 start: series.first(),
-                digits: None,
                 series: Some(series),
+                ..Row::default()
             };
             rows::draw(&size, widths, &curves, theme, next(area), buffer);
         }
@@ -93,21 +90,18 @@ pub fn draw(shown: &Shown<'_>, look: Look, theme: &Theme, area: Rect, buffer: &m
         .map(|start| report.phase_integral - start);
     let conserved = Row {
         name: theme.word("∫φ drift", "A drift"),
-        colour: None,
         value: drift,
-        start: None,
         digits: Some(3),
         series: Some(&history.phase_drift),
+        ..Row::default()
     };
     rows::draw(&conserved, widths, &curves, theme, next(area), buffer);
     if let Some(quotient) = report.isoperimetric_quotient {
         let quotient = Row {
             name: theme.word("4πa/l²", "4pi a/l^2"),
-            colour: None,
             value: Some(quotient),
-            start: None,
             digits: Some(4),
-            series: None,
+            ..Row::default()
         };
         let row = next(area);
         rows::draw(&quotient, widths, &curves, theme, row, buffer);

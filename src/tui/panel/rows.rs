@@ -75,7 +75,7 @@ impl Widths {
 }
 
 /// A row: what it is called, what it is, and how it became so.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Row<'a> {
     /// Its name.
     pub name: &'a str,
