@@ -1,6 +1,5 @@
 //! The messages to and from a worker.
 
-use std::fmt;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -105,7 +104,8 @@ pub enum WorkerEvent {
 }
 
 /// Why a run cannot start or continue.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{words}")]
 pub struct Failure {
     /// In words.
     pub words: String,
@@ -129,12 +129,6 @@ impl From<SimulationError> for Failure {
             words: error.to_string(),
             is_of_scene: error.is_of_scene(),
         }
-    }
-}
-
-impl fmt::Display for Failure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.words)
     }
 }
 
