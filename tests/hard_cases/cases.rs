@@ -35,7 +35,7 @@ pub struct Case {
 pub const CASES: &[Case] = &[
     Case {
         name: "as-it-is",
-        steps: 20,
+        steps: 10,
         long_steps: 200,
         symmetric: true,
         course: Course::Plain,
@@ -43,7 +43,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "step-1e-4",
-        steps: 5,
+        steps: 3,
         long_steps: 50,
         symmetric: true,
         course: Course::Plain,
@@ -51,7 +51,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "step-1e-2",
-        steps: 3,
+        steps: 2,
         long_steps: 30,
         symmetric: true,
         course: Course::Plain,
@@ -83,7 +83,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "random-1e-6",
-        steps: 10,
+        steps: 5,
         long_steps: 100,
         symmetric: false,
         course: Course::Plain,
@@ -99,7 +99,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "phase-1.5",
-        steps: 10,
+        steps: 5,
         long_steps: 100,
         symmetric: true,
         course: Course::Plain,
@@ -107,7 +107,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "phase-3",
-        steps: 3,
+        steps: 2,
         long_steps: 30,
         symmetric: true,
         course: Course::Plain,
@@ -115,7 +115,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "width-half-cell",
-        steps: 5,
+        steps: 3,
         long_steps: 50,
         symmetric: true,
         course: Course::Plain,
@@ -123,7 +123,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "width-eighth-cell",
-        steps: 3,
+        steps: 2,
         long_steps: 30,
         symmetric: true,
         course: Course::Plain,
@@ -131,7 +131,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "width-20-cells",
-        steps: 5,
+        steps: 3,
         long_steps: 50,
         symmetric: true,
         course: Course::Plain,
@@ -139,7 +139,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "area-penalty-1e-6",
-        steps: 3,
+        steps: 2,
         long_steps: 30,
         symmetric: true,
         course: Course::Plain,
@@ -155,7 +155,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "length-penalty-5e-3",
-        steps: 10,
+        steps: 5,
         long_steps: 100,
         symmetric: true,
         course: Course::Plain,
@@ -163,7 +163,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "length-penalty-1e-3",
-        steps: 10,
+        steps: 5,
         long_steps: 100,
         symmetric: true,
         course: Course::Plain,
@@ -171,7 +171,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "hedgehog",
-        steps: 10,
+        steps: 5,
         long_steps: 100,
         symmetric: true,
         course: Course::Plain,
@@ -179,7 +179,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "two-halves",
-        steps: 10,
+        steps: 5,
         long_steps: 100,
         symmetric: false,
         course: Course::Plain,
@@ -187,7 +187,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "no-length",
-        steps: 10,
+        steps: 5,
         long_steps: 100,
         symmetric: true,
         course: Course::Plain,
@@ -195,7 +195,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "random-director",
-        steps: 10,
+        steps: 5,
         long_steps: 100,
         symmetric: false,
         course: Course::Plain,
@@ -203,7 +203,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "length-3",
-        steps: 10,
+        steps: 5,
         long_steps: 100,
         symmetric: true,
         course: Course::Plain,
@@ -211,7 +211,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "nematic-0",
-        steps: 10,
+        steps: 5,
         long_steps: 100,
         symmetric: true,
         course: Course::Plain,
@@ -219,7 +219,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "nematic-1e4",
-        steps: 10,
+        steps: 5,
         long_steps: 100,
         symmetric: true,
         course: Course::Plain,
@@ -227,7 +227,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "anchoring-0",
-        steps: 10,
+        steps: 5,
         long_steps: 100,
         symmetric: true,
         course: Course::Plain,
@@ -235,7 +235,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "anchoring-1e4",
-        steps: 10,
+        steps: 5,
         long_steps: 100,
         symmetric: true,
         course: Course::Plain,
@@ -243,7 +243,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "curvature-50",
-        steps: 5,
+        steps: 3,
         long_steps: 50,
         symmetric: true,
         course: Course::Plain,
@@ -251,7 +251,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "curvature-jumps",
-        steps: 5,
+        steps: 3,
         long_steps: 50,
         symmetric: false,
         course: Course::Plain,
@@ -259,7 +259,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "target-0.2",
-        steps: 5,
+        steps: 3,
         long_steps: 50,
         symmetric: true,
         course: Course::Plain,
@@ -267,7 +267,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "target-3",
-        steps: 5,
+        steps: 3,
         long_steps: 50,
         symmetric: true,
         course: Course::Plain,
@@ -275,7 +275,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "merging",
-        steps: 10,
+        steps: 5,
         long_steps: 100,
         symmetric: true,
         course: Course::Plain,
@@ -283,7 +283,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "pinching",
-        steps: 10,
+        steps: 5,
         long_steps: 100,
         symmetric: true,
         course: Course::Plain,
@@ -291,7 +291,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "wall-natural",
-        steps: 5,
+        steps: 3,
         long_steps: 50,
         symmetric: true,
         course: Course::Plain,
@@ -299,7 +299,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "wall-clamped",
-        steps: 5,
+        steps: 3,
         long_steps: 50,
         symmetric: true,
         course: Course::Plain,
@@ -307,7 +307,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "jitter-0.3",
-        steps: 5,
+        steps: 3,
         long_steps: 50,
         symmetric: false,
         course: Course::Plain,
@@ -315,7 +315,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "jitter-0.6",
-        steps: 5,
+        steps: 3,
         long_steps: 50,
         symmetric: false,
         course: Course::Plain,
@@ -323,7 +323,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "jitter-0.6-lumped",
-        steps: 3,
+        steps: 2,
         long_steps: 30,
         symmetric: false,
         course: Course::Plain,
@@ -331,7 +331,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "lumped",
-        steps: 20,
+        steps: 10,
         long_steps: 200,
         symmetric: true,
         course: Course::Plain,
@@ -339,7 +339,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "lagged",
-        steps: 10,
+        steps: 5,
         long_steps: 100,
         symmetric: true,
         course: Course::Plain,
@@ -347,7 +347,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "lagged-1e-2",
-        steps: 3,
+        steps: 2,
         long_steps: 30,
         symmetric: true,
         course: Course::Plain,

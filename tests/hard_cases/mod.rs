@@ -19,8 +19,9 @@ use std::thread;
 use self::cases::{CASES, Case};
 use self::oracle::Worst;
 
-/// Runs all cases, as many at once as there are processors, in their order.
-fn run_all(steps: fn(&Case) -> u64) -> Vec<(&'static Case, Worst)> {
+/// Runs all cases, as many at once as there are processors, in their order; `how`: the number of steps, and a
+/// setting.
+fn run_all(how: fn(&Case) -> (u64, Option<&'static str>)) -> Vec<(&'static Case, Worst)> {
     let next = AtomicUsize::new(0);
     let (sender, receiver) = mpsc::channel();
     let workers = thread::available_parallelism().map_or(1, usize::from);
@@ -33,7 +34,8 @@ fn run_all(steps: fn(&Case) -> u64) -> Vec<(&'static Case, Worst)> {
                     let Some(case) = CASES.get(index) else {
                         return;
                     };
-                    let worst = oracle::run(case, steps(case));
+                    let (steps, setting) = how(case);
+                    let worst = oracle::run(case, steps, setting);
                     sender.send((index, case, worst)).expect("it is awaited");
                 }
             });
@@ -61,14 +63,19 @@ fn complaints(results: &[(&Case, Worst)]) -> String {
 
 #[test]
 fn hard_cases_stay_stable() {
-    let complaints = complaints(&run_all(|case| case.steps));
+    // A step of this one takes a minute; with a weaker penalty (there is a case for the stronger one) a second.
+    let results = run_all(|case| {
+        let is_hardest = case.name == "random-9";
+        (case.steps, is_hardest.then_some("area.penalty=1e-6"))
+    });
+    let complaints = complaints(&results);
     assert!(complaints.is_empty(), "{complaints}");
 }
 
 #[test]
 #[ignore = "minutes; writes the table of results"]
 fn hard_cases_stay_stable_for_long() {
-    let results = run_all(|case| case.long_steps);
+    let results = run_all(|case| (case.long_steps, None));
     let mut table = String::from(
         "| case | steps | least Δt | law residual | least ND / S | rise of E / S | drift of ∫φ | turn by 180° | shift / h |\n\
          | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",

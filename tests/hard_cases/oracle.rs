@@ -172,14 +172,15 @@ impl<'a> Watch<'a> {
     }
 }
 
-/// Runs a case through so many steps.
-pub fn run(case: &Case, steps: u64) -> Worst {
+/// Runs a case through so many steps, with a setting.
+pub fn run(case: &Case, steps: u64, setting: Option<&str>) -> Worst {
     let mut worst = Worst {
         smallest_dt: f64::INFINITY,
         ..Worst::default()
     };
     let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
-    let outcome = Scene::parse(case.text, case.name, &[], &mut no_files)
+    let settings: Vec<String> = setting.into_iter().map(str::to_owned).collect();
+    let outcome = Scene::parse(case.text, case.name, &settings, &mut no_files)
         .map_err(|error| error.to_string())
         .and_then(|scene| match case.course {
             Course::StepJumps => with_jumps(case, &scene, steps, &mut worst),
