@@ -13,6 +13,7 @@ use crate::scene::{Anchoring, AnchoringKind, Area, Scene};
 use crate::scheme::State;
 use crate::simulation::{NamedValue, OutlineMeasure, Report};
 use plotters::style::text_anchor::{HPos, VPos};
+use std::ops::Range;
 use std::sync::Arc;
 
 mod files;
@@ -147,19 +148,23 @@ fn first_view<'a>(run: &'a RunData, report: &'a Report, field: Field) -> View<'a
     }
 }
 
-/// The views of a run at this width, one for each field.
-fn views(run: &RunData, width: u32) -> Vec<(&'static str, Drawing)> {
+/// How many fields there are views of.
+const FIELDS: usize = 5;
+
+/// The views of a run at this width, of these of the fields.
+fn views(run: &RunData, width: u32, which: Range<usize>) -> Vec<(&'static str, Drawing)> {
     let mut drawings = Vec::new();
     let label = RunLabel::new(&run.name, &run.scene, &run.switches);
     let interface_width = run.scene.membrane.interface_width;
     let density = Field::BendingDensity { interface_width };
-    for (field, name) in [
+    let fields: [_; FIELDS] = [
         (Field::Phase, "view of φ"),
         (Field::DirectorLength, "view of |d|"),
         (Field::Bending, "view of ω"),
         (Field::Potential, "view of μ"),
         (density, "view of ε/2 ω²"),
-    ] {
+    ];
+    for &(field, name) in &fields[which] {
         let report = report(run.snapshots[0].step);
         let view = first_view(run, &report, field);
         let drawing = view::draw(&view, &label, &options(width));
@@ -227,7 +232,9 @@ fn text_is_whole_and_apart_at_every_size() {
                 assert_tidy(name, &drawing);
             }
         }
-        for (name, drawing) in views(&run("a", long, 1), width) {
+        // Their pictures of sixteen million pixels differ in a word: the one with the longest will do.
+        let first = if width == 4000 { FIELDS - 1 } else { 0 };
+        for (name, drawing) in views(&run("a", long, 1), width, first..FIELDS) {
             assert_tidy(name, &drawing);
         }
         let runs = [

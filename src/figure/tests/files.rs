@@ -149,7 +149,7 @@ fn the_origin_of_a_picture_reads_back_from_png_and_svg() {
 fn an_svg_needs_no_font_and_has_the_size_of_the_png() {
     let run = run("a", "Case 3", 5);
     let mut all = drawings(std::slice::from_ref(&run), 1200);
-    all.extend(views(&run, 1200));
+    all.extend(views(&run, 1200, 0..FIELDS));
     for (name, drawing) in all {
         let text = svg::encode(&drawing, 300, &provenance(&run)).expect("it is encoded");
         let document = roxmltree::Document::parse(&text).expect("it is XML");

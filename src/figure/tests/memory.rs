@@ -22,7 +22,7 @@ fn what_a_picture_takes_is_foreseen() {
     let run = run("case3", "Case 3", 5);
     for width in [400, 2000] {
         let mut drawn = drawings(std::slice::from_ref(&run), width);
-        drawn.extend(views(&run, width).into_iter().take(1));
+        drawn.extend(views(&run, width, 0..1));
         for (name, drawing) in drawn {
             let provenance = Provenance::plain("a", "b");
             let (png, _) = most(|| {
