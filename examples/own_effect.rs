@@ -6,7 +6,7 @@
 use vesica::fem::{Mesh, Patch};
 use vesica::geometry::{SymmetricTensor, Vector};
 use vesica::physics::{
-    DirectorCoupling, Effect, LedgerTerms, MembraneForce, MembraneJacobian, PatchFields,
+    DirectorCoupling, Effect, LedgerTerms, MembraneForce, MembraneJacobian, PatchFields, PatchStep,
 };
 use vesica::scene::{Iteration, Scene};
 use vesica::scheme::{Scheme, initial_fields};
@@ -32,38 +32,27 @@ impl Effect for Tension {
         Some(DirectorCoupling::NONE)
     }
 
-    fn add_membrane_force(
-        &mut self,
-        _patch: &Patch<'_>,
-        _old: &PatchFields,
-        new: &PatchFields,
-        force: &mut MembraneForce,
-    ) {
-        for (flux, gradient) in force.flux.iter_mut().zip(&new.phi_gradient) {
-            *flux += self.weight * gradient;
+    fn add_membrane_force(&mut self, step: &PatchStep<'_>, force: &mut MembraneForce) {
+        let (old, new, scheme) = (step.old, step.new, step.scheme);
+        let gradients = old.phi_gradient.iter().zip(&new.phi_gradient);
+        for (flux, (old, new)) in force.flux.iter_mut().zip(gradients) {
+            *flux += self.weight * scheme.implicit(*old, *new);
         }
     }
 
     fn add_membrane_jacobian(
         &mut self,
-        _patch: &Patch<'_>,
-        _old: &PatchFields,
-        _new: &PatchFields,
+        step: &PatchStep<'_>,
         _iteration: Iteration,
         jacobian: &mut MembraneJacobian,
     ) {
         for tensor in &mut jacobian.tensor {
-            *tensor += SymmetricTensor::isotropic(self.weight);
+            *tensor += SymmetricTensor::isotropic(step.scheme.weight() * self.weight);
         }
     }
 
-    fn add_dissipation(
-        &mut self,
-        patch: &Patch<'_>,
-        old: &PatchFields,
-        new: &PatchFields,
-        terms: &mut LedgerTerms,
-    ) {
+    fn add_dissipation(&mut self, step: &PatchStep<'_>, terms: &mut LedgerTerms) {
+        let (patch, old, new) = (step.patch, step.old, step.new);
         let gradients = new.phi_gradient.iter().zip(&old.phi_gradient);
         let squares = gradients.map(|(new, old)| (new - old).norm_squared());
         let loss = patch.integrate_elements_of(squares);

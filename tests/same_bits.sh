@@ -67,11 +67,11 @@ run delaunay-lumped case4 8 "${delaunay[@]}" solver.quadrature=lumped vesicle.pr
 run graded case3 8 "${graded[@]}"
 
 # Chosen steps.
-run order-1 case3 2e-6 $small time.tolerance=1e-2 time.order=1
-run order-2 case3 2e-6 $small time.tolerance=1e-2 time.order=2
-run order-3 case3 2e-6 $small time.tolerance=1e-2 time.order=3
-run order-3-graded case4 2e-6 "${graded[@]}" time.tolerance=3e-3 time.order=3
-run order-2-lumped case4 2e-6 $small time.tolerance=3e-3 time.order=2 solver.quadrature=lumped
+run chosen-first-order case3 2e-6 $small time.tolerance=1e-2 time.scheme=first-order
+run secant-fixed case3 2e-6 $small time.scheme=secant
+run chosen case3 2e-6 $small time.tolerance=1e-2
+run chosen-graded case4 2e-6 "${graded[@]}" time.tolerance=3e-3
+run chosen-lumped case4 2e-6 $small time.tolerance=3e-3 solver.quadrature=lumped
 
 # Effects, shapes, directors.
 run bending bending 8 $small

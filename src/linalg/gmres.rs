@@ -55,7 +55,7 @@ impl Gmres {
     pub fn solve(
         &mut self,
         matrix: &mut impl LinearOperator,
-        preconditioner: &mut impl LinearOperator,
+        preconditioner: &mut (impl LinearOperator + ?Sized),
         b: &[f64],
         x: &mut [f64],
         goal: f64,
@@ -111,7 +111,7 @@ impl Gmres {
     fn extend(
         &mut self,
         matrix: &mut impl LinearOperator,
-        preconditioner: &mut impl LinearOperator,
+        preconditioner: &mut (impl LinearOperator + ?Sized),
         column: usize,
     ) {
         let (old, new) = self.basis.split_at_mut(column + 1);

@@ -3,7 +3,7 @@
 
 use super::{
     DirectorCoupling, DirectorForm, Effect, EffectContext, LedgerTerms, MembraneForce,
-    MembraneJacobian, PatchFields,
+    MembraneJacobian, PatchFields, PatchStep,
 };
 use crate::fem::{Patch, Space};
 use crate::geometry::{SymmetricTensor, Vector};
@@ -93,12 +93,8 @@ impl Effect for Anchoring {
     }
 
     /// λ_anch (δ1 |∇φⁿ|² d + δ2 (d·∇φⁿ) ∇φⁿ, e), linear in d.
-    fn add_director_force(
-        &mut self,
-        _patch: &Patch<'_>,
-        old: &PatchFields,
-        form: &mut DirectorForm,
-    ) {
+    fn add_director_force(&mut self, step: &PatchStep<'_>, form: &mut DirectorForm) {
+        let old = step.old;
         let [isotropic, along] = self.preference.map(|delta| self.weight * delta);
         for (tensor, gradient) in form.tensor.iter_mut().zip(&old.phi_gradient) {
             *tensor += SymmetricTensor::isotropic(isotropic * gradient.norm_squared())
@@ -107,7 +103,8 @@ impl Effect for Anchoring {
         form.has_tensor = true;
     }
 
-    fn begin_membrane(&mut self, patch: &Patch<'_>, _old: &PatchFields, new: &PatchFields) {
+    fn begin_membrane(&mut self, step: &PatchStep<'_>) {
+        let (patch, new) = (step.patch, step.new);
         if let Some(director) = &new.director {
             let mut tensors = std::mem::take(&mut self.tensors);
             self.fill(patch, &director.nodal, &mut tensors[patch.element_range()]);
@@ -115,45 +112,35 @@ impl Effect for Anchoring {
         }
     }
 
-    /// λ_anch (δ1|d|²∇φ + δ2 (d·∇φ) d, ∇ψ). (The paper's (2.11) has the divergence of this with the
+    /// λ_anch (δ1|d|²∇φ + δ2 (d·∇φ) d, ∇ψ) at φ_θ. (The paper's (2.11) has the divergence of this with the
     /// wrong sign; (3.21) has it right.)
-    fn add_membrane_force(
-        &mut self,
-        patch: &Patch<'_>,
-        _old: &PatchFields,
-        new: &PatchFields,
-        force: &mut MembraneForce,
-    ) {
+    fn add_membrane_force(&mut self, step: &PatchStep<'_>, force: &mut MembraneForce) {
+        let (patch, old, new, scheme) = (step.patch, step.old, step.new, step.scheme);
         let tensors = &self.tensors[patch.element_range()];
-        let values = tensors.iter().zip(&new.phi_gradient);
-        for (flux, (tensor, gradient)) in force.flux.iter_mut().zip(values) {
-            *flux += *tensor * *gradient;
+        let gradients = old.phi_gradient.iter().zip(&new.phi_gradient);
+        for (flux, (tensor, (old, new))) in force.flux.iter_mut().zip(tensors.iter().zip(gradients))
+        {
+            *flux += *tensor * scheme.implicit(*old, *new);
         }
     }
 
     fn add_membrane_jacobian(
         &mut self,
-        patch: &Patch<'_>,
-        _old: &PatchFields,
-        _new: &PatchFields,
+        step: &PatchStep<'_>,
         _iteration: Iteration,
         jacobian: &mut MembraneJacobian,
     ) {
+        let (patch, scheme) = (step.patch, step.scheme);
         let tensors = &self.tensors[patch.element_range()];
         for (sum, tensor) in jacobian.tensor.iter_mut().zip(tensors) {
-            *sum += *tensor;
+            *sum += scheme.weight() * *tensor;
         }
     }
 
     /// Δt ND_anch = λ_anch/2 ∫ (δ1(|δ|²|∇φⁿ|² + |d|²|∇(φ − φⁿ)|²) + δ2((δ·∇φⁿ)² + (d·∇(φ − φⁿ))²))
     /// with δ = d − dⁿ.
-    fn add_dissipation(
-        &mut self,
-        patch: &Patch<'_>,
-        old: &PatchFields,
-        new: &PatchFields,
-        terms: &mut LedgerTerms,
-    ) {
+    fn add_dissipation(&mut self, step: &PatchStep<'_>, terms: &mut LedgerTerms) {
+        let (patch, old, new) = (step.patch, step.old, step.new);
         let (Some(old_director), Some(new_director)) = (&old.director, &new.director) else {
             return;
         };

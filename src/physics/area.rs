@@ -5,7 +5,8 @@ use super::potentials::{
     double_well, double_well_derivative, double_well_secant, double_well_secant_derivative,
 };
 use super::{
-    DirectorCoupling, Effect, EffectContext, MembraneForce, MembraneJacobian, PatchFields, RankOne,
+    DirectorCoupling, Effect, EffectContext, MembraneForce, MembraneJacobian, PatchFields,
+    PatchStep, RankOne,
 };
 use crate::fem::{Patch, Space};
 use crate::geometry::{SymmetricTensor, Vector};
@@ -119,13 +120,8 @@ impl Effect for Area {
 
     /// tension · [ε/2 (∇(φ + φⁿ), ∇ψ) + (1/ε)(F_sec, ψ)]: the bracket is an exact secant of B, so
     /// this effect has no numerical dissipation.
-    fn add_membrane_force(
-        &mut self,
-        _patch: &Patch<'_>,
-        old: &PatchFields,
-        new: &PatchFields,
-        force: &mut MembraneForce,
-    ) {
+    fn add_membrane_force(&mut self, step: &PatchStep<'_>, force: &mut MembraneForce) {
+        let (old, new) = (step.old, step.new);
         let tension = self.tension;
         let (along, across) = (
             0.5 * self.interface_width * tension,
@@ -143,12 +139,11 @@ impl Effect for Area {
     /// 1/(2η) · bracket ⊗ B'(φ).
     fn add_membrane_jacobian(
         &mut self,
-        patch: &Patch<'_>,
-        old: &PatchFields,
-        new: &PatchFields,
+        step: &PatchStep<'_>,
         iteration: Iteration,
         jacobian: &mut MembraneJacobian,
     ) {
+        let (patch, old, new) = (step.patch, step.old, step.new);
         let width = self.interface_width;
         let tension = match iteration {
             Iteration::Newton => self.followed.unwrap_or(self.tension),

@@ -11,7 +11,9 @@ use super::patch_fields::at_points;
 use super::potentials::{
     bending_derivative, bending_secant, bending_secant_derivative, bending_tangent,
 };
-use super::{DirectorCoupling, Effect, LedgerTerms, MembraneForce, MembraneJacobian, PatchFields};
+use super::{
+    DirectorCoupling, Effect, LedgerTerms, MembraneForce, MembraneJacobian, PatchFields, PatchStep,
+};
 use crate::fem::{Patch, Space};
 use crate::scene::{Iteration, Membrane, ScalarField};
 
@@ -97,13 +99,8 @@ impl Bending {
     }
 
     /// (1/ε) G_sec at the points: how ω acts in the second equation.
-    pub fn secant(
-        &self,
-        patch: &Patch<'_>,
-        old: &PatchFields,
-        new: &PatchFields,
-        out: &mut Vec<f64>,
-    ) {
+    pub fn secant(&self, step: &PatchStep<'_>, out: &mut Vec<f64>) {
+        let (patch, old, new) = (step.patch, step.old, step.new);
         let scale = self.interface_width.recip();
         out.resize(patch.points(), 0.0);
         let (phi, phi_old) = (&new.phi[..out.len()], &old.phi[..out.len()]);
@@ -142,15 +139,10 @@ impl Effect for Bending {
         Some(DirectorCoupling::NONE)
     }
 
-    fn add_membrane_force(
-        &mut self,
-        patch: &Patch<'_>,
-        old: &PatchFields,
-        new: &PatchFields,
-        force: &mut MembraneForce,
-    ) {
+    fn add_membrane_force(&mut self, step: &PatchStep<'_>, force: &mut MembraneForce) {
+        let new = step.new;
         let mut scratch = std::mem::take(&mut self.scratch);
-        self.secant(patch, old, new, &mut scratch);
+        self.secant(step, &mut scratch);
         let terms = force.load.iter_mut().zip(&scratch).zip(&new.omega);
         terms.for_each(|((load, secant), omega)| *load += secant * omega);
         self.scratch = scratch;
@@ -162,12 +154,11 @@ impl Effect for Bending {
     /// (1/ε) ∂G_sec/∂φ ω, which (4.35) leaves out.
     fn add_membrane_jacobian(
         &mut self,
-        patch: &Patch<'_>,
-        old: &PatchFields,
-        new: &PatchFields,
+        step: &PatchStep<'_>,
         iteration: Iteration,
         jacobian: &mut MembraneJacobian,
     ) {
+        let (patch, old, new) = (step.patch, step.old, step.new);
         if iteration == Iteration::Lagged {
             return;
         }
@@ -183,13 +174,8 @@ impl Effect for Bending {
     }
 
     /// Δt ND_ω = ε/2 ‖ω − ωⁿ‖².
-    fn add_dissipation(
-        &mut self,
-        patch: &Patch<'_>,
-        old: &PatchFields,
-        new: &PatchFields,
-        terms: &mut LedgerTerms,
-    ) {
+    fn add_dissipation(&mut self, step: &PatchStep<'_>, terms: &mut LedgerTerms) {
+        let (patch, old, new) = (step.patch, step.old, step.new);
         self.scratch.resize(patch.points(), 0.0);
         for ((density, old), new) in self.scratch.iter_mut().zip(&old.omega).zip(&new.omega) {
             *density = (new - old) * (new - old);

@@ -2,8 +2,8 @@
 //!
 //! Let (φⁿ, dⁿ) be the old state, d the new director and φ the new phase field. An effect with the
 //! energy E gives
-//! - in substep 1 a *director force* f_d(φⁿ; dⁿ → d), affine in d: its value at dⁿ and its linear
-//!   part ([`DirectorForm`]);
+//! - in substep 1 a *director force* f_d(φⁿ; dⁿ → d), affine in d in the scheme of first order: its value at an iterate
+//!   and its linear part ([`DirectorForm`]);
 //! - in substep 2 a *membrane force* f_φ(φⁿ → φ; d) ([`MembraneForce`]) and its derivative with
 //!   respect to φ ([`MembraneJacobian`], [`RankOne`]);
 //! - a *numerical dissipation* ND ≥ 0,
@@ -13,7 +13,9 @@
 //!   E(φ, d) − E(φⁿ, dⁿ) = ⟨f_d, d − dⁿ⟩ + ⟨f_φ, φ − φⁿ⟩ − Δt ND.
 //!
 //! That is the effect's share of the energy law (3.26); the tests of this room check it for every
-//! effect alone, and the derivative against differences. (Bending is the one whose force acts
+//! effect alone, and the derivative against differences. In the secant scheme the forces are secants of E, exactly, and
+//! there is no dissipation: ND = 0. (There substep 1 is solved twice in a step, with φⁿ before substep 2 and with the new φ
+//! after it.) (Bending is the one whose force acts
 //! through ω: see its file.)
 
 use serde::{Deserialize, Serialize};
@@ -21,7 +23,7 @@ use serde::{Deserialize, Serialize};
 use super::PatchFields;
 use crate::fem::Patch;
 use crate::geometry::{SymmetricTensor, Vector};
-use crate::scene::Iteration;
+use crate::scene::{Iteration, TimeScheme};
 
 /// A value with a name: an energy, or a term of the ledger.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -111,6 +113,19 @@ impl std::ops::Add for DirectorCoupling {
     }
 }
 
+/// A step on a patch: the state that it starts from and the one that it leads to.
+#[derive(Debug, Clone, Copy)]
+pub struct PatchStep<'a> {
+    /// The patch.
+    pub patch: &'a Patch<'a>,
+    /// The old state.
+    pub old: &'a PatchFields,
+    /// The new state.
+    pub new: &'a PatchFields,
+    /// How the step is taken.
+    pub scheme: TimeScheme,
+}
+
 /// One energy and how the scheme treats it.
 ///
 /// Everything is worked out one [`Patch`] of the space at a time: slices belong to the patch. What an
@@ -121,10 +136,10 @@ impl std::ops::Add for DirectorCoupling {
 /// | in | of the old state | of the new state |
 /// |---|---|---|
 /// | `integral` | | φ, ω, d (φ alone for the sake of `set_integrals`) |
-/// | `add_director_force` | φ, d | |
+/// | `add_director_force` | φ, d | d |
 /// | `work` | φ, d | d |
 /// | `begin_membrane` | φ | d |
-/// | `add_membrane_force`, `add_membrane_jacobian` | φ | φ, ω |
+/// | `add_membrane_force`, `add_membrane_jacobian` | φ | φ, ω_θ |
 /// | `add_dissipation` | φ, ω, d | φ, ω, d |
 pub trait Effect: Send + std::fmt::Debug {
     /// Its name: the column `E_<name>` of a history.
@@ -166,35 +181,21 @@ pub trait Effect: Send + std::fmt::Debug {
     /// if it [`needs_integrals`](Self::needs_integrals).
     fn set_integrals(&mut self, _old: f64, _new: f64) {}
 
-    /// Adds the director force at dⁿ and its linear part.
-    fn add_director_force(
-        &mut self,
-        _patch: &Patch<'_>,
-        _old: &PatchFields,
-        _form: &mut DirectorForm,
-    ) {
-    }
+    /// Adds the director force at the new d, an iterate (dⁿ itself in the scheme of first order, where it is affine), and
+    /// its linear part.
+    fn add_director_force(&mut self, _step: &PatchStep<'_>, _form: &mut DirectorForm) {}
 
     /// Called once a step before substep 2, when the new director is known: the place to prepare
     /// what depends on φⁿ and d only.
-    fn begin_membrane(&mut self, _patch: &Patch<'_>, _old: &PatchFields, _new: &PatchFields) {}
+    fn begin_membrane(&mut self, _step: &PatchStep<'_>) {}
 
     /// Adds the membrane force.
-    fn add_membrane_force(
-        &mut self,
-        _patch: &Patch<'_>,
-        _old: &PatchFields,
-        _new: &PatchFields,
-        _force: &mut MembraneForce,
-    ) {
-    }
+    fn add_membrane_force(&mut self, _step: &PatchStep<'_>, _force: &mut MembraneForce) {}
 
     /// Adds the derivative of the membrane force with respect to φ, for the given iteration.
     fn add_membrane_jacobian(
         &mut self,
-        _patch: &Patch<'_>,
-        _old: &PatchFields,
-        _new: &PatchFields,
+        _step: &PatchStep<'_>,
         _iteration: Iteration,
         _jacobian: &mut MembraneJacobian,
     ) {
@@ -225,24 +226,24 @@ pub trait Effect: Send + std::fmt::Debug {
 
     /// The patch's share of the work that it has done from outside on the director in substep 1, if it
     /// [`does_work`](Self::does_work).
-    fn work(&mut self, _patch: &Patch<'_>, _old: &PatchFields, _new: &PatchFields) -> f64 {
+    fn work(&mut self, _step: &PatchStep<'_>) -> f64 {
         0.0
+    }
+
+    /// Whether it has terms of a ledger in a scheme. In the secant scheme nothing is dissipated numerically.
+    fn has_terms(&self, scheme: TimeScheme) -> bool {
+        scheme == TimeScheme::FirstOrder || self.does_work()
     }
 
     /// Adds the terms of the numerical dissipation, each Δt·ND ≥ 0 (times Δt, so that nothing is
     /// divided by a small number); and minus the work that comes from outside, of either sign.
-    fn add_dissipation(
-        &mut self,
-        _patch: &Patch<'_>,
-        _old: &PatchFields,
-        _new: &PatchFields,
-        _terms: &mut LedgerTerms,
-    ) {
-    }
+    fn add_dissipation(&mut self, _step: &PatchStep<'_>, _terms: &mut LedgerTerms) {}
 }
 
-/// The director force, affine in d, tested with e:
-/// f_d(d) = ∫ (flux:∇e + load·e) + ∫ (stiffness ∇d:∇e + (R d)·e) + ∫ reaction δ·e, δ = d − dⁿ.
+/// The director force near an iterate d*, tested with e:
+/// f_d(d) = ∫ (flux:∇e + load·e) + ∫ (stiffness ∇d_θ:∇e + (R d_θ)·e) + ∫ reaction (d − d*)·e,
+/// with d_θ = dⁿ + θ(d − dⁿ). In the scheme of first order θ = 1, d* = dⁿ and this is exact; in the secant scheme θ = ½ and
+/// it is exact at d = d*.
 #[derive(Debug, Default)]
 pub struct DirectorForm {
     /// For each component, a vector on each triangle.
@@ -255,8 +256,12 @@ pub struct DirectorForm {
     pub tensor: Vec<SymmetricTensor>,
     /// Whether any effect has given a tensor.
     pub has_tensor: bool,
-    /// A weight ≥ 0 at each point, of δ.
+    /// A weight ≥ 0 at each point, of d − d*.
     pub reaction: Vec<f64>,
+    /// The same as a tensor ≥ 0 on each triangle; asked for where the derivative is.
+    pub tangent: Vec<SymmetricTensor>,
+    /// Whether the derivative is asked for, or only the force at d*.
+    pub with_derivative: bool,
 }
 
 impl DirectorForm {
@@ -269,8 +274,36 @@ impl DirectorForm {
         }
         zero(&mut self.stiffness, elements);
         zero(&mut self.tensor, elements);
+        zero(&mut self.tangent, elements);
         self.has_tensor = false;
         zero(&mut self.reaction, points);
+    }
+
+    /// flux ← flux + stiffness ∇d_θ.
+    pub fn add_flux_of_stiffness(&mut self, step: &PatchStep<'_>) {
+        let (Some(old), Some(new)) = (&step.old.director, &step.new.director) else {
+            return;
+        };
+        for axis in 0..2 {
+            let gradients = old.gradients[axis].iter().zip(&new.gradients[axis]);
+            let terms = self.stiffness.iter().zip(gradients);
+            for (flux, (weight, (old, new))) in self.flux[axis].iter_mut().zip(terms) {
+                *flux += *weight * step.scheme.implicit(*old, *new);
+            }
+        }
+    }
+
+    /// Makes of stiffness and R the derivative with respect to d: of what acts on d_θ, and with the tangent.
+    pub fn differentiate(&mut self, scheme: TimeScheme) {
+        if scheme == TimeScheme::FirstOrder {
+            return;
+        }
+        let weight = scheme.weight();
+        self.stiffness.iter_mut().for_each(|it| *it *= weight);
+        for (tensor, tangent) in self.tensor.iter_mut().zip(&self.tangent) {
+            *tensor = weight * *tensor + *tangent;
+        }
+        self.has_tensor = true;
     }
 }
 

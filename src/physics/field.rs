@@ -30,14 +30,17 @@
 //! is that of one energy. A step has the field if it is on in the middle of the step: `from` and
 //! `until` are so rounded to the nearest end of a step.
 
-use super::potentials::{INDICATOR_CONVEXITY, phase_indicator, phase_indicator_derivative};
+use super::potentials::{
+    INDICATOR_CONVEXITY, indicator_secant, indicator_secant_derivative, phase_indicator,
+    phase_indicator_derivative,
+};
 use super::{
     DirectorCoupling, DirectorForm, Effect, EffectContext, Interval, LedgerTerms, MembraneForce,
-    MembraneJacobian, PatchFields,
+    MembraneJacobian, PatchFields, PatchStep,
 };
 use crate::fem::{Patch, Space};
 use crate::geometry::{SymmetricTensor, Vector};
-use crate::scene::{self, Iteration};
+use crate::scene::{self, Iteration, TimeScheme};
 
 /// The effect, where the scene has it.
 pub(super) fn of_scene(context: &EffectContext<'_>) -> Option<Box<dyn Effect>> {
@@ -141,13 +144,11 @@ impl Effect for Field {
         })
     }
 
-    fn add_director_force(
-        &mut self,
-        patch: &Patch<'_>,
-        old: &PatchFields,
-        form: &mut DirectorForm,
-    ) {
-        let Some(director) = old.director.as_ref().filter(|_| self.on) else {
+    fn add_director_force(&mut self, step: &PatchStep<'_>, form: &mut DirectorForm) {
+        let (patch, old, new, scheme) = (step.patch, step.old, step.new, step.scheme);
+        let (Some(old_director), Some(new_director), true) =
+            (&old.director, &new.director, self.on)
+        else {
             return;
         };
         self.fill_indicator(patch, &old.phi);
@@ -161,63 +162,71 @@ impl Effect for Field {
         patch.from_elements(&self.weights, &mut self.points);
         let [load_x, load_y] = &mut form.load;
         let loads = load_x.iter_mut().zip(load_y).zip(&self.points);
-        for (((load_x, load_y), weight), d) in loads.zip(director.vectors()) {
+        let vectors = old_director.vectors().zip(new_director.vectors());
+        for (((load_x, load_y), weight), (old, new)) in loads.zip(vectors) {
+            let d = match scheme {
+                TimeScheme::FirstOrder => old,
+                TimeScheme::Secant => 0.5 * (old + new),
+            };
             let force = -self.weight * weight * self.vector.dot(&d) * self.vector;
             *load_x += force.x;
             *load_y += force.y;
         }
     }
 
-    fn begin_membrane(&mut self, patch: &Patch<'_>, _old: &PatchFields, new: &PatchFields) {
+    fn begin_membrane(&mut self, step: &PatchStep<'_>) {
+        let (patch, new) = (step.patch, step.new);
         if let Some(director) = new.director.as_ref().filter(|_| self.on) {
             self.fill_squares(patch, director.vectors());
             patch.from_elements(&self.elements, &mut self.squares[patch.point_range()]);
         }
     }
 
-    fn add_membrane_force(
-        &mut self,
-        patch: &Patch<'_>,
-        old: &PatchFields,
-        new: &PatchFields,
-        force: &mut MembraneForce,
-    ) {
+    fn add_membrane_force(&mut self, step: &PatchStep<'_>, force: &mut MembraneForce) {
+        let (patch, old, new, scheme) = (step.patch, step.old, step.new, step.scheme);
         if !self.on {
             return;
         }
         let squares = &self.squares[patch.point_range()];
         let values = squares.iter().zip(new.phi.iter().zip(&old.phi));
-        for (load, (square, (new, old))) in force.load.iter_mut().zip(values) {
-            *load -= self.weight * square * self.indicator_tangent(*new, *old);
+        let terms = force.load.iter_mut().zip(values);
+        match scheme {
+            TimeScheme::FirstOrder => terms.for_each(|(load, (square, (new, old)))| {
+                *load -= self.weight * square * self.indicator_tangent(*new, *old);
+            }),
+            TimeScheme::Secant => terms.for_each(|(load, (square, (new, old)))| {
+                *load -= self.weight * square * indicator_secant(*new, *old);
+            }),
         }
     }
 
     fn add_membrane_jacobian(
         &mut self,
-        patch: &Patch<'_>,
-        _old: &PatchFields,
-        _new: &PatchFields,
+        step: &PatchStep<'_>,
         _iteration: Iteration,
         jacobian: &mut MembraneJacobian,
     ) {
+        let (patch, old, new, scheme) = (step.patch, step.old, step.new, step.scheme);
         if !self.on {
             return;
         }
         let squares = &self.squares[patch.point_range()];
+        let values = squares.iter().zip(new.phi.iter().zip(&old.phi));
+        let terms = jacobian.reaction.iter_mut().zip(values);
         let scale = self.weight.abs() * INDICATOR_CONVEXITY;
-        for (reaction, square) in jacobian.reaction.iter_mut().zip(squares) {
-            *reaction += scale * square;
+        match scheme {
+            TimeScheme::FirstOrder => terms.for_each(|(reaction, (square, _))| {
+                *reaction += scale * square;
+            }),
+            TimeScheme::Secant => terms.for_each(|(reaction, (square, (new, old)))| {
+                *reaction -= self.weight * square * indicator_secant_derivative(*new, *old);
+            }),
         }
     }
 
     /// Of substep 1, ½ |χ| ∫ w (δ·H)², and of substep 2, −χ ∫ Q (i* (φ − φⁿ) − I(φ) + I(φⁿ)).
-    fn add_dissipation(
-        &mut self,
-        patch: &Patch<'_>,
-        old: &PatchFields,
-        new: &PatchFields,
-        terms: &mut LedgerTerms,
-    ) {
+    fn add_dissipation(&mut self, step: &PatchStep<'_>, terms: &mut LedgerTerms) {
+        let (patch, old, new) = (step.patch, step.old, step.new);
         let (Some(old_director), Some(new_director), true) =
             (&old.director, &new.director, self.on)
         else {

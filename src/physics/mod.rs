@@ -50,7 +50,7 @@ pub use area::{Area, area_integral, surface_area};
 pub use bending::{Bending, bending_energy_density};
 pub use effect::{
     DirectorCoupling, DirectorForm, Effect, Interval, LedgerTerms, MembraneForce, MembraneJacobian,
-    NamedValue, RankOne,
+    NamedValue, PatchStep, RankOne,
 };
 pub use field::Field;
 pub use nematic::Nematic;

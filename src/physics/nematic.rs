@@ -2,15 +2,17 @@
 //! that keeps |d| near 1.
 
 use super::potentials::{
-    INDICATOR_CONVEXITY, indicator_secant_bound, phase_indicator, unit_length_penalty,
-    unit_length_penalty_derivative,
+    INDICATOR_CONVEXITY, indicator_secant, indicator_secant_bound, indicator_secant_derivative,
+    phase_indicator, unit_length_penalty, unit_length_penalty_derivative,
+    unit_length_penalty_slope,
 };
 use super::{
     DirectorCoupling, DirectorFields, DirectorForm, Effect, EffectContext, LedgerTerms,
-    MembraneForce, MembraneJacobian, PatchFields,
+    MembraneForce, MembraneJacobian, PatchFields, PatchStep,
 };
 use crate::fem::{Patch, Space};
-use crate::scene::{self, Iteration};
+use crate::geometry::SymmetricTensor;
+use crate::scene::{self, Iteration, TimeScheme};
 
 /// The effect, where the scene has it.
 pub(super) fn of_scene(context: &EffectContext<'_>) -> Option<Box<dyn Effect>> {
@@ -29,6 +31,7 @@ pub struct Nematic {
     density: Vec<f64>,
     points: Vec<f64>,
     elements: Vec<f64>,
+    entries: Vec<f64>,
 }
 
 impl Nematic {
@@ -40,6 +43,7 @@ impl Nematic {
             density: vec![0.0; space.points()],
             points: Vec::new(),
             elements: Vec::new(),
+            entries: Vec::new(),
         }
     }
 
@@ -54,6 +58,34 @@ impl Nematic {
         let scale = self.weight * self.stiffness;
         let terms = out.iter_mut().zip(director.vectors());
         terms.for_each(|(density, d)| *density += scale * unit_length_penalty(d));
+    }
+
+    /// Adds what the slope of p_sec makes of its derivative, nearly, with `points` as the weight: where |d| and |dⁿ| are near 1 it
+    /// is (1/η_d²) m⊗m/max(1, |m|³), with m their mean.
+    fn add_tangent(
+        &mut self,
+        patch: &Patch<'_>,
+        [old, new]: [&DirectorFields; 2],
+        form: &mut DirectorForm,
+    ) {
+        let mut entries = std::mem::take(&mut self.entries);
+        for (number, (i, j)) in [(0, 0), (0, 1), (1, 1)].into_iter().enumerate() {
+            entries.clear();
+            let vectors = old.vectors().zip(new.vectors()).zip(&self.points);
+            entries.extend(vectors.map(|((old, new), weight)| {
+                let mean = 0.5 * (old + new);
+                let length = mean.norm().max(1.0);
+                weight * self.stiffness * mean[i] * mean[j] / (length * length * length)
+            }));
+            patch.element_means(&entries, &mut self.elements);
+            for (tangent, entry) in form.tangent.iter_mut().zip(&self.elements) {
+                let mut entries = [0.0; 3];
+                entries[number] = *entry;
+                let [xx, xy, yy] = entries;
+                *tangent += SymmetricTensor::new(xx, xy, yy);
+            }
+        }
+        self.entries = entries;
     }
 
     /// points ← λ_nem I(φ).
@@ -92,41 +124,51 @@ impl Effect for Nematic {
         })
     }
 
-    /// λ_nem [(I(φⁿ) ∇d, ∇e) + (I(φⁿ) p_Δt, e)] with p_Δt = p̃(dⁿ) + (1/η_d²)(d − dⁿ) (3.33).
-    fn add_director_force(
-        &mut self,
-        patch: &Patch<'_>,
-        old: &PatchFields,
-        form: &mut DirectorForm,
-    ) {
-        let Some(director) = &old.director else {
+    /// λ_nem [(I(φⁿ) ∇d_θ, ∇e) + (I(φⁿ) p, e)] with p_Δt = p̃(dⁿ) + (1/η_d²)(d − dⁿ) (3.33) for p, or the secant p_sec,
+    /// whose derivative is at most that of p_Δt.
+    fn add_director_force(&mut self, step: &PatchStep<'_>, form: &mut DirectorForm) {
+        let (patch, old, new, scheme) = (step.patch, step.old, step.new, step.scheme);
+        let (Some(old_director), Some(new_director)) = (&old.director, &new.director) else {
             return;
         };
         self.fill_indicator(&old.phi);
         self.elements.resize(patch.elements(), 0.0);
         patch.element_means(&self.points, &mut self.elements);
-        for axis in 0..2 {
-            let gradients = self.elements.iter().zip(&director.gradients[axis]);
-            for (flux, (weight, gradient)) in form.flux[axis].iter_mut().zip(gradients) {
-                *flux += *weight * gradient;
-            }
-        }
         for (stiffness, weight) in form.stiffness.iter_mut().zip(&self.elements) {
             *stiffness += weight;
         }
         let [load_x, load_y] = &mut form.load;
         let loads = load_x.iter_mut().zip(load_y).zip(&mut form.reaction);
-        let terms = loads.zip(director.vectors()).zip(&self.points);
-        terms.for_each(|((((load_x, load_y), reaction), d), weight)| {
-            let scale = weight * self.stiffness;
-            let force = scale * unit_length_penalty_derivative(d);
-            *load_x += force.x;
-            *load_y += force.y;
-            *reaction += scale;
-        });
+        let vectors = old_director.vectors().zip(new_director.vectors());
+        let terms = loads.zip(vectors).zip(&self.points);
+        match scheme {
+            TimeScheme::FirstOrder => {
+                terms.for_each(|((((load_x, load_y), reaction), (old, _)), weight)| {
+                    let scale = weight * self.stiffness;
+                    let force = scale * unit_length_penalty_derivative(old);
+                    *load_x += force.x;
+                    *load_y += force.y;
+                    *reaction += scale;
+                });
+            }
+            TimeScheme::Secant => {
+                terms.for_each(|((((load_x, load_y), reaction), (old, new)), weight)| {
+                    let scale = weight * self.stiffness;
+                    let slope = unit_length_penalty_slope(new, old);
+                    let force = scale * slope * (new + old);
+                    *load_x += force.x;
+                    *load_y += force.y;
+                    *reaction += scale * slope.max(0.0);
+                });
+                if form.with_derivative {
+                    self.add_tangent(patch, [old_director, new_director], form);
+                }
+            }
+        }
     }
 
-    fn begin_membrane(&mut self, patch: &Patch<'_>, _old: &PatchFields, new: &PatchFields) {
+    fn begin_membrane(&mut self, step: &PatchStep<'_>) {
+        let (patch, new) = (step.patch, step.new);
         if let Some(director) = &new.director {
             let mut density = std::mem::take(&mut self.density);
             self.density_of(patch, director, &mut density[patch.point_range()]);
@@ -134,45 +176,46 @@ impl Effect for Nematic {
         }
     }
 
-    /// λ_nem (i_Δt (½|∇d|² + P(d)), ψ).
-    fn add_membrane_force(
-        &mut self,
-        patch: &Patch<'_>,
-        old: &PatchFields,
-        new: &PatchFields,
-        force: &mut MembraneForce,
-    ) {
+    /// λ_nem (i (½|∇d|² + P(d)), ψ) with i_Δt for i, or the secant of I.
+    fn add_membrane_force(&mut self, step: &PatchStep<'_>, force: &mut MembraneForce) {
+        let (patch, old, new, scheme) = (step.patch, step.old, step.new, step.scheme);
         let density = &self.density[patch.point_range()];
         let values = density.iter().zip(new.phi.iter().zip(&old.phi));
         let terms = force.load.iter_mut().zip(values);
-        terms.for_each(|(load, (density, (new, old)))| {
-            *load += density * indicator_secant_bound(*new, *old);
-        });
+        match scheme {
+            TimeScheme::FirstOrder => terms.for_each(|(load, (density, (new, old)))| {
+                *load += density * indicator_secant_bound(*new, *old);
+            }),
+            TimeScheme::Secant => terms.for_each(|(load, (density, (new, old)))| {
+                *load += density * indicator_secant(*new, *old);
+            }),
+        }
     }
 
     fn add_membrane_jacobian(
         &mut self,
-        patch: &Patch<'_>,
-        _old: &PatchFields,
-        _new: &PatchFields,
+        step: &PatchStep<'_>,
         _iteration: Iteration,
         jacobian: &mut MembraneJacobian,
     ) {
+        let (patch, old, new, scheme) = (step.patch, step.old, step.new, step.scheme);
         let density = &self.density[patch.point_range()];
-        for (reaction, density) in jacobian.reaction.iter_mut().zip(density) {
-            *reaction += INDICATOR_CONVEXITY * density;
+        let values = density.iter().zip(new.phi.iter().zip(&old.phi));
+        let terms = jacobian.reaction.iter_mut().zip(values);
+        match scheme {
+            TimeScheme::FirstOrder => terms.for_each(|(reaction, (density, _))| {
+                *reaction += INDICATOR_CONVEXITY * density;
+            }),
+            TimeScheme::Secant => terms.for_each(|(reaction, (density, (new, old)))| {
+                *reaction += density * indicator_secant_derivative(*new, *old);
+            }),
         }
     }
 
     /// Δt ND_elast = λ_nem/2 ∫ I(φⁿ)|∇δ|², Δt ND_penal = λ_nem ∫ I(φⁿ)(p_Δt·δ − P(d) + P(dⁿ)) and
     /// Δt ND_interp = λ_nem ∫ (½|∇d|² + P(d))(i_Δt (φ − φⁿ) − I(φ) + I(φⁿ)), with δ = d − dⁿ.
-    fn add_dissipation(
-        &mut self,
-        patch: &Patch<'_>,
-        old: &PatchFields,
-        new: &PatchFields,
-        terms: &mut LedgerTerms,
-    ) {
+    fn add_dissipation(&mut self, step: &PatchStep<'_>, terms: &mut LedgerTerms) {
+        let (patch, old, new) = (step.patch, step.old, step.new);
         let (Some(old_director), Some(new_director)) = (&old.director, &new.director) else {
             return;
         };

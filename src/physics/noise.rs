@@ -20,6 +20,7 @@
 use super::potentials::phase_indicator;
 use super::{
     DirectorCoupling, DirectorForm, Effect, EffectContext, Interval, LedgerTerms, PatchFields,
+    PatchStep,
 };
 use crate::fem::Patch;
 use crate::geometry::Vector;
@@ -126,12 +127,8 @@ impl Effect for Noise {
     }
 
     /// −(ξ, e).
-    fn add_director_force(
-        &mut self,
-        patch: &Patch<'_>,
-        old: &PatchFields,
-        form: &mut DirectorForm,
-    ) {
+    fn add_director_force(&mut self, step: &PatchStep<'_>, form: &mut DirectorForm) {
+        let (patch, old) = (step.patch, step.old);
         let [load_x, load_y] = &mut form.load;
         self.at_points(patch, &old.phi, |point, xi| {
             load_x[point] -= xi.x;
@@ -144,7 +141,8 @@ impl Effect for Noise {
     }
 
     /// ∫ ξ·(d − dⁿ).
-    fn work(&mut self, patch: &Patch<'_>, old: &PatchFields, new: &PatchFields) -> f64 {
+    fn work(&mut self, step: &PatchStep<'_>) -> f64 {
+        let (patch, old, new) = (step.patch, step.old, step.new);
         let (Some(old_director), Some(new_director)) = (&old.director, &new.director) else {
             return 0.0;
         };
@@ -159,14 +157,8 @@ impl Effect for Noise {
         work
     }
 
-    fn add_dissipation(
-        &mut self,
-        patch: &Patch<'_>,
-        old: &PatchFields,
-        new: &PatchFields,
-        terms: &mut LedgerTerms,
-    ) {
-        terms.add("noise_work", -self.work(patch, old, new));
+    fn add_dissipation(&mut self, step: &PatchStep<'_>, terms: &mut LedgerTerms) {
+        terms.add("noise_work", -self.work(step));
     }
 }
 
@@ -174,6 +166,7 @@ impl Effect for Noise {
 mod tests {
     use super::*;
     use crate::fem::{Mesh, QuadratureRule, Space};
+    use crate::scene::TimeScheme;
     use std::sync::Arc;
 
     #[test]
@@ -229,7 +222,13 @@ mod tests {
                 let begin = f64::from(step) * length;
                 assert!(!noise.set_interval(Interval { begin, length }));
                 form.clear(&patch);
-                noise.add_director_force(&patch, &old, &mut form);
+                let step = PatchStep {
+                    patch: &patch,
+                    old: &old,
+                    new: &old,
+                    scheme: TimeScheme::FirstOrder,
+                };
+                noise.add_director_force(&step, &mut form);
                 let [x, _] = &form.load;
                 let density: Vec<f64> = x.iter().zip(&at_points).map(|(f, e)| f * e).collect();
                 sum += patch.integrate(&density).powi(2);

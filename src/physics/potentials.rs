@@ -78,6 +78,65 @@ pub fn indicator_secant_bound(phi: f64, old: f64) -> f64 {
     phase_indicator_derivative(old) + INDICATOR_CONVEXITY * (phi - old)
 }
 
+/// (I(φ) − I(φⁿ))/(φ − φⁿ), without a division by a small number where both are near each other.
+#[inline(always)]
+pub fn indicator_secant(phi: f64, old: f64) -> f64 {
+    let [a, b] = [phi, old].map(|phi| phi.clamp(-1.0, 1.0));
+    share_within(phi, old) * polynomial_secant(a, b)
+}
+
+/// ∂/∂φ of [`indicator_secant`].
+#[inline(always)]
+pub fn indicator_secant_derivative(phi: f64, old: f64) -> f64 {
+    let [a, b] = [phi, old].map(|phi| phi.clamp(-1.0, 1.0));
+    let share = share_within(phi, old);
+    let inside = f64::from(u8::from(a == phi));
+    let slope = 15.0 / 16.0
+        * ((4.0 * a * a * a + 3.0 * a * a * b + 2.0 * a * b * b + b * b * b) / 5.0
+            - (4.0 * a + 2.0 * b) / 3.0);
+    let of_share = if phi == old {
+        0.0
+    } else {
+        (inside - share) / (phi - old)
+    };
+    inside * share * slope + of_share * polynomial_secant(a, b)
+}
+
+/// What part of the way from φⁿ to φ lies in [−1, 1].
+#[inline(always)]
+fn share_within(phi: f64, old: f64) -> f64 {
+    if phi == old {
+        return 1.0;
+    }
+    (phi.clamp(-1.0, 1.0) - old.clamp(-1.0, 1.0)) / (phi - old)
+}
+
+/// The divided difference of I on [−1, 1], where I(φ) = ½ + 15/16 (φ − ⅔ φ³ + φ⁵/5).
+#[inline(always)]
+fn polynomial_secant(a: f64, b: f64) -> f64 {
+    let (squares, product) = (a * a + b * b, a * b);
+    let cubic = squares + product;
+    let quintic = squares * squares - product * product + product * squares;
+    15.0 / 16.0 * (1.0 - 2.0 / 3.0 * cubic + 0.2 * quintic)
+}
+
+/// η_d² (P(d) − P(dⁿ))/(|d|² − |dⁿ|²): times d + dⁿ it is p_sec, with p_sec·(d − dⁿ) = P(d) − P(dⁿ).
+#[inline(always)]
+pub fn unit_length_penalty_slope(d: Vector, old: Vector) -> f64 {
+    let [a, b] = [d, old].map(|d| d.norm_squared());
+    let (least, most) = (a.min(b), a.max(b));
+    // P as a function of |d|² on either side of 1.
+    let below = |a: f64, b: f64| 0.25 * (a + b - 2.0);
+    let above = |a: f64, b: f64| 1.0 - 2.0 / (a.sqrt() + b.sqrt());
+    if most <= 1.0 {
+        below(a, b)
+    } else if least >= 1.0 {
+        above(a, b)
+    } else {
+        ((most - 1.0) * above(most, 1.0) + (1.0 - least) * below(1.0, least)) / (most - least)
+    }
+}
+
 /// η_d² P(d) with the truncated potential P(d) = (|d|² − 1)²/(4 η_d²) for |d| ≤ 1 and
 /// (|d| − 1)²/η_d² for |d| ≥ 1, whose gradient is p̃ of (3.34).
 #[inline(always)]
@@ -127,9 +186,22 @@ mod tests {
                 let change = bending_derivative(phi, curved) - bending_derivative(old, curved);
                 assert!((bending_secant(phi, old, curved) * step - change).abs() < 1e-14);
             }
+            let change = phase_indicator(phi) - phase_indicator(old);
+            assert!((indicator_secant(phi, old) * step - change).abs() < 1e-15);
             // At equal arguments a secant is the derivative.
+            let slope = phase_indicator_derivative(phi);
+            assert!((indicator_secant(phi, phi) - slope).abs() < 1e-15);
+            assert!((indicator_secant(phi, phi + 1e-9) - slope).abs() < 1e-8);
             assert!((double_well_secant(phi, phi) - double_well_derivative(phi)).abs() < 1e-15);
             assert!((bending_secant(phi, phi, 0.3) - bending_tangent(phi, 0.3)).abs() < 1e-15);
+        }
+        for ((x, y), (u, v)) in pairs().step_by(5).zip(pairs().step_by(3)) {
+            let (old, new) = (1.3 * Vector::new(x, y), 1.3 * Vector::new(v, u));
+            let work = unit_length_penalty_slope(new, old) * (new + old).dot(&(new - old));
+            let change = unit_length_penalty(new) - unit_length_penalty(old);
+            assert!((work - change).abs() < 1e-14, "{old} {new}");
+            let twice = 2.0 * unit_length_penalty_slope(new, new) * new;
+            assert!((twice - unit_length_penalty_derivative(new)).norm() < 1e-14);
         }
         // The printed bracket is no secant.
         let printed = |phi: f64, old: f64| (phi - old).powi(2) + 3.0 * (phi * old - 1.0);
@@ -164,6 +236,9 @@ mod tests {
                 central(&|phi| bending_secant(phi, old, 0.3)),
                 bending_secant_derivative(phi, old, 0.3)
             ));
+            // At ±1 the second derivative of I has a kink.
+            let slope = central(&|phi| indicator_secant(phi, old));
+            assert!((slope - indicator_secant_derivative(phi, old)).abs() < h);
             let slope = unit_length_penalty_derivative(Vector::new(phi, old));
             let along_x = |x| unit_length_penalty(Vector::new(x, old));
             assert!(close(central(&along_x), slope.x));

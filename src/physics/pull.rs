@@ -5,7 +5,7 @@
 //! numerically. Since ∫φ is conserved, a constant added to U changes the energy by a constant.
 
 use super::patch_fields::at_points;
-use super::{DirectorCoupling, Effect, EffectContext, MembraneForce, PatchFields};
+use super::{DirectorCoupling, Effect, EffectContext, MembraneForce, PatchFields, PatchStep};
 use crate::fem::{Patch, Space};
 use crate::scene;
 
@@ -51,13 +51,8 @@ impl Effect for Pull {
     }
 
     /// (−U, ψ).
-    fn add_membrane_force(
-        &mut self,
-        patch: &Patch<'_>,
-        _old: &PatchFields,
-        _new: &PatchFields,
-        force: &mut MembraneForce,
-    ) {
+    fn add_membrane_force(&mut self, step: &PatchStep<'_>, force: &mut MembraneForce) {
+        let patch = step.patch;
         let potential = &self.potential[patch.point_range()];
         for (load, u) in force.load.iter_mut().zip(potential) {
             *load -= u;

@@ -2,7 +2,7 @@
 
 use super::{
     DirectorCoupling, Effect, EffectContext, LedgerTerms, MembraneForce, MembraneJacobian,
-    PatchFields,
+    PatchFields, PatchStep,
 };
 use crate::fem::Patch;
 use crate::geometry::{SymmetricTensor, Vector};
@@ -47,41 +47,31 @@ impl Effect for Tension {
         Some(DirectorCoupling::NONE)
     }
 
-    /// The force: σ (∇φ, ∇ψ), at the new φ, for the energy is convex.
-    fn add_membrane_force(
-        &mut self,
-        _patch: &Patch<'_>,
-        _old: &PatchFields,
-        new: &PatchFields,
-        force: &mut MembraneForce,
-    ) {
-        for (flux, gradient) in force.flux.iter_mut().zip(&new.phi_gradient) {
-            *flux += self.weight * gradient;
+    /// The force: σ (∇φ_θ, ∇ψ), with φ_θ the new φ in the scheme of first order, for the energy is convex, and the mean of
+    /// both in the secant scheme.
+    fn add_membrane_force(&mut self, step: &PatchStep<'_>, force: &mut MembraneForce) {
+        let (old, new, scheme) = (step.old, step.new, step.scheme);
+        let gradients = old.phi_gradient.iter().zip(&new.phi_gradient);
+        for (flux, (old, new)) in force.flux.iter_mut().zip(gradients) {
+            *flux += self.weight * scheme.implicit(*old, *new);
         }
     }
 
-    /// Its derivative: σ times the unit tensor.
+    /// Its derivative: θσ times the unit tensor.
     fn add_membrane_jacobian(
         &mut self,
-        _patch: &Patch<'_>,
-        _old: &PatchFields,
-        _new: &PatchFields,
+        step: &PatchStep<'_>,
         _iteration: Iteration,
         jacobian: &mut MembraneJacobian,
     ) {
         for tensor in &mut jacobian.tensor {
-            *tensor += SymmetricTensor::isotropic(self.weight);
+            *tensor += SymmetricTensor::isotropic(step.scheme.weight() * self.weight);
         }
     }
 
-    /// What that loses: Δt ND = ½ σ ∫ |∇(φ − φⁿ)|² ≥ 0.
-    fn add_dissipation(
-        &mut self,
-        patch: &Patch<'_>,
-        old: &PatchFields,
-        new: &PatchFields,
-        terms: &mut LedgerTerms,
-    ) {
+    /// What that loses in the scheme of first order: Δt ND = ½ σ ∫ |∇(φ − φⁿ)|² ≥ 0.
+    fn add_dissipation(&mut self, step: &PatchStep<'_>, terms: &mut LedgerTerms) {
+        let (patch, old, new) = (step.patch, step.old, step.new);
         let gradients = new.phi_gradient.iter().zip(&old.phi_gradient);
         let squares = gradients.map(|(new, old)| (new - old).norm_squared());
         let loss = patch.integrate_elements_of(squares);

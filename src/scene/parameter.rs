@@ -133,7 +133,6 @@ macro_rules! plain {
         }
     };
 }
-pub(super) use plain;
 
 plain! {
     f64, Bound,

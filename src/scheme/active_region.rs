@@ -18,6 +18,10 @@
 //! when it changes: **a step in which the vesicle has moved into other blocks of triangles allocates**, and
 //! no other does (`only_a_step_with_a_new_region_allocates` counts them).
 //!
+//! It halves substep 1, and saves a tenth of a run with chosen steps: `vesica run case3 --set time.tolerance=1e-3 --until
+//! 1e-4` took 6.1 and 6.3 s of processor with it, 6.8 and 6.9 without, in turn (2026-11-26). And where there is no vesicle
+//! the director costs nothing.
+//!
 //! The region is a function of the present state and Δt alone, not of the regions before: a run that is
 //! resumed has the same one.
 

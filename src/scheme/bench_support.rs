@@ -2,7 +2,7 @@
 //! repeated.
 
 use crate::linalg::LinalgError;
-use crate::scene::Iteration;
+use crate::scene::{Iteration, TimeScheme};
 
 use super::director::SolveOptions;
 use super::membrane::{MembraneStep, StepContext};
@@ -43,7 +43,15 @@ impl Phases {
             t,
             ..
         } = &mut phases.scheme;
-        membrane.begin(space, effects, scratch, &state.phi, next.director.as_ref());
+        let director = next.director.as_ref();
+        membrane.begin(
+            space,
+            effects,
+            scratch,
+            &state.phi,
+            director,
+            TimeScheme::FirstOrder,
+        );
         history.extrapolate(*t + dt, next);
         phases.evaluate()?;
         phases.assemble_jacobian();
@@ -69,16 +77,16 @@ impl Phases {
         match (director, &state.director, &mut next.director) {
             (Some(step), Some(from), Some(to)) => {
                 let options = SolveOptions {
+                    scheme: TimeScheme::FirstOrder,
+                    is_second: false,
                     dt: self.dt,
-                    length: self.dt,
                     tolerance: director_tolerance(solver),
                     law_tolerance: solver.law_tolerance,
                     is_faint: false,
                     energy_scale,
                 };
-                let old = &mut scratch.old;
                 let from = (&state.phi[..], from);
-                step.solve(space, effects, old, options, from, to)
+                step.solve(space, effects, scratch, options, from, to)
             }
             _ => Ok(0),
         }
@@ -136,7 +144,7 @@ impl Phases {
             from: &scheme.state,
             to: &mut scheme.next,
             dt: self.dt,
-            factor_dt: self.dt,
+            scheme: TimeScheme::FirstOrder,
             is_faint: false,
             energy_scale,
             watch: &mut |_| (),

@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::director::Increments;
-use super::extrapolation::PredictorErrors;
 use super::membrane::LinearCheckpoint;
 use super::predictor::Predictor;
 use super::solvers::selection::Selection;
@@ -36,8 +35,8 @@ pub struct SchemeCheckpoint {
     increments: Option<Increments>,
     linear: LinearCheckpoint,
     selection: Selection,
-    /// Of steps that are taken in several ways.
-    predictor_errors: Option<PredictorErrors>,
+    /// Steps of first order that are still to be taken.
+    starting: u32,
 }
 
 /// Why a checkpoint cannot be restored.
@@ -81,11 +80,6 @@ impl SchemeCheckpoint {
         if self.energies.len() != others + anchors(&self.anchoring) {
             return Err(RestoreError::Foreign("it has other effects"));
         }
-        if let Some(predictor_errors) = &self.predictor_errors
-            && !predictor_errors.fits(&scheme.state)
-        {
-            return Err(RestoreError::Foreign("its extrapolation does not fit"));
-        }
         if !self.history.fits(&scheme.history, nodes) {
             return Err(RestoreError::Foreign("its history does not fit"));
         }
@@ -118,7 +112,7 @@ impl Scheme {
         }
         self.membrane.save(&mut checkpoint.linear);
         checkpoint.selection = self.selection;
-        self.save_predictor_errors(&mut checkpoint.predictor_errors);
+        checkpoint.starting = self.starting;
     }
 
     /// Puts it back, also into another scheme of the same scene: what follows is bit for bit what it
@@ -168,7 +162,8 @@ impl Scheme {
             director.restore(increments);
         }
         self.selection = checkpoint.selection;
-        self.restore_predictor_errors(checkpoint.predictor_errors.as_ref());
+        self.starting = checkpoint.starting;
+        self.tried = None;
         Ok(())
     }
 }

@@ -8,10 +8,12 @@ use serde::{Deserialize, Serialize};
 use super::StepError;
 use super::active_region::{ActiveRegion, Criterion};
 use super::fault_injection::{self, Place};
+use super::membrane::Scratch;
 use super::rounding;
 use crate::fem::{MassForm, Space};
 use crate::linalg::{ConjugateGradients, LinalgError, LinearOperator, SparseMatrix, vector};
-use crate::physics::{DirectorForm, Effects, PatchFields};
+use crate::physics::{DirectorForm, Effects, PatchStep};
+use crate::scene::TimeScheme;
 
 /// Limit of the conjugate gradients' iterations.
 const LIMIT: usize = 2000;
@@ -21,6 +23,10 @@ const SHARE_OF_LAW: f64 = 0.1;
 
 /// By how much the residual is made smaller where the energy law misses by more than that.
 const TIGHTER: f64 = 0.1;
+
+/// Corrections of the secant scheme's director at most, and to what part of the residual each is solved.
+const MOST_CORRECTIONS: usize = 40;
+const CORRECTION: f64 = 1e-3;
 
 /// The smallest relative residual that is aimed at.
 const TIGHTEST: f64 = 1e-15;
@@ -38,17 +44,21 @@ pub(super) struct DirectorStep {
     work: Option<Workspace>,
     /// δ of this step, on the whole mesh.
     increment: Vec<f64>,
+    /// Its Δt.
+    length: f64,
+    /// The same of the first half of a step of the secant scheme, once the second is solved.
+    first: Vec<f64>,
+    first_length: Option<f64>,
     past: Increments,
-    /// Whether the next guess is what stands in the place of the new director.
-    given: bool,
     #[cfg(test)]
     everywhere: bool,
 }
 
-/// The increments of the last steps, to extrapolate the guess from; newest first.
+/// The increments of the last solves and their Δt, to extrapolate the guess from; newest first.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Increments {
     last: [Vec<f64>; 3],
+    lengths: [f64; 3],
     known: usize,
 }
 
@@ -56,6 +66,7 @@ impl Increments {
     fn new(size: usize) -> Self {
         Self {
             last: [vec![0.0; size], vec![0.0; size], vec![0.0; size]],
+            lengths: [0.0; 3],
             known: 0,
         }
     }
@@ -63,7 +74,17 @@ impl Increments {
     /// Takes over others. Allocates only where there is no room yet.
     fn copy(&mut self, other: &Self) {
         self.known = other.known;
+        self.lengths = other.lengths;
         self.last.clone_from(&other.last);
+    }
+
+    /// Takes the newest.
+    fn push(&mut self, length: f64, increment: &[f64]) {
+        self.last.rotate_right(1);
+        self.lengths.rotate_right(1);
+        self.last[0].copy_from_slice(increment);
+        self.lengths[0] = length;
+        self.known = (self.known + 1).min(self.last.len());
     }
 
     #[cfg(test)]
@@ -73,9 +94,33 @@ impl Increments {
 
     /// Whether they are of a director with so many components in all.
     pub(super) fn fits(&self, size: usize) -> bool {
-        self.known <= self.last.len() && self.last.iter().all(|last| last.len() == size)
+        self.known <= self.last.len()
+            && self.last.iter().all(|last| last.len() == size)
+            && self.lengths[..self.known].iter().all(|it| *it > 0.0)
+    }
+
+    /// With what weights the increments of these lengths, newest first, lead to that of the next solve: by a polynomial
+    /// through their rates in the middle of each.
+    fn weights(lengths: &[f64], next: f64) -> [f64; 3] {
+        let mut weights = [0.0; 3];
+        let mut middles = [0.0; 3];
+        let mut end = -0.5 * next;
+        for (middle, length) in middles.iter_mut().zip(lengths) {
+            *middle = end - 0.5 * length;
+            end -= length;
+        }
+        for (index, length) in lengths.iter().enumerate() {
+            let own = middles[index];
+            let others = (0..lengths.len()).filter(|other| *other != index);
+            let factors = others.map(|other| middles[other] / (middles[other] - own));
+            weights[index] = next / length * factors.product::<f64>();
+        }
+        weights
     }
 }
+
+/// Weights of a guess whose magnitudes have a larger sum make too much of rounding: that of equal steps is 7.
+const MOST_MAGNIFIED: f64 = 16.0;
 
 /// The matrix and the vectors of substep 1 on its region.
 #[derive(Debug)]
@@ -84,9 +129,15 @@ struct Workspace {
     load: Vec<f64>,
     inverse_diagonal: Vec<f64>,
     solution: Vec<f64>,
-    /// φⁿ and dⁿ.
+    /// φ, dⁿ and, in the secant scheme, the iterate and the correction that leads to the next.
     phi: Vec<f64>,
     director: [Vec<f64>; 2],
+    iterate: [Vec<f64>; 2],
+    correction: Vec<f64>,
+    /// d_θ.
+    implicit: [Vec<f64>; 2],
+    /// 1/(γ_nem Δt).
+    inertia: f64,
     method: ConjugateGradients,
 }
 
@@ -107,6 +158,10 @@ impl Workspace {
             solution: both(),
             phi: vector(),
             director: [vector(), vector()],
+            iterate: [vector(), vector()],
+            correction: both(),
+            implicit: [vector(), vector()],
+            inertia: f64::NAN,
             method: ConjugateGradients::new(2 * space.nodes()),
         }
     }
@@ -158,8 +213,10 @@ impl DirectorStep {
             region: ActiveRegion::default(),
             work: None,
             increment: vec![0.0; size],
+            length: 0.0,
+            first: vec![0.0; size],
+            first_length: None,
             past: Increments::new(size),
-            given: false,
             #[cfg(test)]
             everywhere: false,
         }
@@ -182,18 +239,12 @@ impl DirectorStep {
         &self.region
     }
 
-    /// Whether the next solve starts from what stands in the place of the new director, not from the
-    /// last increments.
-    pub(super) fn start_from_given(&mut self, given: bool) {
-        self.given = given;
-    }
-
-    /// Takes the increment of an accepted step.
+    /// Takes the increments of an accepted step.
     pub(super) fn accept(&mut self) {
-        let Increments { last, known } = &mut self.past;
-        last.rotate_right(1);
-        last[0].copy_from_slice(&self.increment);
-        *known = (*known + 1).min(last.len());
+        if let Some(length) = self.first_length.take() {
+            self.past.push(length, &self.first);
+        }
+        self.past.push(self.length, &self.increment);
     }
 
     /// What the guess for the next step is made from.
@@ -206,17 +257,25 @@ impl DirectorStep {
         self.past.copy(past);
     }
 
-    /// The increment that the last ones lead to expect, by a polynomial through them.
-    fn guess(&mut self) {
-        // Of degree 0, 1 and 2; steps of unequal length make it a worse guess, no more.
-        let weights: &[f64] = match self.past.known {
-            0 => &[],
-            1 => &[1.0],
-            2 => &[2.0, -1.0],
-            _ => &[3.0, -3.0, 1.0],
-        };
+    /// The increment that the last ones lead to expect.
+    fn guess(&mut self, length: f64) {
+        let past = &self.past;
+        let first = self.first_length.map(|length| (&self.first, length));
+        let known = past.last.iter().zip(past.lengths).take(past.known);
+        let known = first.into_iter().chain(known).take(3);
+        let mut lengths = [0.0; 3];
+        let mut count = 0;
+        for (_, length) in known.clone() {
+            lengths[count] = length;
+            count += 1;
+        }
+        let mut weights = Increments::weights(&lengths[..count], length);
+        while weights.iter().map(|it| it.abs()).sum::<f64>() > MOST_MAGNIFIED && count > 0 {
+            count -= 1;
+            weights = Increments::weights(&lengths[..count], length);
+        }
         self.increment.fill(0.0);
-        for (weight, last) in weights.iter().zip(&self.past.last) {
+        for (weight, (last, _)) in weights.iter().zip(known) {
             vector::add_scaled(&mut self.increment, *weight, last);
         }
     }
@@ -226,21 +285,20 @@ impl DirectorStep {
         &mut self,
         space: &Space,
         effects: &mut Effects,
-        old: &mut PatchFields,
+        scratch: &mut Scratch,
         options: SolveOptions,
         (phi, from): (&[f64], &[Vec<f64>; 2]),
         to: &mut [Vec<f64>; 2],
     ) -> Result<u32, StepError> {
-        if std::mem::take(&mut self.given) {
-            let (x, y) = self.increment.split_at_mut(space.nodes());
-            for ((increment, to), from) in [x, y].into_iter().zip(&*to).zip(from) {
-                for ((increment, to), from) in increment.iter_mut().zip(to).zip(from) {
-                    *increment = to - from;
-                }
-            }
+        if options.is_second {
+            // The guess is made from the first half too.
+            self.first.copy_from_slice(&self.increment);
+            self.first_length = Some(self.length);
         } else {
-            self.guess();
+            self.first_length = None;
         }
+        self.guess(options.dt);
+        self.length = options.dt;
         let criterion = self.criterion(space, effects, options, from);
         let moved = self
             .region
@@ -264,10 +322,7 @@ impl DirectorStep {
         for (part, whole) in work.director.iter_mut().zip(from) {
             gather(&region.nodes, whole, part);
         }
-        let inertia = (self.mobility * options.dt).recip();
-        work.assemble(part, effects, old, inertia, &mut self.form);
-        fault_injection::tap(Place::DirectorLoad, &mut work.load);
-
+        work.inertia = (self.mobility * options.dt).recip();
         let nodes = region.nodes.len();
         for axis in 0..2 {
             let whole = &self.increment[axis * space.nodes()..][..space.nodes()];
@@ -278,9 +333,19 @@ impl DirectorStep {
             );
         }
         work.system.keep(&mut work.solution);
-        let iterations = work.solve(options).map_err(StepError::Director)?;
+        let iterations = match options.scheme {
+            TimeScheme::FirstOrder => {
+                work.assemble(part, effects, scratch, &mut self.form, options.scheme, true);
+                fault_injection::tap(Place::DirectorLoad, &mut work.load);
+                work.solve(options)
+            }
+            TimeScheme::Secant => {
+                work.solve_secant(part, effects, scratch, &mut self.form, options)
+            }
+        };
+        let iterations = iterations.map_err(StepError::Director)?;
         self.increment.fill(0.0);
-        if options.is_faint && work.is_at_rest() {
+        if options.is_faint && work.is_rounding(&work.solution) {
             return Ok(iterations);
         }
         for axis in 0..2 {
@@ -313,7 +378,7 @@ impl DirectorStep {
             largest_eigenvalue: self.largest_eigenvalue,
             length: squares.fold(0.0, f64::max).sqrt(),
             energy_scale: options.energy_scale,
-            inertia: self.mobility * options.length,
+            inertia: self.mobility * options.dt,
             coupled: matches!(space.mass(), MassForm::Sparse(_)),
         }
     }
@@ -331,9 +396,9 @@ impl DirectorStep {
 pub(super) struct SolveOptions {
     /// Δt.
     pub(super) dt: f64,
-    /// The Δt of the whole step where this is a part of it: the region is that of the whole step, or it
-    /// would be rebuilt with every part.
-    pub(super) length: f64,
+    pub(super) scheme: TimeScheme,
+    /// Whether it is the second solve of a step, after substep 2.
+    pub(super) is_second: bool,
     /// Relative residual of the solution.
     pub(super) tolerance: f64,
     /// solver.law_tolerance.
@@ -380,64 +445,159 @@ impl Workspace {
         }
     }
 
-    /// Whether δ is no more than what rounding makes of a director at rest.
-    fn is_at_rest(&self) -> bool {
+    /// Whether a change of the director is no more than what rounding makes of one at rest.
+    fn is_rounding(&self, change: &[f64]) -> bool {
         let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, it| most.max(it.abs()));
         let [x, y] = &self.director;
-        largest(&self.solution) <= rounding::CHANGE * largest(x).max(largest(y)).max(1.0)
+        largest(change) <= rounding::CHANGE * largest(x).max(largest(y)).max(1.0)
     }
 
-    /// The matrix, and minus the force at dⁿ.
+    /// Solves the secant scheme's equation, which is not linear: each correction is that of the matrix of the first iterate,
+    /// in which a bound stands for the derivative of p_sec, and leaves about Δtγ_nem λ_nem/η_d² of what is missing.
+    fn solve_secant(
+        &mut self,
+        space: &Space,
+        effects: &mut Effects,
+        scratch: &mut Scratch,
+        form: &mut DirectorForm,
+        options: SolveOptions,
+    ) -> Result<u32, LinalgError> {
+        let mut iterations = 0;
+        let mut is_rounding = false;
+        for number in 0..=MOST_CORRECTIONS {
+            self.assemble(space, effects, scratch, form, options.scheme, number == 0);
+            if number > 0 && self.is_solved(space, options, is_rounding) {
+                return Ok(iterations);
+            }
+            self.correction.fill(0.0);
+            let solved = self.method.solve(
+                &mut self.system,
+                &self.inverse_diagonal,
+                &self.load,
+                &mut self.correction,
+                CORRECTION,
+                LIMIT,
+            )?;
+            iterations += solved.iterations as u32;
+            is_rounding = self.is_rounding(&self.correction);
+            vector::add_scaled(&mut self.solution, 1.0, &self.correction);
+        }
+        Err(LinalgError::NotConverged {
+            method: "the iteration of substep 1",
+            iterations: MOST_CORRECTIONS,
+            residual: vector::norm(&self.load) / self.inertial_force(space),
+            tolerance: options.tolerance,
+        })
+    }
+
+    /// Whether `load`, the residual at the iterate, is small beside the force, which is what the inertia balances at the
+    /// solution, or the last correction was rounding; and the residual is as small as the energy law asks for.
+    fn is_solved(&mut self, space: &Space, options: SolveOptions, is_rounding: bool) -> bool {
+        let misses = vector::dot(&self.load, &self.solution).abs();
+        misses <= SHARE_OF_LAW * options.law_tolerance * options.energy_scale
+            && (is_rounding
+                || vector::norm(&self.load) <= options.tolerance * self.inertial_force(space))
+    }
+
+    /// The norm of Mδ/(γ_nem Δt).
+    fn inertial_force(&mut self, space: &Space) -> f64 {
+        let nodes = space.nodes();
+        for axis in 0..2 {
+            let part = axis * nodes..(axis + 1) * nodes;
+            space
+                .mass()
+                .multiply(&self.solution[part.clone()], &mut self.correction[part]);
+        }
+        self.inertia * vector::norm(&self.correction)
+    }
+
+    /// Minus the force at dⁿ, or in the secant scheme at the iterate dⁿ + `solution` and with the inertia; and the matrix,
+    /// where it is asked for.
     fn assemble(
         &mut self,
         space: &Space,
         effects: &mut Effects,
-        old: &mut PatchFields,
-        inertia: f64,
+        Scratch { old, new }: &mut Scratch,
         form: &mut DirectorForm,
+        scheme: TimeScheme,
+        with_matrix: bool,
     ) {
         let nodes = space.nodes();
-        let [x_block, y_block] = &mut self.system.blocks;
-        let blocks = [&mut x_block.values[..], &mut y_block.values[..]];
-        let coupling = &mut self.system.coupling;
-        for block in blocks {
-            block.fill(0.0);
-            space
-                .mass()
-                .add_to(inertia, &space.assembly().diagonal, block);
+        let is_iterate = scheme == TimeScheme::Secant;
+        for axis in 0..2 {
+            let steps = &self.solution[axis * nodes..][..nodes];
+            let fields = self.iterate[axis].iter_mut().zip(&mut self.implicit[axis]);
+            for (((iterate, implicit), old), step) in fields.zip(&self.director[axis]).zip(steps) {
+                *iterate = if is_iterate { old + step } else { *old };
+                *implicit = scheme.implicit(*old, *iterate);
+            }
         }
-        coupling.clear();
-        self.system.coupled = false;
+        let [x_block, y_block] = &mut self.system.blocks;
+        let coupling = &mut self.system.coupling;
+        if with_matrix {
+            for block in [&mut x_block.values[..], &mut y_block.values[..]] {
+                block.fill(0.0);
+                space
+                    .mass()
+                    .add_to(self.inertia, &space.assembly().diagonal, block);
+            }
+            coupling.clear();
+            self.system.coupled = false;
+        }
         self.load.fill(0.0);
+        form.with_derivative = with_matrix;
         let (load_x, load_y) = self.load.split_at_mut(nodes);
         for patch in space.patches() {
             old.begin();
             old.set_phi(&patch, &self.phi);
             old.set_director(&patch, &self.director);
-            form.clear(&patch);
-            for effect in effects.iter_mut() {
-                effect.add_director_force(&patch, old, form);
+            if is_iterate {
+                new.begin();
+                new.set_director(&patch, &self.iterate);
             }
+            form.clear(&patch);
+            let step = PatchStep {
+                patch: &patch,
+                old,
+                new: if is_iterate { new } else { old },
+                scheme,
+            };
+            for effect in effects.iter_mut() {
+                effect.add_director_force(&step, form);
+            }
+            form.add_flux_of_stiffness(&step);
             let tensors = form.has_tensor.then_some(&*form.tensor);
             for (axis, load) in [&mut *load_x, &mut *load_y].into_iter().enumerate() {
                 patch.add_load(&form.load[axis], &form.flux[axis], load);
                 if let Some(tensors) = tensors {
-                    for (other, component) in self.director.iter().enumerate() {
+                    for (other, component) in self.implicit.iter().enumerate() {
                         let row = tensors.iter().map(|tensor| tensor[(axis, other)]);
                         patch.add_element_product(row, component, load);
                     }
                 }
             }
-            patch.add_coupled(
-                (&form.stiffness, &form.reaction),
-                tensors,
-                [&mut x_block.values, &mut y_block.values],
-                coupling,
-            );
-            self.system.coupled |= form.has_tensor;
+            if with_matrix {
+                form.differentiate(scheme);
+                patch.add_coupled(
+                    (&form.stiffness, &form.reaction),
+                    form.has_tensor.then_some(&*form.tensor),
+                    [&mut x_block.values, &mut y_block.values],
+                    coupling,
+                );
+                self.system.coupled |= form.has_tensor;
+            }
+        }
+        if is_iterate {
+            for (steps, load) in [&mut *load_x, load_y].into_iter().enumerate() {
+                let steps = &self.solution[steps * nodes..][..nodes];
+                space.mass().multiply_add(self.inertia, steps, load);
+            }
         }
         self.load.iter_mut().for_each(|entry| *entry = -*entry);
         self.system.keep(&mut self.load);
+        if !with_matrix {
+            return;
+        }
         for (axis, block) in self.system.blocks.iter().enumerate() {
             let inverse = &mut self.inverse_diagonal[axis * nodes..][..nodes];
             for (inverse, &position) in inverse.iter_mut().zip(&space.assembly().diagonal) {

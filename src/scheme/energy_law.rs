@@ -8,7 +8,10 @@
 
 use crate::fem::{Patch, Space};
 use crate::linalg::vector;
-use crate::physics::{Effects, LedgerTerms, NamedValue, PatchFields, area_integral};
+use crate::physics::{
+    Effect, Effects, LedgerTerms, NamedValue, PatchFields, PatchStep, area_integral,
+};
+use crate::scene::TimeScheme;
 
 use super::fault_injection::{self, Place};
 use super::membrane::Scratch;
@@ -33,29 +36,49 @@ impl Scheme {
         );
     }
 
-    /// The work that effects have done from outside on the director in substep 1.
-    pub(super) fn work_from_outside(&mut self) -> f64 {
-        if !self.effects.iter().any(|effect| effect.does_work()) {
+    /// Adds the terms of the law that substep 1 has in the secant scheme, once in each half of a step; returns the work that
+    /// effects have done on the director from outside.
+    pub(super) fn add_terms(&mut self, scheme: TimeScheme, half: Half) -> f64 {
+        let is_secant = scheme == TimeScheme::Secant;
+        let concerns = |effect: &(dyn Effect + 'static)| {
+            effect.does_work() || is_secant && effect.has_terms(scheme)
+        };
+        if !self.effects.iter().any(concerns) {
             return 0.0;
         }
+        let (state, directors) = match half {
+            Half::First => (&self.state, [&self.state.director, &self.next.director]),
+            Half::Second => (&self.next, [&self.middle, &self.next.director]),
+        };
         let Scratch { old, new } = &mut self.scratch;
-        let mut sum = 0.0;
+        let mut work = 0.0;
         for patch in self.space.patches() {
-            fill(old, &patch, &self.state);
-            fill(new, &patch, &self.next);
-            for effect in self.effects.iter_mut().filter(|effect| effect.does_work()) {
-                sum += effect.work(&patch, old, new);
+            fill(old, &patch, state, directors[0]);
+            fill(new, &patch, state, directors[1]);
+            let step = PatchStep {
+                patch: &patch,
+                old,
+                new,
+                scheme,
+            };
+            for effect in self.effects.iter_mut() {
+                if effect.does_work() {
+                    work += effect.work(&step);
+                }
+                if is_secant && effect.has_terms(scheme) {
+                    effect.add_dissipation(&step, &mut self.terms);
+                }
             }
         }
-        sum
+        work
     }
 
-    /// The energies of the new state and every term of (3.26), given the work from outside; refuses a step whose
-    /// law is broken.
+    /// The energies of the new state and every term of (3.26), given the work from outside and what the
+    /// director's mobility dissipates; refuses a step whose law is broken.
     pub(super) fn check_energy_law(
         &mut self,
-        dt: f64,
-        work: f64,
+        (dt, scheme): (f64, TimeScheme),
+        [work, dissipated]: [f64; 2],
         report: &mut StepReport,
     ) -> Result<(), StepError> {
         let State {
@@ -69,14 +92,14 @@ impl Scheme {
             fault_injection::tap(Place::Solved(number), field);
         }
         let space = &self.space;
-        self.terms.clear();
         evaluate_energies(
             (space, self.membrane.interface_width()),
             &mut self.effects,
             &mut self.scratch,
             [&self.state, &self.next],
             report,
-            Some(&mut self.terms),
+            // In the secant scheme the parts of the step have added theirs.
+            (scheme == TimeScheme::FirstOrder).then_some(&mut self.terms),
         );
         report.phase_integral = space.integrate_nodal(&self.next.phi);
         let scales = [&report.energies, &self.report.energies].map(|it| self.energy_scale(it));
@@ -93,11 +116,10 @@ impl Scheme {
             name: "membrane_mobility",
             value,
         });
-        if let Some(director) = &self.director {
-            let value = director.dissipation(space, dt);
+        if self.director.is_some() {
             ledger.push(NamedValue {
                 name: "director_mobility",
-                value,
+                value: dissipated,
             });
         }
         ledger.extend_from_slice(self.terms.values());
@@ -146,11 +168,17 @@ pub(super) fn evaluate_energies(
     );
     report.surface_area = 0.0;
     for patch in space.patches() {
-        fill(&mut scratch.new, &patch, new_state);
+        fill(&mut scratch.new, &patch, new_state, &new_state.director);
         report.surface_area += area_integral(&patch, &scratch.new, interface_width);
         if terms.is_some() {
-            fill(&mut scratch.old, &patch, old_state);
+            fill(&mut scratch.old, &patch, old_state, &old_state.director);
         }
+        let step = PatchStep {
+            patch: &patch,
+            old: &scratch.old,
+            new: &scratch.new,
+            scheme: TimeScheme::FirstOrder,
+        };
         let mut energies = report.energies.iter_mut();
         for effect in effects.iter_mut() {
             if effect.has_energy()
@@ -159,7 +187,7 @@ pub(super) fn evaluate_energies(
                 energy.value += effect.integral(&patch, &scratch.new);
             }
             if let Some(terms) = &mut terms {
-                effect.add_dissipation(&patch, &scratch.old, &scratch.new, terms);
+                effect.add_dissipation(&step, terms);
             }
         }
     }
@@ -171,12 +199,24 @@ pub(super) fn evaluate_energies(
     report.total_energy = report.energies.iter().map(|energy| energy.value).sum();
 }
 
-/// All fields of a state on a patch.
-fn fill(sample: &mut PatchFields, patch: &Patch<'_>, state: &State) {
+/// Which solve of substep 1: the only one, or the first of two; or the second, after substep 2.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Half {
+    First,
+    Second,
+}
+
+/// All fields of a state on a patch, with this director.
+fn fill(
+    sample: &mut PatchFields,
+    patch: &Patch<'_>,
+    state: &State,
+    director: &Option<[Vec<f64>; 2]>,
+) {
     sample.begin();
     sample.set_phi(patch, &state.phi);
     sample.set_omega(patch, &state.omega);
-    if let Some(director) = &state.director {
+    if let Some(director) = director {
         sample.set_director(patch, director);
     }
 }

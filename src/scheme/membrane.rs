@@ -12,8 +12,8 @@ mod linear;
 
 use crate::fem::{MassInverse, Space};
 use crate::linalg::{LinalgError, LinearOperator, vector};
-use crate::physics::{Effects, MembraneForce, PatchFields};
-use crate::scene::{Iteration, LinearMethod, Membrane};
+use crate::physics::{Effects, MembraneForce, PatchFields, PatchStep};
+use crate::scene::{Iteration, LinearMethod, Membrane, TimeScheme};
 
 use super::fault_injection;
 use super::jacobian::Jacobian;
@@ -55,6 +55,8 @@ pub(super) struct MembraneStep {
     /// r₁ and r₂; r₂ stays zero with the natural boundary.
     residual: [Vec<f64>; 2],
     load: Vec<f64>,
+    /// ω_θ.
+    implicit: Vec<f64>,
     /// φ, ω, μ of the last iterate.
     last: [Vec<f64>; 3],
     /// Newton's correction at the last iterate, while that of a trial takes its place.
@@ -89,8 +91,7 @@ pub(super) struct StepContext<'a> {
     pub(super) from: &'a State,
     pub(super) to: &'a mut State,
     pub(super) dt: f64,
-    /// The Δt for which a sparse factor is made where a new one is needed.
-    pub(super) factor_dt: f64,
+    pub(super) scheme: TimeScheme,
     /// Whether the state hardly bends, and may be at rest.
     pub(super) is_faint: bool,
     /// S, the scale of the energy law.
@@ -140,6 +141,7 @@ impl MembraneStep {
             integrals: [Vec::new(), Vec::new()],
             residual: [vector(), vector()],
             load: vector(),
+            implicit: vector(),
             last: [vector(), vector(), vector()],
             correction: Vec::new(),
             scratch: vector(),
@@ -176,6 +178,7 @@ impl MembraneStep {
         scratch: &mut Scratch,
         phi: &[f64],
         director: Option<&[Vec<f64>; 2]>,
+        scheme: TimeScheme,
     ) {
         let Scratch { old, new } = scratch;
         let [integrals, _] = &mut self.integrals;
@@ -189,7 +192,12 @@ impl MembraneStep {
                 new.set_director(&patch, director);
             }
             for effect in effects.iter_mut() {
-                effect.begin_membrane(&patch, old, new);
+                effect.begin_membrane(&PatchStep {
+                    patch: &patch,
+                    old,
+                    new,
+                    scheme,
+                });
             }
         }
     }
@@ -219,13 +227,14 @@ impl MembraneStep {
             .solve(space, &self.load, omega, self.mass_tolerance);
     }
 
-    /// The membrane force of all effects from φⁿ to φ, as a load.
+    /// The membrane force of all effects from φⁿ to φ with ω_θ, as a load.
     fn assemble_force(
         &mut self,
         space: &Space,
         effects: &mut Effects,
         scratch: &mut Scratch,
-        [phi_old, phi, omega]: [&[f64]; 3],
+        [phi_old, phi]: [&[f64]; 2],
+        scheme: TimeScheme,
     ) {
         let Scratch { old, new } = scratch;
         self.load.fill(0.0);
@@ -234,10 +243,16 @@ impl MembraneStep {
             old.set_phi(&patch, phi_old);
             new.begin();
             new.set_phi(&patch, phi);
-            new.set_omega(&patch, omega);
+            new.set_omega(&patch, &self.implicit);
             self.force.clear(&patch);
+            let step = PatchStep {
+                patch: &patch,
+                old,
+                new,
+                scheme,
+            };
             for effect in effects.iter_mut() {
-                effect.add_membrane_force(&patch, old, new, &mut self.force);
+                effect.add_membrane_force(&step, &mut self.force);
             }
             patch.add_load(&self.force.load, &self.force.flux, &mut self.load);
         }
@@ -257,9 +272,11 @@ impl MembraneStep {
             mu,
             director,
         } = state;
-        self.begin(space, effects, scratch, phi, director.as_ref());
+        let scheme = TimeScheme::FirstOrder;
+        self.begin(space, effects, scratch, phi, director.as_ref(), scheme);
         self.solve_omega(space, effects, &mut scratch.new, phi, omega);
-        self.assemble_force(space, effects, scratch, [phi, phi, omega]);
+        self.implicit.copy_from_slice(omega);
+        self.assemble_force(space, effects, scratch, [phi, phi], scheme);
         self.mass_inverse
             .solve(space, &self.load, mu, self.mass_tolerance);
     }
@@ -276,15 +293,16 @@ impl MembraneStep {
             scratch,
             from,
             to,
+            scheme,
             ..
         } = context;
         self.jacobian.assemble(
             space,
             effects,
             [&mut scratch.old, &mut scratch.new],
-            [&from.phi, &to.phi, &to.omega],
+            [&from.phi, &to.phi, &self.implicit],
             self.interface_width,
-            iteration,
+            (iteration, *scheme),
         );
     }
 
@@ -305,9 +323,9 @@ impl MembraneStep {
     pub(super) fn refactor(&mut self, space: &Space, dt: f64) -> Result<(), LinalgError> {
         if let Path::Factor { preconditioner } = &mut self.linear.path {
             preconditioner.expire();
-            let step_mobilities = [dt * self.mobility; 2];
+            let step_mobility = dt * self.mobility;
             let width = self.interface_width;
-            preconditioner.prepare(space, &self.jacobian, step_mobilities, width, [1.0; 3])?;
+            preconditioner.prepare(space, &self.jacobian, step_mobility, width, [1.0; 3])?;
         }
         Ok(())
     }
@@ -340,7 +358,16 @@ impl MembraneStep {
         fault_injection::tap(fault_injection::Place::Phi, phi);
         self.solve_omega(space, effects, &mut scratch.new, phi, omega);
         fault_injection::tap(fault_injection::Place::Omega, omega);
-        self.assemble_force(space, effects, scratch, [&context.from.phi, phi, omega]);
+        let scheme = context.scheme;
+        for ((implicit, old), new) in self
+            .implicit
+            .iter_mut()
+            .zip(&context.from.omega)
+            .zip(&*omega)
+        {
+            *implicit = scheme.implicit(*old, *new);
+        }
+        self.assemble_force(space, effects, scratch, [&context.from.phi, phi], scheme);
         if !self.clamped {
             self.mass_inverse
                 .solve(space, &self.load, mu, self.mass_tolerance);

@@ -8,7 +8,6 @@ mod checkpoint;
 mod director;
 mod energy_law;
 mod error;
-mod extrapolation;
 mod fault_injection;
 mod initial;
 mod jacobian;
@@ -25,17 +24,18 @@ use std::sync::Arc;
 use crate::fem::{Mesh, QuadratureRule, Space};
 use crate::linalg::LinalgError;
 use crate::physics::{Effect, Effects, Interval, LedgerTerms};
-use crate::scene::{self, Boundary, Iteration, LinearMethod, Quadrature, Scene, Solver};
+use crate::scene::{
+    self, Boundary, Iteration, LinearMethod, Quadrature, Scene, Solver, TimeScheme,
+};
 
 use director::{DirectorStep, SolveOptions};
-use extrapolation::ExtrapolatedStep;
+use energy_law::Half;
 use membrane::{MembraneStep, NewtonOptions, Scratch, StepContext, StoppingCriterion, Work};
 use predictor::Predictor;
 use solvers::selection::{Selection, Verdict};
 
 pub use checkpoint::{RestoreError, SchemeCheckpoint};
 pub use error::StepError;
-pub use extrapolation::ErrorEstimate;
 pub use initial::{InitialError, initial_fields};
 pub use state::{Phase, State, StepReport};
 
@@ -47,6 +47,12 @@ const EXTRAPOLATION: usize = 3;
 /// A step whose energy rises by more than this, over S, is solved more tightly: half of what "the energy
 /// never rises" allows.
 const RISE: f64 = 5e-13;
+
+/// Steps of first order at the start and after an event.
+const STARTING_STEPS: u32 = 2;
+
+/// The error of a step of the secant scheme over Δt³ times the third divided difference of φ.
+const LOCAL_ERROR: f64 = 0.5;
 
 /// The scheme on a mesh with the effects of a scene, and the state that it has reached.
 #[derive(Debug)]
@@ -65,10 +71,6 @@ pub struct Scheme {
     history: Predictor,
     /// Which linear solver and which iteration run.
     selection: Selection,
-    /// The Δt by which the way to solve is chosen: that of the whole step, where parts of it are taken too.
-    length: f64,
-    /// In how many parts it is taken at most.
-    parts: usize,
     stopping: StoppingCriterion,
     /// The clock of the history: only differences matter.
     t: f64,
@@ -76,10 +78,16 @@ pub struct Scheme {
     next_report: StepReport,
     /// By how much the energy has jumped since the last step that was accepted.
     switched: Option<f64>,
+    /// Of a scene.
+    scheme: TimeScheme,
+    /// Steps of first order that are still to be taken before those of the secant scheme: it does not damp what is stiff.
+    starting: u32,
+    /// The director in the middle of a step of the secant scheme.
+    middle: Option<[Vec<f64>; 2]>,
+    /// Δt of the step that waits to be accepted.
+    tried: Option<f64>,
     /// The time of the last step, as it was given to the effects.
     interval: Option<Interval>,
-    /// Made with the first step that is taken in several ways.
-    extrapolated: Option<Box<ExtrapolatedStep>>,
 }
 
 impl Scheme {
@@ -119,6 +127,7 @@ impl Scheme {
             mu: zeros,
             director,
         };
+        let middle = state.director.clone();
         let mut scheme = Self {
             next: state.clone(),
             scratch: Scratch::new(state.director.is_some()),
@@ -132,15 +141,16 @@ impl Scheme {
             membrane,
             history: Predictor::new(EXTRAPOLATION),
             selection,
-            length: 0.0,
-            parts: 1,
             stopping: StoppingCriterion::LastChange,
             t: 0.0,
             report: StepReport::default(),
             next_report: StepReport::default(),
             switched: None,
+            scheme: scene.time.scheme,
+            starting: STARTING_STEPS,
+            middle,
+            tried: None,
             interval: None,
-            extrapolated: None,
         };
         if scene.time.tolerance.is_some() && scene.solver.linear == LinearMethod::Automatic {
             scheme.begin_with_factor()?;
@@ -244,51 +254,89 @@ impl Scheme {
     /// # Errors
     /// [`StepError`]: the step was not solved.
     pub fn step(&mut self, dt: f64) -> Result<&StepReport, StepError> {
-        self.step_watched(dt, &mut |_| ())
+        self.try_step(dt, &mut |_| ())?;
+        Ok(self.accept())
     }
 
-    /// [`step`](Self::step), telling `watch` of every phase that ends: the scheme knows no clock.
+    /// Tries a step of length Δt, and tells `watch` of every phase that ends: the scheme knows no clock. The state stays what
+    /// it is until [`accept`](Self::accept); to refuse the step do nothing. Returns the estimated error of φ, in L2, that the
+    /// step makes: Δt²/2 ‖φ_tt‖ of one of first order, Δt³/12 ‖φ_ttt‖ of one of second, from the last states; `None` where
+    /// these are too few.
     ///
     /// # Errors
     /// [`StepError`]: the step was not solved.
-    pub fn step_watched(
+    pub fn try_step(
         &mut self,
         dt: f64,
         watch: &mut dyn FnMut(Phase),
-    ) -> Result<&StepReport, StepError> {
+    ) -> Result<Option<f64>, StepError> {
+        self.tried = None;
         self.set_interval(dt);
         let energy_scale = self.energy_scale(&self.report.energies);
-        (self.length, self.parts) = (dt, 1);
-        self.stopping = StoppingCriterion::LastChange;
+        let scheme = self.next_scheme();
+        self.stopping = match scheme {
+            TimeScheme::FirstOrder => StoppingCriterion::LastChange,
+            TimeScheme::Secant => StoppingCriterion::ChangesToCome,
+        };
         self.history.extrapolate(self.t + dt, &mut self.next);
         let mut report = std::mem::take(&mut self.next_report);
-        let outcome = self.try_step(dt, energy_scale, &mut report, watch);
+        let outcome = self.solve_step((dt, scheme), energy_scale, &mut report, watch);
         self.next_report = report;
-        match outcome {
-            Ok(()) => {
-                self.next_report.switched = self.switched.take();
-                std::mem::swap(&mut self.report, &mut self.next_report);
-                std::mem::swap(&mut self.state, &mut self.next);
-                self.t += dt;
-                self.history.push(self.t, &self.state);
-                if let Some(director) = &mut self.director {
-                    director.accept();
-                }
-                Ok(&self.report)
-            }
-            Err(error) => {
-                self.forget();
-                Err(error)
-            }
+        if let Err(error) = outcome {
+            self.membrane.forget();
+            return Err(error);
         }
+        self.tried = Some(dt);
+        let weights = self.space.nodal_weights();
+        let (order, factor) = match scheme {
+            TimeScheme::FirstOrder => (2, dt * dt),
+            TimeScheme::Secant => (3, LOCAL_ERROR * dt * dt * dt),
+        };
+        let size = self
+            .history
+            .divided_difference(order, self.t + dt, &self.next.phi, weights);
+        Ok(size.map(|size| factor * size))
     }
 
-    /// The estimated error of φ, in L2, that the last step of the scheme (of first order) has made:
-    /// Δt²/2 ‖φ_tt‖, from the last three states; `None` where there are fewer.
-    pub fn first_order_error(&self, dt: f64) -> Option<f64> {
-        self.history
-            .half_second_derivative(self.space.nodal_weights())
-            .map(|size| dt * dt * size)
+    /// Moves to the state of the step that was tried last; without one it does nothing.
+    pub fn accept(&mut self) -> &StepReport {
+        if let Some(dt) = self.tried.take() {
+            self.next_report.switched = self.switched.take();
+            std::mem::swap(&mut self.report, &mut self.next_report);
+            std::mem::swap(&mut self.state, &mut self.next);
+            self.t += dt;
+            self.history.push(self.t, &self.state);
+            self.starting = self.starting.saturating_sub(1);
+            if let Some(director) = &mut self.director {
+                director.accept();
+            }
+        }
+        &self.report
+    }
+
+    /// ‖φ − φⁿ‖ in L2 of the step that was tried last.
+    pub fn tried_change(&self) -> f64 {
+        let nodes = self.next.phi.iter().zip(&self.state.phi);
+        let squares = nodes.map(|(new, old)| (new - old) * (new - old));
+        let weighted = squares.zip(self.space.nodal_weights());
+        weighted
+            .map(|(square, weight)| square * weight)
+            .sum::<f64>()
+            .sqrt()
+    }
+
+    /// Newton, Krylov and director iterations of the step that was tried last.
+    pub fn tried_work(&self) -> [u32; 3] {
+        let report = &self.next_report;
+        [report.newton, report.krylov, report.director_iterations]
+    }
+
+    /// The scheme of the next step.
+    fn next_scheme(&self) -> TimeScheme {
+        match self.starting {
+            0 => self.scheme,
+            _ => TimeScheme::FirstOrder,
+        }
     }
 
     /// Forgets what the guess of the next step is made from: to be called when the equations or the
@@ -296,12 +344,11 @@ impl Scheme {
     pub fn forget(&mut self) {
         self.history.forget();
         self.history.push(self.t, &self.state);
+        self.starting = STARTING_STEPS;
+        self.tried = None;
         self.membrane.forget();
         if let Some(director) = &mut self.director {
             director.forget();
-        }
-        if let Some(extrapolated) = &mut self.extrapolated {
-            extrapolated.forget();
         }
     }
 
@@ -323,54 +370,39 @@ impl Scheme {
     }
 
     /// One step from the state, from the guess of φ, ω and μ that stands in `next`, to there.
-    fn try_step(
+    ///
+    /// A step of the secant scheme has three parts: the director over half of it, the membrane over the whole, the director
+    /// over the other half.
+    fn solve_step(
         &mut self,
-        dt: f64,
+        (dt, scheme): (f64, TimeScheme),
         energy_scale: f64,
         report: &mut StepReport,
         watch: &mut dyn FnMut(Phase),
     ) -> Result<(), StepError> {
-        let space = &self.space;
         report.director_iterations = 0;
-        if let (Some(step), Some(from), Some(to)) = (
-            &mut self.director,
-            &self.state.director,
-            &mut self.next.director,
-        ) {
-            let options = SolveOptions {
-                dt,
-                length: self.length,
-                tolerance: director_tolerance(&self.solver),
-                law_tolerance: self.solver.law_tolerance,
-                is_faint: energy_scale <= self.membrane.least_energy(),
-                energy_scale,
-            };
-            report.director_iterations = step.solve(
-                space,
-                &mut self.effects,
-                &mut self.scratch.old,
-                options,
-                (&self.state.phi, from),
-                to,
-            )?;
-            watch(Phase::Director);
-        }
-        let work = self.work_from_outside();
-        let scale = energy_scale + work.abs();
+        let part = (scheme.weight() * dt, scheme, Half::First);
+        let dissipated = self.director_substep(part, energy_scale, report, watch)?;
+        self.terms.clear();
+        let scale = energy_scale + self.add_terms(scheme, Half::First).abs();
         self.membrane.begin(
             &self.space,
             &mut self.effects,
             &mut self.scratch,
             &self.state.phi,
             self.next.director.as_ref(),
+            scheme,
         );
-        let mut effort = self.solve_with_fallbacks(dt, scale, report, watch)?;
-        let mut closed = self.check_energy_law(dt, work, report);
+        let mut effort = self.solve_with_fallbacks((dt, scheme), scale, report, watch)?;
+        let (work, mut closed) =
+            self.finish((dt, scheme), energy_scale, dissipated, report, watch)?;
         let rise = report.total_energy - self.report.total_energy - work;
         if closed.is_ok() && rise > RISE * scale {
             // Near a state of rest even a residual within the tolerance is more than what dissipates.
             let options = self.options(Iteration::Newton);
-            let factor_dt = self.factor_dt();
+            if scheme == TimeScheme::Secant {
+                std::mem::swap(&mut self.middle, &mut self.next.director);
+            }
             let mut context = StepContext {
                 space: &self.space,
                 effects: &mut self.effects,
@@ -378,16 +410,13 @@ impl Scheme {
                 from: &self.state,
                 to: &mut self.next,
                 dt,
-                factor_dt,
+                scheme,
                 energy_scale: scale,
                 is_faint: false,
                 watch,
             };
             self.membrane.refine(&mut context, options, &mut effort)?;
-            closed = self.check_energy_law(dt, work, report);
-        }
-        if let StoppingCriterion::ChangesToCome(known) = &mut self.stopping {
-            *known = effort.contraction;
+            (_, closed) = self.finish((dt, scheme), energy_scale, dissipated, report, watch)?;
         }
         report.newton = effort.newton;
         report.krylov = effort.krylov;
@@ -397,17 +426,73 @@ impl Scheme {
         closed
     }
 
+    /// What follows substep 2: in the secant scheme the second half of substep 1, and then the energy law. Returns the work from
+    /// outside, and whether the law holds.
+    fn finish(
+        &mut self,
+        (dt, scheme): (f64, TimeScheme),
+        energy_scale: f64,
+        mut dissipated: f64,
+        report: &mut StepReport,
+        watch: &mut dyn FnMut(Phase),
+    ) -> Result<(f64, Result<(), StepError>), StepError> {
+        self.terms.clear();
+        let mut work = self.add_terms(scheme, Half::First);
+        if scheme == TimeScheme::Secant {
+            let part = (0.5 * dt, scheme, Half::Second);
+            dissipated += self.director_substep(part, energy_scale, report, watch)?;
+            work += self.add_terms(scheme, Half::Second);
+        }
+        let closed = self.check_energy_law((dt, scheme), [work, dissipated], report);
+        Ok((work, closed))
+    }
+
+    /// Substep 1, over a time of this length: with φⁿ from dⁿ, or the second time in a step with the new φ from the director
+    /// that the first one led to. Returns what the director's mobility dissipates, Δt γ_nem ‖z‖².
+    fn director_substep(
+        &mut self,
+        (dt, scheme, half): (f64, TimeScheme, Half),
+        energy_scale: f64,
+        report: &mut StepReport,
+        watch: &mut dyn FnMut(Phase),
+    ) -> Result<f64, StepError> {
+        let options = SolveOptions {
+            dt,
+            scheme,
+            is_second: half == Half::Second,
+            tolerance: match scheme {
+                TimeScheme::FirstOrder => director_tolerance(&self.solver),
+                TimeScheme::Secant => self.solver.tolerance,
+            },
+            law_tolerance: self.solver.law_tolerance,
+            is_faint: energy_scale <= self.membrane.least_energy(),
+            energy_scale,
+        };
+        if half == Half::Second {
+            std::mem::swap(&mut self.middle, &mut self.next.director);
+        }
+        let next = &mut self.next;
+        let (phi, from) = match half {
+            Half::First => (&self.state.phi, &self.state.director),
+            Half::Second => (&next.phi, &self.middle),
+        };
+        let (Some(step), Some(from), Some(to)) = (&mut self.director, from, &mut next.director)
+        else {
+            return Ok(0.0);
+        };
+        let (space, effects, scratch) = (&self.space, &mut self.effects, &mut self.scratch);
+        report.director_iterations +=
+            step.solve(space, effects, scratch, options, (phi, from), to)?;
+        watch(Phase::Director);
+        Ok(step.dissipation(space, dt))
+    }
+
     /// Whether the membrane of the state hardly bends, as one that is at rest in φ = ±1: by no more than what the
     /// energy law can be told of.
     fn bends_faintly(&self) -> bool {
         // Bending comes first.
         let bending = self.report.energies.first();
         bending.is_some_and(|energy| energy.value <= self.membrane.least_energy())
-    }
-
-    /// The Δt in the middle between that of the whole step and that of the shortest parts.
-    fn factor_dt(&self) -> f64 {
-        self.length / (self.parts as f64).sqrt()
     }
 
     fn options(&self, iteration: Iteration) -> NewtonOptions {
@@ -424,18 +509,16 @@ impl Scheme {
     /// while.
     fn solve_with_fallbacks(
         &mut self,
-        dt: f64,
+        (dt, scheme): (f64, TimeScheme),
         energy_scale: f64,
         report: &mut StepReport,
         watch: &mut dyn FnMut(Phase),
     ) -> Result<Work, StepError> {
-        let length = self.length;
-        if self.selection.retries_fast(length) {
+        if self.selection.retries_fast(dt) {
             self.membrane.return_to_fast();
         }
-        let iteration = self.selection.iteration(self.solver.iteration, length);
+        let iteration = self.selection.iteration(self.solver.iteration, dt);
         let (options, newton) = (self.options(iteration), self.options(Iteration::Newton));
-        let factor_dt = self.factor_dt();
         let is_faint = self.bends_faintly();
         let mut context = StepContext {
             space: &self.space,
@@ -444,7 +527,7 @@ impl Scheme {
             from: &self.state,
             to: &mut self.next,
             dt,
-            factor_dt,
+            scheme,
             energy_scale,
             is_faint,
             watch,
@@ -458,7 +541,7 @@ impl Scheme {
         {
             report.refused_ways += 1;
             report.newton_took_over = Some(reason);
-            self.selection.lagged_failed(length);
+            self.selection.lagged_failed(dt);
             context.restart();
             outcome = self.membrane.solve(&mut context, newton);
         }
@@ -468,7 +551,7 @@ impl Scheme {
         {
             report.refused_ways += 1;
             report.fallback = Some(reason);
-            self.selection.fast_failed(length);
+            self.selection.fast_failed(dt);
             self.membrane
                 .fall_back(context.space)
                 .map_err(|source| StepError::Membrane {
@@ -487,7 +570,7 @@ impl Scheme {
                 // The step is solved; without memory for the factor the fast solver goes on.
                 Verdict::TooSlow => {
                     if self.membrane.fall_back(&self.space).is_ok() {
-                        self.selection.fast_was_slow(length);
+                        self.selection.fast_was_slow(dt);
                     }
                 }
                 // The factor takes more memory than all the rest.

@@ -12,12 +12,6 @@ use crate::linalg::vector;
 /// more.
 const MOST_MAGNIFIED: f64 = 32.0;
 
-/// The same where the state ahead is known, whose own weight is not counted: 1.9 in the middle of a step as long as
-/// the last ones, 3.3 if it is half as long again. What relaxes fast is no polynomial, and one that is to lead far from
-/// states close to each other overshoots: without a limit case 3 with a tolerance of 1e-3 took 35 steps, 5 refusals,
-/// some for the guess alone, and 523 corrections; with this one it takes 29, 2 and 464.
-const MOST_MAGNIFIED_WITHIN: f64 = 3.0;
-
 /// Accepted φ, ω, μ at the last times.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Predictor {
@@ -86,40 +80,27 @@ impl Predictor {
         }
     }
 
-    /// ‖φ_tt‖/2 in L2 with these nodal weights: the divided difference of the last three states.
-    pub(super) fn half_second_derivative(&self, weights: &[f64]) -> Option<f64> {
-        if self.known < 3 {
-            return None;
+    /// The L2 norm, with these nodal weights, of the divided difference of φ over so many of the last states and the one
+    /// that is given, of the time t: ‖φ_tt‖/2 over two, ‖φ_ttt‖/6 over three. `None` where there are fewer.
+    pub(super) fn divided_difference(
+        &self,
+        states: usize,
+        t: f64,
+        phi: &[f64],
+        weights: &[f64],
+    ) -> Option<f64> {
+        let skipped = self.known.checked_sub(states)?;
+        let times = || self.known().skip(skipped).map(|entry| entry.t);
+        let factor = |own: f64| -> f64 {
+            let all = times().chain([t]).filter(|other| *other != own);
+            all.map(|other| (own - other).recip()).product()
+        };
+        let mut difference = phi.to_vec();
+        vector::scale(&mut difference, factor(t));
+        for entry in self.known().skip(skipped) {
+            vector::add_scaled(&mut difference, factor(entry.t), &entry.fields[0]);
         }
-        let mut newest = self.entries.iter().rev();
-        let (c, b, a) = (newest.next()?, newest.next()?, newest.next()?);
-        let factors = [
-            ((a.t - b.t) * (a.t - c.t)).recip(),
-            ((b.t - a.t) * (b.t - c.t)).recip(),
-            ((c.t - a.t) * (c.t - b.t)).recip(),
-        ];
-        let fields = a.fields[0].iter().zip(&b.fields[0]).zip(&c.fields[0]);
-        let squares = fields.zip(weights).map(|(((a, b), c), weight)| {
-            let difference = factors[0] * a + factors[1] * b + factors[2] * c;
-            weight * difference * difference
-        });
-        Some(squares.sum::<f64>().sqrt())
-    }
-
-    /// Interpolation to the time t between as many of the last states as that can bear and the one that `state`
-    /// holds, of the time `ahead`; the result takes its place.
-    pub(super) fn interpolate(&self, t: f64, ahead: f64, state: &mut State) {
-        let targets = [&mut state.phi, &mut state.omega, &mut state.mu];
-        let skipped = self.too_many(t, Some(ahead));
-        let others = self.known().skip(skipped).map(|entry| entry.t);
-        let own = others.map(|other| (t - other) / (ahead - other)).product();
-        for (field, target) in targets.into_iter().enumerate() {
-            vector::scale(target, own);
-            for (index, entry) in self.known().enumerate().skip(skipped) {
-                let weight = self.weight(index, skipped, t, Some(ahead));
-                vector::add_scaled(target, weight, &entry.fields[field]);
-            }
-        }
+        Some(vector::weighted_square(&difference, weights).sqrt())
     }
 
     /// Whether this may stand in the place of a history of the same scheme: of as many entries, of
@@ -136,40 +117,35 @@ impl Predictor {
     /// that can bear; does nothing without a history.
     pub(super) fn extrapolate(&self, t: f64, state: &mut State) {
         let targets = [&mut state.phi, &mut state.omega, &mut state.mu];
-        let skipped = self.too_many(t, None);
+        let skipped = self.too_many(t);
         for (field, target) in targets.into_iter().enumerate() {
             for (index, entry) in self.known().enumerate().skip(skipped) {
                 if index == skipped {
                     target.fill(0.0);
                 }
-                let weight = self.weight(index, skipped, t, None);
+                let weight = self.weight(index, skipped, t);
                 vector::add_scaled(target, weight, &entry.fields[field]);
             }
         }
     }
 
     /// How many of the oldest states must be left out: as few as keep rounding and what is no
-    /// polynomial from being magnified by more than [`MOST_MAGNIFIED`], or [`MOST_MAGNIFIED_WITHIN`]; all but the last
+    /// polynomial from being magnified by more than [`MOST_MAGNIFIED`]; all but the last
     /// one where Δt has become much longer.
-    fn too_many(&self, t: f64, ahead: Option<f64>) -> usize {
+    fn too_many(&self, t: f64) -> usize {
         let count = self.known;
-        let limit = match ahead {
-            None => MOST_MAGNIFIED,
-            Some(_) => MOST_MAGNIFIED_WITHIN,
-        };
         let magnified = |skipped: &usize| {
-            let weights = (*skipped..count).map(|index| self.weight(index, *skipped, t, ahead));
-            weights.map(f64::abs).sum::<f64>() > limit
+            let weights = (*skipped..count).map(|index| self.weight(index, *skipped, t));
+            weights.map(f64::abs).sum::<f64>() > MOST_MAGNIFIED
         };
         (0..count).take_while(magnified).count()
     }
 
-    /// The weight of a state where the first `skipped` are left out, and there may be one ahead.
-    fn weight(&self, index: usize, skipped: usize, t: f64, ahead: Option<f64>) -> f64 {
+    /// The weight of a state where the first `skipped` are left out.
+    fn weight(&self, index: usize, skipped: usize, t: f64) -> f64 {
         let own = self.entries[self.entries.len() - self.known + index].t;
         let others = self.known().skip(skipped).map(|entry| entry.t);
         others
-            .chain(ahead)
             .filter(|other| *other != own)
             .map(|other| (t - other) / (own - other))
             .product()
@@ -203,9 +179,12 @@ mod tests {
         assert!((guess.phi[1] - parabola(4.0)).abs() < 1e-12);
         assert!((guess.mu[0] - 2.0 * parabola(4.0)).abs() < 1e-12);
         // 3 t² has the second derivative 6.
-        assert_eq!(history.half_second_derivative(&[0.5, 0.5]), Some(3.0));
+        let next = [parabola(4.0); 2];
+        let difference = |states| history.divided_difference(states, 4.0, &next, &[0.5, 0.5]);
+        assert!((difference(2).expect("two") - 3.0).abs() < 1e-12);
+        assert!(difference(3).expect("three") < 1e-12);
+        assert_eq!(difference(4), None);
         history.forget();
-        assert_eq!(history.half_second_derivative(&[0.5, 0.5]), None);
         history.push(9.0, &state(1.5));
         history.extrapolate(10.0, &mut guess);
         assert_eq!(guess.phi[0], 1.5);
@@ -222,22 +201,5 @@ mod tests {
         assert_eq!(guess.phi[0], 9.0);
         history.extrapolate(4e-8, &mut guess);
         assert!((guess.phi[0] - 16.0).abs() < 1e-6);
-    }
-
-    #[test]
-    fn the_way_into_a_much_longer_step_is_straight() {
-        let mut history = Predictor::new(3);
-        for n in 0..4 {
-            history.push(f64::from(n), &state(f64::from(n * n)));
-        }
-        let halfway = |length: f64, end: f64| {
-            let mut guess = state(end);
-            history.interpolate(3.0 + 0.5 * length, 3.0 + length, &mut guess);
-            guess.phi[0]
-        };
-        // The parabola, where the step is as long as the last ones.
-        assert!((halfway(1.0, 16.0) - 12.25).abs() < 1e-12);
-        // t = 3 alone is left of the last ones.
-        assert!((halfway(100.0, 10.0) - 9.5).abs() < 1e-12);
     }
 }

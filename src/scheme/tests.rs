@@ -3,6 +3,7 @@
 //! would have led without the fault.
 
 mod effects;
+mod secant;
 
 use super::fault_injection::Place;
 use super::fault_injection::armed::{Fault, Spoiling, with_fault};

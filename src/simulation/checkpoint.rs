@@ -172,9 +172,9 @@ mod tests {
         for settings in [
             &[][..],
             &["time.step=3e-2"],
-            &["time.order=2"],
+            &["time.scheme=secant"],
             &["time.tolerance=1e-4"],
-            &["time.tolerance=1e-4", "time.order=1"],
+            &["time.tolerance=1e-4", "time.scheme=first-order"],
         ] {
             let mut first = simulation(settings);
             run(&mut first, 3);
@@ -200,14 +200,14 @@ mod tests {
 
     #[test]
     fn a_memory_of_steps_that_are_chosen_otherwise_is_refused() {
-        let chosen = ["time.tolerance=1e-4", "time.order=2"];
+        let chosen = ["time.tolerance=1e-4"];
         let first = simulation(&chosen);
         let checkpoint = over_bytes(&first);
         assert_eq!(simulation(&chosen).restore(&checkpoint), Ok(()));
         for other in [
             &[][..],
-            &["time.tolerance=1e-5", "time.order=2"],
-            &["time.tolerance=1e-4"],
+            &["time.tolerance=1e-5"],
+            &["time.tolerance=1e-4", "time.scheme=first-order"],
         ] {
             let outcome = simulation(other).restore(&checkpoint);
             assert!(

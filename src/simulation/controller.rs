@@ -42,6 +42,8 @@ pub(super) struct Controller {
     next: f64,
     /// Δt and the estimate of the last accepted step.
     last: Option<(f64, f64)>,
+    /// The Δt that is tried first, and after an event.
+    first: f64,
     /// Attempts since then.
     attempts: u32,
 }
@@ -62,6 +64,7 @@ impl Controller {
             tolerance,
             exponent: f64::from(order).recip(),
             next: first,
+            first,
             last: None,
             attempts: 0,
         }
@@ -148,9 +151,10 @@ impl Controller {
         self.attempts < MOST_ATTEMPTS
     }
 
-    /// The equations or the state changed from outside: what was learnt of the error is void.
+    /// The equations or the state changed from outside: what was learnt of the error is void, and what is stiff is there again.
     pub(super) fn forget(&mut self) {
         self.last = None;
+        self.next = self.next.min(self.first);
     }
 }
 

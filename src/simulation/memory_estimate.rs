@@ -3,7 +3,7 @@
 use super::SimulationError;
 use super::claim::{self, Claim, Shortage};
 use super::free_memory::{FreeMemory, free_memory};
-use crate::scene::{Boundary, LinearMethod, Mesh, MeshSize, Order, Quadrature, Scene};
+use crate::scene::{Boundary, LinearMethod, Mesh, MeshSize, Quadrature, Scene};
 
 /// Bytes that a run needs on any mesh.
 const ANY_RUN: f64 = 9e6;
@@ -61,15 +61,12 @@ pub fn memory_held(scene: &Scene, with_factor: bool) -> u64 {
     if scene.nematic.is_some() {
         per_node += DIRECTOR;
     }
-    if scene.time.tolerance.is_some() || scene.time.order != Order::First {
-        per_node += extrapolation(scene);
-    }
     if is_shifted(scene) {
-        // In halves and in thirds one shift is another; with chosen steps as many are kept as can be.
-        let more_factors = match (scene.time.tolerance, scene.time.order) {
-            (Some(_), _) => 6.0,
-            (None, Order::First) => 0.0,
-            (None, _) => 2.0,
+        // With chosen steps those of the last one are kept.
+        let more_factors = if scene.time.tolerance.is_some() {
+            2.0
+        } else {
+            0.0
         };
         per_node += SHIFTED + (SHIFTED_GROWTH + more_factors * SHIFTED_FACTOR) * nodes.log2();
     }
@@ -89,16 +86,6 @@ pub fn node_count(scene: &Scene) -> f64 {
         }
         Mesh::File(file) => file.triangulation.nodes.len() as f64,
     }
-}
-
-/// Bytes a node more where steps are taken in several ways: a state for each, one before them and one
-/// combined of them, and twice what is learnt from them. Counted, not measured.
-fn extrapolation(scene: &Scene) -> f64 {
-    let chains = scene.time.order.chains();
-    let director = if scene.nematic.is_some() { 2 } else { 0 };
-    let states = (chains + 2) * (3 + director);
-    let learnt = 2 * (chains * (chains + 1) / 2 + director);
-    (size_of::<f64>() * (states + learnt)) as f64
 }
 
 /// Refuses a scene that needs more memory than there is; nothing is allocated.
@@ -180,19 +167,7 @@ mod tests {
         }
     }
 
-    #[test]
-    fn steps_that_are_taken_in_several_ways_need_more() {
-        let held = |settings: &[&str]| memory_held(&scene(settings), false);
-        let more = held(&["time.tolerance=1e-4"]) - held(&[]);
-        // Three results, the state before and the combination, each of φ, ω, μ and d; what six states missed and a
-        // change of d, twice.
-        let vectors = 5 * 5 + 2 * (6 + 2);
-        assert!(more.abs_diff(8 * vectors * 121 * 121) <= 1, "{more}");
-        assert!(held(&["time.order=2"]) < held(&["time.order=3"]));
-    }
-
-    /// About as much as was measured: 12.1 MB (2²⁰ bytes) more than with the cosine transform, and 16.0 where
-    /// steps are taken in thirds as well.
+    /// About as much as was measured: 12.1 MB (2²⁰ bytes) more than with the cosine transform.
     #[test]
     fn shifted_laplacians_need_less_than_the_factor() {
         let needed = |settings: &[&str]| memory_needed(&scene(settings)) as f64 / 1e6;
@@ -203,8 +178,6 @@ mod tests {
             needed(&["solver.linear=shifted"])
         );
         assert!(needed(&["solver.linear=factor"]) > needed(&[]) + 4.0 * more);
-        let thirds = needed(&["solver.linear=shifted", "time.order=3"]) - needed(&["time.order=3"]);
-        assert!((14.0..18.0).contains(&thirds), "{thirds}");
     }
 
     #[test]

@@ -28,7 +28,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::fem::{Contour, GradientRecovery, Mesh, MeshQuality, Pieces, long_axis};
 use crate::geometry::Vector;
-use crate::scene::{AnchoringKind, Iteration, Order, Scene, Shape, Time, Warning};
+use crate::scene::{AnchoringKind, Iteration, Scene, Shape, Time, TimeScheme, Warning};
 use crate::scheme::{Scheme, StepError, initial_fields};
 
 pub use crate::fem::OutlineMeasure;
@@ -136,6 +136,9 @@ pub struct Simulation {
     schedule: Schedule,
 }
 
+/// The bound of a step's error in the secant scheme, over τ^(3/2).
+const SECANT_BOUND: f64 = 5.0;
+
 /// How long steps are, and where a run stands in it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 enum Pacing {
@@ -150,8 +153,13 @@ impl Pacing {
         match time.tolerance {
             None => Self::default(),
             Some(tolerance) => {
-                let order = time.order.chains() as u32;
-                Self::Chosen(Controller::new(tolerance, order, time.step))
+                let controller = match time.scheme {
+                    TimeScheme::FirstOrder => Controller::new(tolerance, 2, time.step),
+                    TimeScheme::Secant => {
+                        Controller::new(SECANT_BOUND * tolerance.powf(1.5), 3, time.step)
+                    }
+                };
+                Self::Chosen(controller)
             }
         }
     }
@@ -393,24 +401,10 @@ impl Simulation {
                 }));
             }
             let mut error = None;
-            let outcome = match self.scene.time.order {
-                Order::First => match self.scheme.step_watched(piece, watch) {
-                    Ok(_) => {
-                        error = self.scheme.first_order_error(piece);
-                        Ok(self.scheme.report())
-                    }
-                    Err(reason) => Err(reason),
-                },
-                order => {
-                    let tried = self
-                        .scheme
-                        .try_extrapolated(piece, order.chains(), true, watch);
-                    tried.map(|difference| {
-                        error = Some(difference.phase);
-                        self.scheme.accept_extrapolated()
-                    })
-                }
-            };
+            let outcome = self.scheme.try_step(piece, watch).map(|estimate| {
+                error = estimate;
+                self.scheme.accept()
+            });
             match outcome {
                 Ok(solved) => {
                     taken.note(solved);
@@ -472,8 +466,6 @@ impl Simulation {
     ) -> Result<StepOutcome, SimulationError> {
         let (step, t) = (self.report.step + 1, self.report.t);
         let landing = self.landing_after(t);
-        let order = self.scene.time.order;
-        let (chains, combine) = (order.chains(), order != Order::First);
         let mut taken = StepDetails::begin(left.as_ref(), !self.scheme.uses_factor());
         let mut work = left.map_or([0; 3], |left| left.work);
         let (mut is_begun, mut has_news) = (false, false);
@@ -497,12 +489,14 @@ impl Simulation {
                 return Ok(taken.interrupt(underway, sums));
             }
             is_begun = true;
-            let outcome = self
-                .scheme
-                .try_extrapolated(attempt.dt, chains, combine, watch);
+            let outcome = self.scheme.try_step(attempt.dt, watch);
+            // Of the first step nothing is known but its change, and it is not off by more than that.
+            let error =
+                |estimate: Option<f64>| estimate.unwrap_or_else(|| self.scheme.tried_change());
+            let outcome = outcome.map(|estimate| (estimate, error(estimate)));
             let (again, reason) = match outcome {
-                Ok(difference) if controller.judge(attempt.dt, difference.phase) => {
-                    let solved = self.scheme.accept_extrapolated();
+                Ok((estimate, error)) if controller.judge(attempt.dt, error) => {
+                    let solved = self.scheme.accept();
                     taken.note(solved);
                     self.report.refused = taken.effort.refused.try_into().unwrap_or(u32::MAX);
                     let with_factor = self.scheme.uses_factor();
@@ -510,19 +504,21 @@ impl Simulation {
                     taken.effort.accept(solved, with_factor);
                     self.report.take(solved);
                     self.report.add_work(work);
-                    self.report.time_error = Some(difference.phase);
+                    self.report.time_error = estimate;
                     self.report.dt = attempt.dt;
                     self.report.t = attempt.end;
                     self.report.step = step;
+                    if self.is_event(t, attempt.end) {
+                        controller.forget();
+                    }
                     self.pacing = Pacing::Chosen(controller);
                     return Ok(StepOutcome::Whole(taken));
                 }
-                Ok(difference) => {
+                Ok((_, error)) => {
                     let tried = self.scheme.tried_work();
                     work.iter_mut()
                         .zip(tried)
                         .for_each(|(sum, one)| *sum = u32::saturating_add(*sum, one));
-                    let error = difference.phase;
                     let tolerance = self.scene.time.tolerance.unwrap_or_default();
                     let reason = StepError::Inaccurate { error, tolerance };
                     (controller.may_go_on(), reason)
@@ -557,6 +553,13 @@ impl Simulation {
         event
             .filter(|event| *event < landing - close)
             .unwrap_or(landing)
+    }
+
+    /// Whether an effect is switched at the end of a step that begins at t.
+    fn is_event(&self, t: f64, end: f64) -> bool {
+        let close = 1e-9 * self.schedule.end;
+        let event = self.scene.next_event(t + close);
+        event.is_some_and(|event| (event - end).abs() <= close)
     }
 
     /// What was tried in a step that was not solved.

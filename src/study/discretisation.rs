@@ -1,7 +1,7 @@
 //! One way to compute a scene: a mesh, steps, quadrature and iteration.
 
-use crate::scene::{InitialDirector, Time, significant};
-use crate::scene::{Iteration, Mesh, Order, Quadrature, Scene, Shape};
+use crate::scene::{InitialDirector, Time, TimeScheme, significant};
+use crate::scene::{Iteration, Mesh, Quadrature, Scene, Shape};
 use serde::Serialize;
 use std::fmt;
 
@@ -124,26 +124,22 @@ impl Discretisation {
             Mesh::File(_) => {}
         }
         let end = scene.time.end;
-        let order = match scene.time {
-            Time {
-                tolerance: Some(_),
-                order: Order::Second,
-                ..
-            } => Order::Second,
-            _ => Order::Third,
+        let scheme = match scene.time.tolerance {
+            Some(_) => scene.time.scheme,
+            None => TimeScheme::Secant,
         };
         let default = Time::default();
         scene.time = match self.pace {
             StepControl::Step(step) => Time {
                 step,
                 tolerance: None,
-                order: Order::First,
+                scheme: TimeScheme::FirstOrder,
                 end,
             },
             StepControl::Tolerance(tolerance) => Time {
                 step: default.step,
                 tolerance: Some(tolerance),
-                order,
+                scheme,
                 end,
             },
         };

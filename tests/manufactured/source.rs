@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use vesica::fem::{Patch, QuadratureRule, Space};
 use vesica::geometry::{Point, Vector};
-use vesica::physics::{DirectorForm, Effect, LedgerTerms, MembraneForce, PatchFields};
+use vesica::physics::{DirectorForm, Effect, LedgerTerms, MembraneForce, PatchFields, PatchStep};
 
 use super::model::{Model, WeakForm};
 
@@ -150,12 +150,8 @@ impl Effect for Source {
         0.0
     }
 
-    fn add_director_force(
-        &mut self,
-        patch: &Patch<'_>,
-        _old: &PatchFields,
-        form: &mut DirectorForm,
-    ) {
+    fn add_director_force(&mut self, step: &PatchStep<'_>, form: &mut DirectorForm) {
+        let patch = step.patch;
         let (model, t) = (&self.model, self.clock.now());
         let [x, y] = &mut self.director;
         if patch.is_first() {
@@ -167,7 +163,8 @@ impl Effect for Source {
         }
     }
 
-    fn begin_membrane(&mut self, patch: &Patch<'_>, _old: &PatchFields, _new: &PatchFields) {
+    fn begin_membrane(&mut self, step: &PatchStep<'_>) {
+        let patch = step.patch;
         if !patch.is_first() {
             return;
         }
@@ -178,24 +175,14 @@ impl Effect for Source {
         });
     }
 
-    fn add_membrane_force(
-        &mut self,
-        patch: &Patch<'_>,
-        _old: &PatchFields,
-        _new: &PatchFields,
-        force: &mut MembraneForce,
-    ) {
+    fn add_membrane_force(&mut self, step: &PatchStep<'_>, force: &mut MembraneForce) {
+        let patch = step.patch;
         self.membrane
             .add_to(patch, &mut force.flux, &mut force.load);
     }
 
-    fn add_dissipation(
-        &mut self,
-        patch: &Patch<'_>,
-        old: &PatchFields,
-        new: &PatchFields,
-        terms: &mut LedgerTerms,
-    ) {
+    fn add_dissipation(&mut self, step: &PatchStep<'_>, terms: &mut LedgerTerms) {
+        let (patch, old, new) = (step.patch, step.old, step.new);
         let mut work = self.membrane.work(
             patch,
             [&old.phi, &new.phi],

@@ -11,8 +11,9 @@ use std::sync::Arc;
 use vesica::fem::{Mesh, QuadratureRule, Space};
 use vesica::geometry::Point;
 use vesica::linalg::{ConjugateGradients, LinearOperator, SparseMatrix};
-use vesica::physics::{DirectorForm, Effect, Field, Nematic, PatchFields};
+use vesica::physics::{DirectorForm, Effect, Field, Nematic, PatchFields, PatchStep};
 use vesica::scene;
+use vesica::scene::TimeScheme;
 
 const WEIGHT: f64 = 2.0;
 const MOBILITY: f64 = 0.5;
@@ -53,9 +54,16 @@ fn step(space: &Space, effects: &mut [Box<dyn Effect>], director: &mut [Vec<f64>
     old.set_director(&patch, director);
     let mut form = DirectorForm::default();
     form.clear(&patch);
+    let step = PatchStep {
+        patch: &patch,
+        old: &old,
+        new: &old,
+        scheme: TimeScheme::FirstOrder,
+    };
     for effect in effects {
-        effect.add_director_force(&patch, &old, &mut form);
+        effect.add_director_force(&step, &mut form);
     }
+    form.add_flux_of_stiffness(&step);
     let matrix = || SparseMatrix::zeros(space.assembly().pattern.clone());
     let mut blocks = [matrix(), matrix()];
     for block in &mut blocks {

@@ -17,6 +17,7 @@ mod paths;
 mod random_scenes;
 mod reference;
 mod rest;
+mod secant;
 mod symmetry;
 mod unstructured;
 #[path = "../wrong_effects/mod.rs"]

@@ -10,7 +10,7 @@ mod well;
 
 use self::nematic::Nematic;
 use self::noise::Booked;
-use self::well::{OfTwo, Well};
+use self::well::{Secant, Well};
 use crate::common::{SMALL, TIGHT, energy_scale, named, scene, scheme};
 use vesica::fem::Space;
 use vesica::geometry::Vector;
@@ -31,10 +31,39 @@ fn untruncated_slope(d: Vector) -> Vector {
     (d.norm_squared() - 1.0) * d
 }
 
-/// A scheme of the small vesicle with a well.
-fn with_well(quadrature: &str, secant: OfTwo, secant_slope: OfTwo) -> Scheme {
-    let mut scheme = scheme(&scene(SMALL, &[&TIGHT[..], &[quadrature]].concat()));
-    let well = Well::new(secant, secant_slope, scheme.space(), &scheme.state().phi);
+/// F_sec with its derivative, and what is none: F'.
+const RIGHT: Secant = [double_well_secant, double_well_secant_derivative];
+const DERIVATIVE: Secant = [
+    |phi, _| double_well_derivative(phi),
+    |phi, _| 3.0 * phi * phi - 1.0,
+];
+
+/// A scheme of the small vesicle with a well, whose secant is right.
+pub fn with_right_well(settings: &[&str]) -> Scheme {
+    with_well(settings, [RIGHT; 2])
+}
+
+/// The same with a secant that is wrong in the secant scheme alone.
+pub fn with_well_that_goes_wrong(settings: &[&str]) -> Scheme {
+    with_well(settings, [RIGHT, DERIVATIVE])
+}
+
+/// The effect of this file in the place of the library's, with the forces of first order in both schemes.
+pub fn with_own_nematic(settings: &[&str]) -> Scheme {
+    with_nematic(settings, |scene, space| {
+        Nematic::new(
+            scene,
+            space,
+            1.0,
+            unit_length_penalty,
+            unit_length_penalty_derivative,
+        )
+    })
+}
+
+fn with_well(settings: &[&str], secants: [Secant; 2]) -> Scheme {
+    let mut scheme = scheme(&scene(SMALL, &[&TIGHT[..], settings].concat()));
+    let well = Well::new(secants, scheme.space(), &scheme.state().phi);
     scheme.effects_mut().add(well);
     scheme.forget();
     scheme
@@ -45,11 +74,7 @@ const QUADRATURES: [&str; 2] = ["solver.quadrature=consistent", "solver.quadratu
 #[test]
 fn an_effect_from_outside_with_a_right_secant_keeps_the_law() {
     for quadrature in QUADRATURES {
-        let mut scheme = with_well(
-            quadrature,
-            double_well_secant,
-            double_well_secant_derivative,
-        );
+        let mut scheme = with_right_well(&[quadrature]);
         for step in 1..=3 {
             let report = match scheme.step(1e-6) {
                 Ok(report) => report,
@@ -65,9 +90,7 @@ fn an_effect_from_outside_with_a_right_secant_keeps_the_law() {
 #[test]
 fn a_wrong_secant_breaks_the_law() {
     for quadrature in QUADRATURES {
-        let slope = |phi: f64, _: f64| double_well_derivative(phi);
-        let curvature = |phi: f64, _: f64| 3.0 * phi * phi - 1.0;
-        let mut scheme = with_well(quadrature, slope, curvature);
+        let mut scheme = with_well(&[quadrature], [DERIVATIVE, RIGHT]);
         let state = scheme.state().clone();
         let error = scheme.step(1e-6).expect_err("the law is broken");
         let StepError::LawBroken {
@@ -84,9 +107,9 @@ fn a_wrong_secant_breaks_the_law() {
 }
 
 /// A scheme with |d⁰| = 3 where `nematic` takes the place of the library's effect.
-fn with_nematic(quadrature: &str, nematic: impl FnOnce(&Scene, &Space) -> Nematic) -> Scheme {
-    let settings = [quadrature, "nematic.initial=[1.8, 2.4]"];
-    let scene = scene(SMALL, &[&TIGHT[..], &settings].concat());
+fn with_nematic(settings: &[&str], nematic: impl FnOnce(&Scene, &Space) -> Nematic) -> Scheme {
+    let long = ["nematic.initial=[1.8, 2.4]"];
+    let scene = scene(SMALL, &[&TIGHT[..], settings, &long].concat());
     let mut scheme = scheme(&scene);
     let (space, state) = (scheme.space(), scheme.state());
     let mut start = PatchFields::new(true);
@@ -133,15 +156,7 @@ fn the_control_is_the_librarys_effect_when_it_is_right() {
     for quadrature in QUADRATURES {
         let settings = [quadrature, "nematic.initial=[1.8, 2.4]"];
         let mut library = scheme(&scene(SMALL, &[&TIGHT[..], &settings].concat()));
-        let mut control = with_nematic(quadrature, |scene, space| {
-            Nematic::new(
-                scene,
-                space,
-                1.0,
-                unit_length_penalty,
-                unit_length_penalty_derivative,
-            )
-        });
+        let mut control = with_own_nematic(&[quadrature]);
         for _ in 0..3 {
             let [first, second] = [&mut library, &mut control]
                 .map(|scheme| scheme.step(1e-6).expect("a solved step").clone());
@@ -165,7 +180,7 @@ fn the_control_is_the_librarys_effect_when_it_is_right() {
 fn a_smaller_constant_makes_the_penalty_feed_energy() {
     for quadrature in QUADRATURES {
         let penalty = |convexity| {
-            penalty_dissipation(with_nematic(quadrature, |scene, space| {
+            penalty_dissipation(with_nematic(&[quadrature], |scene, space| {
                 Nematic::new(
                     scene,
                     space,
@@ -189,7 +204,7 @@ fn a_smaller_constant_makes_the_penalty_feed_energy() {
 #[test]
 fn the_untruncated_potential_feeds_energy() {
     for quadrature in QUADRATURES {
-        let [greatest, _] = penalty_dissipation(with_nematic(quadrature, |scene, space| {
+        let [greatest, _] = penalty_dissipation(with_nematic(&[quadrature], |scene, space| {
             Nematic::new(scene, space, 1.0, untruncated, untruncated_slope)
         }));
         assert!(greatest < -1e-9, "{quadrature}: {greatest:e}");

@@ -4,7 +4,8 @@ use vesica::fem::{Patch, Space};
 use vesica::geometry::Vector;
 use vesica::physics::potentials::{INDICATOR_CONVEXITY, indicator_secant_bound, phase_indicator};
 use vesica::physics::{
-    DirectorFields, DirectorForm, Effect, LedgerTerms, MembraneForce, MembraneJacobian, PatchFields,
+    DirectorFields, DirectorForm, Effect, LedgerTerms, MembraneForce, MembraneJacobian,
+    PatchFields, PatchStep,
 };
 use vesica::scene::{Iteration, Scene};
 
@@ -94,12 +95,8 @@ impl Effect for Nematic {
         integral - self.offset
     }
 
-    fn add_director_force(
-        &mut self,
-        patch: &Patch<'_>,
-        old: &PatchFields,
-        form: &mut DirectorForm,
-    ) {
+    fn add_director_force(&mut self, step: &PatchStep<'_>, form: &mut DirectorForm) {
+        let (patch, old) = (step.patch, step.old);
         let interior = self.interior(&old.phi);
         let mut means = vec![0.0; patch.elements()];
         patch.element_means(&interior, &mut means);
@@ -107,12 +104,6 @@ impl Effect for Nematic {
             *stiffness += mean;
         }
         let director = director(old);
-        for axis in 0..2 {
-            let gradients = means.iter().zip(&director.gradients[axis]);
-            for (flux, (mean, gradient)) in form.flux[axis].iter_mut().zip(gradients) {
-                *flux += *mean * gradient;
-            }
-        }
         for (point, weight) in interior.iter().enumerate() {
             let slope = (self.slope)(director.at(point));
             form.load[0][point] += weight * self.stiffness * slope[0];
@@ -121,18 +112,14 @@ impl Effect for Nematic {
         }
     }
 
-    fn begin_membrane(&mut self, patch: &Patch<'_>, _old: &PatchFields, new: &PatchFields) {
+    fn begin_membrane(&mut self, step: &PatchStep<'_>) {
+        let (patch, new) = (step.patch, step.new);
         let density = self.density_of(patch, director(new));
         self.density[patch.point_range()].copy_from_slice(&density);
     }
 
-    fn add_membrane_force(
-        &mut self,
-        patch: &Patch<'_>,
-        old: &PatchFields,
-        new: &PatchFields,
-        force: &mut MembraneForce,
-    ) {
+    fn add_membrane_force(&mut self, step: &PatchStep<'_>, force: &mut MembraneForce) {
+        let (patch, old, new) = (step.patch, step.old, step.new);
         let density = &self.density[patch.point_range()];
         let values = density.iter().zip(new.phi.iter().zip(&old.phi));
         for (load, (density, (new, old))) in force.load.iter_mut().zip(values) {
@@ -142,25 +129,19 @@ impl Effect for Nematic {
 
     fn add_membrane_jacobian(
         &mut self,
-        patch: &Patch<'_>,
-        _old: &PatchFields,
-        _new: &PatchFields,
+        step: &PatchStep<'_>,
         _iteration: Iteration,
         jacobian: &mut MembraneJacobian,
     ) {
+        let patch = step.patch;
         let density = &self.density[patch.point_range()];
         for (reaction, density) in jacobian.reaction.iter_mut().zip(density) {
             *reaction += INDICATOR_CONVEXITY * density;
         }
     }
 
-    fn add_dissipation(
-        &mut self,
-        patch: &Patch<'_>,
-        old: &PatchFields,
-        new: &PatchFields,
-        terms: &mut LedgerTerms,
-    ) {
+    fn add_dissipation(&mut self, step: &PatchStep<'_>, terms: &mut LedgerTerms) {
+        let (patch, old, new) = (step.patch, step.old, step.new);
         let (before, after) = (director(old), director(new));
         let interior = self.interior(&old.phi);
         let change = [0, 1].map(|axis: usize| -> Vec<Vector> {

@@ -2,7 +2,7 @@
 
 use vesica::fem::Patch;
 use vesica::physics::{
-    DirectorCoupling, DirectorForm, Effect, Interval, LedgerTerms, Noise, PatchFields,
+    DirectorCoupling, DirectorForm, Effect, Interval, LedgerTerms, Noise, PatchFields, PatchStep,
 };
 use vesica::scene;
 
@@ -47,30 +47,19 @@ impl Effect for Booked {
         self.noise.director_coupling()
     }
 
-    fn add_director_force(
-        &mut self,
-        patch: &Patch<'_>,
-        old: &PatchFields,
-        form: &mut DirectorForm,
-    ) {
-        self.noise.add_director_force(patch, old, form);
+    fn add_director_force(&mut self, step: &PatchStep<'_>, form: &mut DirectorForm) {
+        self.noise.add_director_force(step, form);
     }
 
     fn does_work(&self) -> bool {
         true
     }
 
-    fn work(&mut self, patch: &Patch<'_>, old: &PatchFields, new: &PatchFields) -> f64 {
-        self.share * self.noise.work(patch, old, new)
+    fn work(&mut self, step: &PatchStep<'_>) -> f64 {
+        self.share * self.noise.work(step)
     }
 
-    fn add_dissipation(
-        &mut self,
-        patch: &Patch<'_>,
-        old: &PatchFields,
-        new: &PatchFields,
-        terms: &mut LedgerTerms,
-    ) {
-        terms.add("noise_work", -self.work(patch, old, new));
+    fn add_dissipation(&mut self, step: &PatchStep<'_>, terms: &mut LedgerTerms) {
+        terms.add("noise_work", -self.work(step));
     }
 }

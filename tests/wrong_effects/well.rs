@@ -2,35 +2,45 @@
 
 use vesica::fem::{Patch, Space};
 use vesica::physics::potentials::double_well;
-use vesica::physics::{Effect, MembraneForce, MembraneJacobian, PatchFields};
-use vesica::scene::Iteration;
+use vesica::physics::{Effect, MembraneForce, MembraneJacobian, PatchFields, PatchStep};
+use vesica::scene::{Iteration, TimeScheme};
 
 /// A function of the new and the old φ.
 pub type OfTwo = fn(f64, f64) -> f64;
 
-/// The energy w ∫F(φ) with a secant of F, right or wrong.
+/// A secant of F, right or wrong, and its derivative.
+pub type Secant = [OfTwo; 2];
+
+/// The energy w ∫F(φ) with a secant for each scheme.
 #[derive(Debug)]
 pub struct Well {
     weight: f64,
-    secant: OfTwo,
-    secant_slope: OfTwo,
+    first_order: Secant,
+    second_order: Secant,
     /// w ∫F(φ⁰).
     at_start: f64,
 }
 
 impl Well {
     /// With the energy 0 at the start.
-    pub fn new(secant: OfTwo, secant_slope: OfTwo, space: &Space, phi: &[f64]) -> Self {
+    pub fn new([first_order, second_order]: [Secant; 2], space: &Space, phi: &[f64]) -> Self {
         let mut well = Self {
             weight: 300.0,
-            secant,
-            secant_slope,
+            first_order,
+            second_order,
             at_start: 0.0,
         };
         let mut start = PatchFields::default();
         start.set_phi(&space.whole(), phi);
         well.at_start = well.integral(&space.whole(), &start);
         well
+    }
+
+    fn secant(&self, scheme: TimeScheme) -> Secant {
+        match scheme {
+            TimeScheme::FirstOrder => self.first_order,
+            TimeScheme::Secant => self.second_order,
+        }
     }
 }
 
@@ -48,30 +58,26 @@ impl Effect for Well {
         integral - self.at_start
     }
 
-    fn add_membrane_force(
-        &mut self,
-        _patch: &Patch<'_>,
-        old: &PatchFields,
-        new: &PatchFields,
-        force: &mut MembraneForce,
-    ) {
+    fn add_membrane_force(&mut self, step: &PatchStep<'_>, force: &mut MembraneForce) {
+        let (old, new, scheme) = (step.old, step.new, step.scheme);
+        let [secant, _] = self.secant(scheme);
         let values = new.phi.iter().zip(&old.phi);
         for (load, (new, old)) in force.load.iter_mut().zip(values) {
-            *load += self.weight * (self.secant)(*new, *old);
+            *load += self.weight * secant(*new, *old);
         }
     }
 
     fn add_membrane_jacobian(
         &mut self,
-        _patch: &Patch<'_>,
-        old: &PatchFields,
-        new: &PatchFields,
+        step: &PatchStep<'_>,
         _iteration: Iteration,
         jacobian: &mut MembraneJacobian,
     ) {
+        let (old, new, scheme) = (step.old, step.new, step.scheme);
+        let [_, slope] = self.secant(scheme);
         let values = new.phi.iter().zip(&old.phi);
         for (reaction, (new, old)) in jacobian.reaction.iter_mut().zip(values) {
-            *reaction += self.weight * (self.secant_slope)(*new, *old);
+            *reaction += self.weight * slope(*new, *old);
         }
     }
 }

@@ -203,7 +203,7 @@ pub use membrane::Membrane;
 pub use mesh::{Mesh, Refinement};
 pub use nematic::{Defect, InitialDirector};
 pub use solver::{Iteration, LinearMethod, Quadrature, Solver};
-pub use time::{Order, Time};
+pub use time::{Time, TimeScheme};
 pub use vesicle::{Curve, Outline, Projection, Shape, Vesicle};
 
 /// Declares [`Scene`] with the tables of its effects.

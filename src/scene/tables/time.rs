@@ -1,11 +1,11 @@
 //! `[time]`.
 
-use std::ops::RangeInclusive;
+use std::ops::{Add, Mul};
 
 use super::{Rules, Scene};
 use crate::scene::error::{Problem, SceneError};
-use crate::scene::parameter::plain;
-use crate::scene::reader::{Field, POSITIVE, Reader};
+use crate::scene::parameter::choice;
+use crate::scene::reader::{POSITIVE, Reader};
 use crate::scene::warning::Warning;
 
 table! {
@@ -14,11 +14,11 @@ table! {
     pub struct Time {
         /// Δt; where `tolerance` is given, the Δt that is tried first.
         step: f64 = 1e-7, POSITIVE;
-        /// Bound of the estimated error of φ in one step, in L2, by which Δt is chosen; without it Δt is `step`
+        /// About the error of φ that the steps make until the end, in L2: by it Δt is chosen. Without it Δt is `step`
         /// throughout.
         tolerance: Option<f64> = None, POSITIVE;
-        /// The order of the method in time; 3 by default where `tolerance` is given.
-        order: Order = Order::First;
+        /// The scheme by which a step is taken; "secant" by default where `tolerance` is given.
+        scheme: TimeScheme = TimeScheme::FirstOrder;
         /// T, the end.
         end: f64 = 1e-3, POSITIVE;
     }
@@ -34,18 +34,22 @@ impl Time {
 }
 
 impl Rules for Time {
-    /// An override of the one takes the place of the other and of the order that belongs to it.
+    /// An override of the one takes the place of the other and of the scheme that belongs to it.
     fn prepare(table: &mut Reader<'_>) -> Result<(), SceneError> {
         let replaces = table.choose(["tolerance", "step"], Problem::StepAndTolerance)?;
-        if replaces && table.get("order").is_some_and(|order| !order.is_override()) {
-            table.pass_over("order");
+        if replaces
+            && table
+                .get("scheme")
+                .is_some_and(|scheme| !scheme.is_override())
+        {
+            table.pass_over("scheme");
         }
         Ok(())
     }
 
     fn complete(&mut self, table: &Reader<'_>) -> Result<(), SceneError> {
-        if self.tolerance.is_some() && table.get("order").is_none() {
-            self.order = Order::Third;
+        if self.tolerance.is_some() && table.get("scheme").is_none() {
+            self.scheme = TimeScheme::Secant;
         }
         Ok(())
     }
@@ -67,43 +71,34 @@ impl Rules for Time {
     }
 }
 
-/// The order of the method in time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Order {
-    /// The scheme as it is, (3.20)–(3.21).
-    First,
-    /// Each step is taken whole and in halves, and the two are combined so that the error of first
-    /// order falls out.
-    Second,
-    /// In thirds as well, so that the error of second order falls out too.
-    Third,
+choice! {
+    /// How a step is taken. The energy law of both is an identity.
+    pub enum TimeScheme {
+        /// The scheme (3.20)–(3.21): first order, with numerical dissipation.
+        FirstOrder = "first-order",
+        /// The secant midpoint scheme: second order, without numerical dissipation; the first two steps, and those after
+        /// an event, are of first order.
+        Secant = "secant",
+    }
 }
 
-impl Order {
-    /// As a number.
-    pub fn number(self) -> u8 {
+impl TimeScheme {
+    /// θ: what is quadratic in u has its force at u_θ = uⁿ + θ(u − uⁿ), and loses (2θ − 1) times the energy of u − uⁿ.
+    pub fn weight(self) -> f64 {
         match self {
-            Self::First => 1,
-            Self::Second => 2,
-            Self::Third => 3,
+            Self::FirstOrder => 1.0,
+            Self::Secant => 0.5,
         }
     }
 
-    /// In how many ways an extrapolated step is taken: at least two, for the estimate of its error.
-    pub fn chains(self) -> usize {
-        usize::from(self.number()).max(2)
+    /// u_θ: u itself, or the mean of uⁿ and u.
+    pub fn implicit<T>(self, old: T, new: T) -> T
+    where
+        T: Add<Output = T> + Mul<f64, Output = T>,
+    {
+        match self {
+            Self::FirstOrder => new,
+            Self::Secant => (old + new) * 0.5,
+        }
     }
-}
-
-const ORDERS: RangeInclusive<u64> = 1..=3;
-
-plain! {
-    Order, (),
-    |field: &Field<'_>, (): &()| Ok(match field.integer(&ORDERS)? {
-        1 => Order::First,
-        2 => Order::Second,
-        _ => Order::Third,
-    }),
-    |order: &Order| Some(order.number().to_string()),
-    |(): &()| u64::words(&ORDERS)
 }

@@ -55,7 +55,7 @@ fn unknown_keys() {
     );
     assert_eq!(
         message("[time]\ncells = 12"),
-        "a.toml:2:1: unknown key 'cells' in [time]. It is a key of [mesh]. Allowed: step, tolerance, order, end",
+        "a.toml:2:1: unknown key 'cells' in [time]. It is a key of [mesh]. Allowed: step, tolerance, scheme, end",
     );
     assert!(
         message("[nematic.initial]\nkind = 'random'\nseeds = 1").starts_with(
@@ -124,7 +124,6 @@ fn values_without_sense() {
         ("time.step", "0", "a finite number > 0"),
         ("time.step", "-1e-7", "a finite number > 0"),
         ("time.tolerance", "0", "a finite number > 0"),
-        ("time.order", "4", "a whole number from 1 to 3"),
         ("time.end", "inf", "a finite number > 0"),
         ("time.end", "nan", "a finite number > 0"),
         ("time.end", "1e999", "a finite number > 0"),

@@ -2,7 +2,7 @@
 
 use super::{read, read_with};
 use crate::scene::{
-    AnchoringKind, Curve, InitialDirector, Order, Origin, Outline, ScalarField, Scene, Shape,
+    AnchoringKind, Curve, InitialDirector, Origin, Outline, ScalarField, Scene, Shape, TimeScheme,
     preset,
 };
 
@@ -42,19 +42,24 @@ fn values_take_the_place_of_the_scenes() {
 fn a_chosen_step_takes_the_place_of_a_given_one_and_the_other_way_round() {
     let given = case3(&[]);
     assert_eq!(
-        (given.time.tolerance, given.time.order),
-        (None, Order::First)
+        (given.time.tolerance, given.time.scheme),
+        (None, TimeScheme::FirstOrder)
     );
     let chosen = case3(&["time.tolerance=1e-4"]);
     assert_eq!(
-        (chosen.time.tolerance, chosen.time.order),
-        (Some(1e-4), Order::Third)
+        (chosen.time.tolerance, chosen.time.scheme),
+        (Some(1e-4), TimeScheme::Secant)
     );
     assert_eq!(
-        case3(&["time.tolerance=1e-4", "time.order=1"]).time.order,
-        Order::First
+        case3(&["time.tolerance=1e-4", "time.scheme=first-order"])
+            .time
+            .scheme,
+        TimeScheme::FirstOrder
     );
-    assert_eq!(case3(&["time.order=2"]).time.order, Order::Second);
+    assert_eq!(
+        case3(&["time.scheme=secant"]).time.scheme,
+        TimeScheme::Secant
+    );
     let written = given.to_toml();
     let again = read_with(&written, &["time.tolerance=1e-4"], &[]).expect("right");
     assert_eq!(again, chosen);

@@ -39,9 +39,9 @@ fn every_form_of_every_key_round_trips() {
         "vesicle.parts = [{ shape = 'circle', radius = 1 }, { shape = 'cassini', ratio = 0 }]",
         "time = { step = 3.3333333333333335e-9, end = 1e300 }",
         "time = { tolerance = 1e-4, end = 0.1 }",
-        "time = { tolerance = 1e-4, order = 1 }",
-        "time = { step = 1e-8, order = 2 }",
-        "time = { tolerance = 1e-4, order = 3 }",
+        "time = { tolerance = 1e-4, scheme = 'first-order' }",
+        "time = { step = 1e-8, scheme = 'secant' }",
+        "time = { tolerance = 1e-4 }",
         "membrane = { interface_width = 0.02, mobility = 1e-300 }",
         "membrane.spontaneous_curvature = \"sin(2*pi*x) * exp(-y^2)\"",
         "mesh.cells = 4\nmembrane.spontaneous_curvature = { file = 's \"1\".txt' }",
@@ -178,7 +178,7 @@ scale = 1.0
 
 [time]
 step = 1e-7
-order = 1
+scheme = "first-order"
 end = 1e-3
 
 [membrane]

@@ -59,21 +59,17 @@ fn try_run(scheme: &mut Scheme, steps: usize) -> Result<Vec<u64>, StepError> {
     Ok(bits)
 }
 
-/// The same with steps that are taken in two ways and combined, each third of them refused at first.
-fn run_extrapolated(scheme: &mut Scheme, steps: usize) -> Vec<u64> {
+/// The same with steps that change, each third of them refused at first.
+fn run_with_refusals(scheme: &mut Scheme, steps: usize) -> Vec<u64> {
     let mut bits = Vec::new();
     for step in 0..steps {
         let dt = 1e-6 * (1.0 + 0.1 * (step % 5) as f64);
         if step % 3 == 1 {
-            scheme
-                .try_extrapolated(2.0 * dt, 2, true, &mut |_| ())
-                .expect("a step");
+            scheme.try_step(2.0 * dt, &mut |_| ()).expect("a step");
         }
-        let difference = scheme
-            .try_extrapolated(dt, 2, true, &mut |_| ())
-            .expect("a step");
-        bits.extend([difference.phase, difference.director].map(f64::to_bits));
-        let report = scheme.accept_extrapolated();
+        let error = scheme.try_step(dt, &mut |_| ()).expect("a step");
+        bits.extend(error.map(f64::to_bits));
+        let report = scheme.accept();
         bits.extend(report.energies.iter().map(|energy| energy.value.to_bits()));
         let counts = [report.newton, report.krylov, report.director_iterations];
         bits.extend(counts.map(u64::from));
@@ -202,36 +198,37 @@ fn also_with_noise_and_a_field_that_is_switched() {
 }
 
 #[test]
-fn also_with_extrapolated_steps() {
+fn also_with_the_secant_scheme_and_steps_that_are_refused() {
     for settings in [
         &["solver.quadrature=consistent"][..],
         &["solver.linear=factor"],
         &["anchoring=false", "nematic=false"],
         &["noise.strength=1", "field.strength=1", "field.from=5e-6"],
     ] {
-        let scene = scene(settings);
+        let scene = scene(&[settings, &["time.scheme=secant"]].concat());
         let mut scheme = scheme(&scene);
         let name = settings.join(" ");
         for steps in [0, 1, 6] {
-            run_extrapolated(&mut scheme, steps);
+            run_with_refusals(&mut scheme, steps);
             let copy = scheme_like(&scene, &scheme);
-            check_by(run_extrapolated, &scene, copy, &name);
+            check_by(run_with_refusals, &scene, copy, &name);
         }
     }
 }
 
-/// A negative control: what the last extrapolated step has taught is needed.
+/// A negative control: a run that is resumed must know how many steps of first order are still to come.
 #[test]
-fn what_was_learnt_may_not_be_left_out() {
-    let scene = scene(&[]);
+fn the_steps_that_are_still_to_be_damped_may_not_be_left_out() {
+    let scene = scene(&["time.scheme=secant"]);
     let mut scheme = scheme(&scene);
-    run_extrapolated(&mut scheme, 6);
+    run_with_refusals(&mut scheme, 1);
     let mut checkpoint = checkpoint(&scheme);
-    let wanted = run_extrapolated(&mut scheme, 3);
-    checkpoint.predictor_errors = None;
+    assert_eq!(checkpoint.starting, 1);
+    let wanted = run_with_refusals(&mut scheme, 3);
+    checkpoint.starting = 0;
     let mut new = self::scheme(&scene);
     new.restore(&checkpoint).expect("the same scene");
-    assert!(run_extrapolated(&mut new, 3) != wanted);
+    assert!(run_with_refusals(&mut new, 3) != wanted);
 }
 
 /// A new scheme that has restored the state of another.

@@ -12,11 +12,10 @@
 //! law to hold after one more iteration, that one is taken with the linearised equations of the last.
 //!
 //! **When it ends.** A field has converged when its relative L2 change in the last iteration is at most
-//! the tolerance. The parts of an extrapolated step are long, and of their results φ alone is used. For
-//! them it is enough that the changes of φ still to come are within the tolerance: where a change is θ
+//! the tolerance. The steps of the secant scheme are long, and what follows from one is φ alone, for ω is made of it. There it
+//! is enough that the changes of φ still to come are within the tolerance: where a change is θ
 //! times the one before, all that follow are together at most θ/(1 − θ) times the last, for θ itself falls
-//! as Newton's method converges; and a first change, which has none before, is followed by one with the θ
-//! of the part before (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.8). That saves the
+//! as Newton's method converges (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.8). That saves the
 //! last iteration, whose only use is to show that it was not needed. The energy law must hold in any case.
 
 use crate::linalg::vector;
@@ -30,14 +29,13 @@ use super::{MembraneStep, Phase, State, StepContext, StepError, rounding};
 pub(in crate::scheme) enum StoppingCriterion {
     /// That of each field in the last iteration.
     LastChange,
-    /// That of φ in all iterations to come, where Newton's method lets it be foreseen: by what it did in the
-    /// last solve, if there was one.
-    ChangesToCome(Option<ConvergenceRate>),
+    /// That of φ in all iterations to come, where Newton's method lets it be foreseen.
+    ChangesToCome,
 }
 
 /// A change of φ in one iteration, and θ: how large the next was in comparison.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::scheme) struct ConvergenceRate {
+struct ConvergenceRate {
     change: f64,
     theta: f64,
 }
@@ -115,8 +113,6 @@ pub(in crate::scheme) struct Work {
     pub(in crate::scheme) damping: f64,
     /// The estimated relative error of φ: its change in the last iteration, or those to come.
     pub(in crate::scheme) error: f64,
-    /// How Newton's method converged in the last two undamped iterations.
-    pub(in crate::scheme) contraction: Option<ConvergenceRate>,
 }
 
 /// Where a new iterate is, and what it took to find.
@@ -170,10 +166,6 @@ impl MembraneStep {
             krylov: 0,
             damping: 1.0,
             error: 0.0,
-            contraction: match options.stopping {
-                StoppingCriterion::ChangesToCome(known) => known,
-                StoppingCriterion::LastChange => None,
-            },
         };
         if self.clamped {
             // The guess may come from anywhere; the wall does not move.
@@ -200,6 +192,8 @@ impl MembraneStep {
         let mut norm = self.evaluate(context, 0)?;
         let mut progress = Progress::new(norm);
         let mut before = None;
+        // How Newton's method converged in the last two undamped iterations.
+        let mut contraction = None;
         let mut keep_jacobian = false;
         (context.watch)(Phase::Residual);
         loop {
@@ -217,14 +211,14 @@ impl MembraneStep {
             // The lagged iteration does not speed up, and a damped correction says nothing about the next.
             let undamped = options.iteration == Iteration::Newton && advance.damping == 1.0;
             if let Some(before) = before.filter(|_| undamped) {
-                work.contraction = Some(ConvergenceRate {
+                contraction = Some(ConvergenceRate {
                     change: before,
                     theta: changes[0] / before,
                 });
             }
             before = undamped.then_some(changes[0]);
-            let to_come = match (options.stopping, work.contraction) {
-                (StoppingCriterion::ChangesToCome(_), Some(contraction)) if undamped => {
+            let to_come = match (options.stopping, contraction) {
+                (StoppingCriterion::ChangesToCome, Some(contraction)) if undamped => {
                     contraction.changes_after(changes[0])
                 }
                 _ => changes[0],
@@ -232,7 +226,7 @@ impl MembraneStep {
             work.error = to_come;
             let judged = match options.stopping {
                 StoppingCriterion::LastChange => changes,
-                StoppingCriterion::ChangesToCome(_) => [to_come; 3],
+                StoppingCriterion::ChangesToCome => [to_come; 3],
             };
             let settled = self.is_settled(context, judged, options);
             let law = self.law_defect(context);

@@ -7,22 +7,23 @@
 use serde::{Deserialize, Serialize};
 
 use crate::fem::Space;
-use crate::linalg::{Gmres, LinalgError, LinearOperator, vector};
+use crate::linalg::{Gmres, LinalgError, vector};
 use crate::scene::LinearMethod;
 
 use super::super::fault_injection;
-use super::super::solvers::cosine::{BulkPreconditioner, ReducedOperator};
+use super::super::solvers::BulkInverse;
+use super::super::solvers::cosine::{CosineInverse, ReducedOperator};
 use super::super::solvers::ldlt::{FactorCheckpoint, FactoredPreconditioner, ThreeFieldOperator};
-use super::super::solvers::shifted::ShiftedPreconditioner;
+use super::super::solvers::shifted::ShiftedInverse;
 use super::{MembraneStep, NewtonOptions, StepContext, StoppingCriterion};
 
 /// Limit of GMRES's iterations in one solve.
 const KRYLOV_LIMIT: usize = 200;
 
-/// The parts of an extrapolated step are long: a correction leaves 1e-3 of the residual, nearly, for the
+/// The steps of the secant scheme are long: a correction leaves 1e-3 of the residual, nearly, for the
 /// system is not linear, and to solve the linearised one to less than this part of it is of no use. At 1e-4 there
 /// are more corrections, and some systems are solved so poorly that the residual does not fall.
-const LEAST_OF_A_PART: f64 = 1e-5;
+const LEAST_OF_A_LONG_STEP: f64 = 1e-5;
 
 /// What the relative residuals of the equations for μ and ω count in GMRES's norm, over that of the first one.
 /// Both fields are computed again from the new φ. With μ's part three times smaller Table 1's run with chosen steps
@@ -34,55 +35,12 @@ const SHARE_OF_OMEGA: f64 = 0.01;
 /// Vectors that GMRES keeps.
 const RESTART: usize = 60;
 
-/// The inverse of the bulk operator.
-#[derive(Debug)]
-pub(super) enum Bulk {
-    /// By cosine transforms, on a grid.
-    Transform(Box<BulkPreconditioner>),
-    /// By factors of shifted Laplacians, on any mesh.
-    Shifted(Box<ShiftedPreconditioner>),
-}
-
-impl Bulk {
-    fn prepare(
-        &mut self,
-        space: &Space,
-        step_mobility: f64,
-        width: f64,
-    ) -> Result<(), LinalgError> {
-        match self {
-            Self::Transform(transform) => {
-                transform.prepare(step_mobility, width);
-                Ok(())
-            }
-            Self::Shifted(shifted) => shifted.prepare(space, step_mobility, width),
-        }
-    }
-
-    /// What it is called in messages.
-    fn method(&self) -> &'static str {
-        match self {
-            Self::Transform(_) => "GMRES with the cosine transform",
-            Self::Shifted(_) => "GMRES with the shifted Laplacians",
-        }
-    }
-}
-
-impl LinearOperator for Bulk {
-    fn apply(&mut self, x: &[f64], y: &mut [f64]) {
-        match self {
-            Self::Transform(transform) => transform.apply(x, y),
-            Self::Shifted(shifted) => shifted.apply(x, y),
-        }
-    }
-}
-
 /// How a linear system is solved.
 #[derive(Debug)]
 pub(super) enum Path {
     /// One field, preconditioned by the bulk operator: the fast path.
     Reduced {
-        preconditioner: Bulk,
+        preconditioner: Box<dyn BulkInverse>,
         scratch: [Vec<f64>; 4],
     },
     Factor {
@@ -112,13 +70,9 @@ impl LinearSolver {
             (LinearMethod::Factor, _) => Self::factor(space, fixed),
             _ if clamped => Self::factor(space, fixed),
             (LinearMethod::Automatic | LinearMethod::Transform, Some(grid)) => {
-                let transform = BulkPreconditioner::new(space, grid);
-                Ok(Self::reduced(space, Bulk::Transform(Box::new(transform))))
+                Ok(Self::reduced(space, CosineInverse::new(space, grid)))
             }
-            _ => {
-                let shifted = ShiftedPreconditioner::new(space)?;
-                Ok(Self::reduced(space, Bulk::Shifted(Box::new(shifted))))
-            }
+            _ => Ok(Self::reduced(space, ShiftedInverse::new(space)?)),
         }
     }
 
@@ -132,10 +86,10 @@ impl LinearSolver {
         }
     }
 
-    fn reduced(space: &Space, bulk: Bulk) -> Self {
+    fn reduced(space: &Space, bulk: impl BulkInverse + 'static) -> Self {
         let vector = || vec![0.0; space.nodes()];
         let path = Path::Reduced {
-            preconditioner: bulk,
+            preconditioner: Box::new(bulk),
             scratch: [vector(), vector(), vector(), vector()],
         };
         Self::new(path, space.nodes())
@@ -197,10 +151,7 @@ impl MembraneStep {
     pub(in crate::scheme) fn linear_method(&self) -> &'static str {
         match &self.linear.path {
             Path::Factor { .. } => "factor",
-            Path::Reduced { preconditioner, .. } => match preconditioner {
-                Bulk::Transform(_) => "transform",
-                Bulk::Shifted(_) => "shifted",
-            },
+            Path::Reduced { preconditioner, .. } => preconditioner.name(),
         }
     }
 
@@ -302,7 +253,7 @@ impl MembraneStep {
         let wanted = options.law_tolerance * context.energy_scale / potential;
         let least = match options.stopping {
             StoppingCriterion::LastChange => 1e-8,
-            StoppingCriterion::ChangesToCome(_) => LEAST_OF_A_PART,
+            StoppingCriterion::ChangesToCome => LEAST_OF_A_LONG_STEP,
         };
         wanted.clamp(least * norm, 0.1 * norm)
     }
@@ -326,7 +277,7 @@ impl MembraneStep {
                 preconditioner,
                 scratch,
             } => {
-                preconditioner.prepare(space, step_mobility, width)?;
+                preconditioner.prepare(space, self.jacobian.weight * step_mobility, width)?;
                 let mut operator = ReducedOperator {
                     space,
                     jacobian: &self.jacobian,
@@ -338,7 +289,7 @@ impl MembraneStep {
                 let (b, x) = (&self.linear.right_side, &mut self.linear.increment);
                 let outcome = self.linear.gmres.solve(
                     &mut operator,
-                    preconditioner,
+                    &mut **preconditioner,
                     b,
                     x,
                     goal,
@@ -380,13 +331,12 @@ impl MembraneStep {
                 };
                 let (b, x) = (&self.linear.right_side, &mut self.linear.increment);
                 let goal = goal.min(1e-2 * vector::norm(b));
-                let step_mobilities = [step_mobility, context.factor_dt * self.mobility];
                 loop {
                     let jacobian = &self.jacobian;
                     let fresh = preconditioner.prepare(
                         space,
                         jacobian,
-                        step_mobilities,
+                        step_mobility,
                         width,
                         row_scales,
                     )?;

@@ -1,10 +1,10 @@
 //! The path for any mesh and both boundaries: all three fields, a sparse LDLᵀ factor.
 //!
 //! GMRES on the exact linearised system, preconditioned by the factor of its symmetrised part
-//! (signs changed, A and ε T replaced by their mean, the rank-one terms left out),
+//! (signs changed, the third equation times θ, A and θεT replaced by their mean, the rank-one terms left out),
 //!
 //!   [ C    S    −M      ] [δφ]
-//!   [ S   −εM    0      ] [δω]     S = (A + εT)/2.
+//!   [ S  −θεM    0      ] [δω]     S = (A + θεT)/2.
 //!   [−M    0   −ΔtγK    ] [δμ]
 //!
 //! The factor is kept until the iterations that it needs say that a new one would pay.
@@ -23,8 +23,7 @@ use super::super::jacobian::Jacobian;
 const STALE_AFTER: usize = 8;
 
 /// A factor serves for a Δt this many times longer or shorter than its own: it takes an iteration more in each
-/// solve. One that is made for Δt/√3 so serves for all parts of an extrapolated step of third order, Δt, Δt/2 and
-/// Δt/3 long.
+/// solve.
 const RANGE: f64 = 1.8;
 
 /// The entries (row field, column field) of the 3 × 3 blocks that are stored; fields in the order
@@ -80,16 +79,17 @@ impl FactorCheckpoint {
 /// Whether the factor can be used again: a small state machine of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 struct RefactorPolicy {
-    /// Δtγ_ben of the factored matrix; `None`: there is no factor.
-    made_for: Option<f64>,
+    /// Δtγ_ben and θ of the factored matrix; `None`: there is no factor.
+    made_for: Option<[f64; 2]>,
     /// Iterations that the last solve took.
     last_iterations: usize,
 }
 
 impl RefactorPolicy {
-    fn must_refresh(&self, step_mobility: f64) -> bool {
-        let fits =
-            |made_for: f64| (made_for / step_mobility).max(step_mobility / made_for) <= RANGE;
+    fn must_refresh(&self, step_mobility: f64, weight: f64) -> bool {
+        let fits = |[made_for, of]: [f64; 2]| {
+            of == weight && (made_for / step_mobility).max(step_mobility / made_for) <= RANGE
+        };
         !self.made_for.is_some_and(fits) || self.last_iterations > STALE_AFTER
     }
 }
@@ -142,25 +142,24 @@ impl FactoredPreconditioner {
         })
     }
 
-    /// Makes the factor again if it is too old for this system, one for the Δtγ_ben `made_for`; returns whether it
-    /// did.
+    /// Makes the factor again if it is too old for this system; returns whether it did.
     pub(in crate::scheme) fn prepare(
         &mut self,
         space: &Space,
         jacobian: &Jacobian,
-        [step_mobility, made_for]: [f64; 2],
+        step_mobility: f64,
         width: f64,
         row_scales: [f64; 3],
     ) -> Result<bool, LinalgError> {
         self.row_scales = row_scales;
-        if !self.age.must_refresh(step_mobility) {
+        if !self.age.must_refresh(step_mobility, jacobian.weight) {
             return Ok(false);
         }
-        self.fill(space, jacobian, made_for, width);
+        self.fill(space, jacobian, step_mobility, width);
         self.age.made_for = None;
         self.factor.refactor(&self.values)?;
         self.age = RefactorPolicy {
-            made_for: Some(made_for),
+            made_for: Some([step_mobility, jacobian.weight]),
             last_iterations: 0,
         };
         Ok(true)
@@ -221,6 +220,7 @@ impl FactoredPreconditioner {
     fn fill(&mut self, space: &Space, jacobian: &Jacobian, step_mobility: f64, width: f64) {
         let nodes = &space.assembly().pattern;
         let stiffness = &space.stiffness().values;
+        let weight = jacobian.weight;
         let mass = |entry: usize, row: usize, column: usize| match space.mass() {
             MassForm::Sparse(matrix) => matrix.values[entry],
             MassForm::Nodal(diagonal) if row == column => diagonal[row],
@@ -230,8 +230,9 @@ impl FactoredPreconditioner {
             for (entry, column) in nodes.row(row) {
                 let column = column as usize;
                 let mass = mass(entry, row, column);
-                let mean =
-                    0.5 * (jacobian.secant.values[entry] + width * jacobian.tangent.values[entry]);
+                let mean = 0.5
+                    * (jacobian.secant.values[entry]
+                        + weight * width * jacobian.tangent.values[entry]);
                 // A given φ: its row and its column are those of the identity.
                 let (row_free, column_free) = (!self.fixed[row], !self.fixed[column]);
                 let both = row_free && column_free;
@@ -247,7 +248,7 @@ impl FactoredPreconditioner {
                     -step_mobility * stiffness[entry],
                     masked(row_free, -mass),
                     masked(column_free, -mass),
-                    -width * mass,
+                    -weight * width * mass,
                 ];
                 for (&position, value) in self.positions[entry].iter().zip(values) {
                     if position != u32::MAX {
@@ -266,6 +267,8 @@ impl LinearOperator for FactoredPreconditioner {
         let (r1, rest) = x.split_at(size);
         let (r2, r3) = rest.split_at(size);
         let [s1, s2, s3] = self.row_scales;
+        // It is only used where there is a factor.
+        let [_, weight] = self.age.made_for.unwrap_or([0.0, 1.0]);
         for node in 0..size {
             let root = self.root_weights[node];
             let target = &mut self.interleaved[3 * node..][..3];
@@ -274,7 +277,7 @@ impl LinearOperator for FactoredPreconditioner {
             } else {
                 root * r2[node] / s2
             };
-            target[1] = -root * r3[node] / s3;
+            target[1] = -weight * root * r3[node] / s3;
             target[2] = -root * r1[node] / s1;
         }
         self.factor.solve_in_place(&mut self.interleaved);
@@ -450,7 +453,7 @@ mod tests {
         let mut preconditioner =
             FactoredPreconditioner::new(&space, fixed.clone()).expect("a small pattern");
         preconditioner
-            .prepare(&space, &jacobian, [step_mobility; 2], width, row_scales)
+            .prepare(&space, &jacobian, step_mobility, width, row_scales)
             .expect("a factor");
         let mut operator = ThreeFieldOperator {
             space: &space,
@@ -476,38 +479,27 @@ mod tests {
     }
 
     #[test]
-    fn one_factor_serves_all_parts_of_a_step() {
-        for parts in [2, 3] {
-            let middle = f64::from(parts).sqrt().recip();
-            let age = RefactorPolicy {
-                made_for: Some(middle),
-                last_iterations: 0,
-            };
-            assert!((1..=parts).all(|part| !age.must_refresh(f64::from(part).recip())));
-        }
-    }
-
-    #[test]
     fn a_factor_is_kept_while_it_serves() {
         let age = RefactorPolicy {
-            made_for: Some(1e-9),
+            made_for: Some([1e-9, 0.5]),
             last_iterations: STALE_AFTER,
         };
-        assert!(!age.must_refresh(1e-9) && !age.must_refresh(1.5e-9));
-        assert!(age.must_refresh(2e-9) && age.must_refresh(5e-10));
+        assert!(!age.must_refresh(1e-9, 0.5) && !age.must_refresh(1.5e-9, 0.5));
+        assert!(age.must_refresh(2e-9, 0.5) && age.must_refresh(5e-10, 0.5));
+        assert!(age.must_refresh(1e-9, 1.0), "of the other scheme");
         assert!(
             RefactorPolicy {
                 last_iterations: STALE_AFTER + 1,
                 ..age
             }
-            .must_refresh(1e-9)
+            .must_refresh(1e-9, 0.5)
         );
         assert!(
             RefactorPolicy {
                 made_for: None,
                 last_iterations: 0
             }
-            .must_refresh(1e-9)
+            .must_refresh(1e-9, 0.5)
         );
     }
 }

@@ -19,16 +19,17 @@ use crate::fem::{MassForm, Space};
 use crate::linalg::{LinalgError, LinearOperator, ShiftedFactors, vector};
 
 use super::super::fault_injection::{self, Place};
+use super::BulkInverse;
 
-/// Factors that are kept: of two shifts, for a step whole, in halves and in thirds, and of the last one.
-const MOST_KEPT: usize = 8;
+/// Factors that are kept: of two shifts, for this step and for the last one.
+const MOST_KEPT: usize = 4;
 
 /// Shifts in a factor of two.
 const FINENESS: f64 = 4.0;
 
 /// The inverse of the bulk operator by sparse factors.
 #[derive(Debug)]
-pub(in crate::scheme) struct ShiftedPreconditioner {
+pub(in crate::scheme) struct ShiftedInverse {
     factors: ShiftedFactors,
     mass: MassForm,
     /// s and σ.
@@ -42,7 +43,7 @@ pub(in crate::scheme) struct ShiftedPreconditioner {
     nodal_weights: Vec<f64>,
 }
 
-impl ShiftedPreconditioner {
+impl ShiftedInverse {
     /// Analyses the factors.
     pub(in crate::scheme) fn new(space: &Space) -> Result<Self, LinalgError> {
         let assembly = space.assembly();
@@ -62,9 +63,10 @@ impl ShiftedPreconditioner {
             nodal_weights: weights.to_vec(),
         })
     }
+}
 
-    /// Makes the factors for Δtγ_ben and ε, if they are not there already.
-    pub(in crate::scheme) fn prepare(
+impl BulkInverse for ShiftedInverse {
+    fn prepare(
         &mut self,
         space: &Space,
         step_mobility: f64,
@@ -82,9 +84,17 @@ impl ShiftedPreconditioner {
         self.made_for = [step_mobility, width];
         Ok(())
     }
+
+    fn name(&self) -> &'static str {
+        "shifted"
+    }
+
+    fn method(&self) -> &'static str {
+        "GMRES with the shifted Laplacians"
+    }
 }
 
-impl LinearOperator for ShiftedPreconditioner {
+impl LinearOperator for ShiftedInverse {
     fn apply(&mut self, x: &[f64], y: &mut [f64]) {
         for ((y, x), root) in y.iter_mut().zip(x).zip(&self.root_weights) {
             *y = x * root;
@@ -160,7 +170,7 @@ mod tests {
         for rule in [QuadratureRule::Lumped, QuadratureRule::Consistent] {
             let space = Space::new(mesh.clone(), rule);
             let size = space.nodes();
-            let mut preconditioner = ShiftedPreconditioner::new(&space).expect("small");
+            let mut preconditioner = ShiftedInverse::new(&space).expect("small");
             preconditioner
                 .prepare(&space, 1e-9, 0.05)
                 .expect("definite");
