@@ -84,10 +84,21 @@ pub struct Scheme {
     starting: u32,
     /// The director in the middle of a step of the secant scheme.
     middle: Option<[Vec<f64>; 2]>,
-    /// Δt of the step that waits to be accepted.
+    /// Δt of the step that waits to be accepted, and the iterations that the last one took.
     tried: Option<f64>,
+    tried_work: [u32; 3],
+    /// Where a step began that is taken in halves.
+    start: Option<Box<Start>>,
     /// The time of the last step, as it was given to the effects.
     interval: Option<Interval>,
+}
+
+/// The state that a step begins with.
+#[derive(Debug)]
+struct Start {
+    state: State,
+    report: StepReport,
+    t: f64,
 }
 
 impl Scheme {
@@ -150,6 +161,8 @@ impl Scheme {
             starting: STARTING_STEPS,
             middle,
             tried: None,
+            tried_work: [0; 3],
+            start: None,
             interval: None,
         };
         if scene.time.tolerance.is_some() && scene.solver.linear == LinearMethod::Automatic {
@@ -281,6 +294,7 @@ impl Scheme {
         self.history.extrapolate(self.t + dt, &mut self.next);
         let mut report = std::mem::take(&mut self.next_report);
         let outcome = self.solve_step((dt, scheme), energy_scale, &mut report, watch);
+        self.tried_work = [report.newton, report.krylov, report.director_iterations];
         self.next_report = report;
         if let Err(error) = outcome {
             self.membrane.forget();
@@ -300,35 +314,91 @@ impl Scheme {
 
     /// Moves to the state of the step that was tried last; without one it does nothing.
     pub fn accept(&mut self) -> &StepReport {
+        self.start = None;
+        self.accept_tried()
+    }
+
+    fn accept_tried(&mut self) -> &mut StepReport {
         if let Some(dt) = self.tried.take() {
             self.next_report.switched = self.switched.take();
             std::mem::swap(&mut self.report, &mut self.next_report);
             std::mem::swap(&mut self.state, &mut self.next);
             self.t += dt;
+            if self.is_at_start() {
+                // What was stiff before it says nothing of what follows.
+                self.history.forget();
+            }
             self.history.push(self.t, &self.state);
             self.starting = self.starting.saturating_sub(1);
             if let Some(director) = &mut self.director {
                 director.accept();
             }
         }
-        &self.report
+        &mut self.report
     }
 
-    /// ‖φ − φⁿ‖ in L2 of the step that was tried last.
-    pub fn tried_change(&self) -> f64 {
-        let nodes = self.next.phi.iter().zip(&self.state.phi);
-        let squares = nodes.map(|(new, old)| (new - old) * (new - old));
-        let weighted = squares.zip(self.space.nodal_weights());
-        weighted
-            .map(|(square, weight)| square * weight)
-            .sum::<f64>()
-            .sqrt()
-    }
-
-    /// Newton, Krylov and director iterations of the step that was tried last.
+    /// Iterations of Newton's method, of Krylov's and of the director in the step that was tried last.
     pub fn tried_work(&self) -> [u32; 3] {
-        let report = &self.next_report;
-        [report.newton, report.krylov, report.director_iterations]
+        self.tried_work
+    }
+
+    /// Whether no step was taken since the start or an event: nothing is known of the error of the next one.
+    pub fn is_at_start(&self) -> bool {
+        self.starting == STARTING_STEPS
+    }
+
+    /// Tries a step of length Δt whole and in two halves, all of first order, and leaves the scheme at the end of the halves,
+    /// until [`accept`](Self::accept) or [`refuse`](Self::refuse). Returns the distance of the two φ in L2: for a step from
+    /// the start, of whose error nothing else is known. What is stiff there both ways damp.
+    ///
+    /// # Errors
+    /// [`StepError`]: the step was not solved; the state is what it was.
+    pub fn try_in_halves(
+        &mut self,
+        dt: f64,
+        watch: &mut dyn FnMut(Phase),
+    ) -> Result<f64, StepError> {
+        let start = Start {
+            state: self.state.clone(),
+            report: self.report.clone(),
+            t: self.t,
+        };
+        self.try_step(dt, watch)?;
+        let whole = self.next.phi.clone();
+        let mut work = self.tried_work;
+        self.start = Some(Box::new(start));
+        let mut sum: Option<StepReport> = None;
+        for _ in 0..2 {
+            let outcome = self.try_step(0.5 * dt, watch);
+            work.iter_mut()
+                .zip(self.tried_work)
+                .for_each(|(sum, part)| *sum += part);
+            self.tried_work = work;
+            if let Err(error) = outcome {
+                self.refuse();
+                return Err(error);
+            }
+            let report = self.accept_tried();
+            if let Some(first) = sum.take() {
+                report.add(first);
+            }
+            sum = Some(report.clone());
+        }
+        let weights = self.space.nodal_weights();
+        let nodes = whole.iter().zip(&self.state.phi).zip(weights);
+        let squares = nodes.map(|((whole, halves), weight)| weight * (whole - halves).powi(2));
+        Ok(squares.sum::<f64>().sqrt())
+    }
+
+    /// Goes back to where the step that was tried last began.
+    pub fn refuse(&mut self) {
+        self.tried = None;
+        if let Some(start) = self.start.take() {
+            let Start { state, report, t } = *start;
+            self.switched = self.switched.or(self.report.switched);
+            (self.state, self.report, self.t) = (state, report, t);
+            self.forget();
+        }
     }
 
     /// The scheme of the next step.

@@ -8,9 +8,11 @@ use super::State;
 use crate::linalg::vector;
 
 /// The sum of the weights' magnitudes is 15 for equal steps and four states, 49 if the next step is twice
-/// as long as the last ones. With 64 here case 3 with a tolerance of 1e-3 takes thirty corrections of Newton's method
-/// more.
+/// as long as the last ones.
 const MOST_MAGNIFIED: f64 = 32.0;
+
+/// States of the past in a divided difference at most.
+const MOST_DIFFERENCED: usize = 4;
 
 /// Accepted φ, ω, μ at the last times.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
@@ -95,12 +97,19 @@ impl Predictor {
             let all = times().chain([t]).filter(|other| *other != own);
             all.map(|other| (own - other).recip()).product()
         };
-        let mut difference = phi.to_vec();
-        vector::scale(&mut difference, factor(t));
-        for entry in self.known().skip(skipped) {
-            vector::add_scaled(&mut difference, factor(entry.t), &entry.fields[0]);
+        // Nothing is allocated in a step.
+        let mut parts = [(0.0, phi); MOST_DIFFERENCED];
+        for (part, entry) in parts.iter_mut().zip(self.known().skip(skipped)) {
+            *part = (factor(entry.t), &entry.fields[0]);
         }
-        Some(vector::weighted_square(&difference, weights).sqrt())
+        let (parts, own) = (&parts[..states], factor(t));
+        let mut sum = 0.0;
+        for (node, weight) in weights.iter().enumerate() {
+            let others = parts.iter().map(|(factor, phi)| factor * phi[node]);
+            let difference = own * phi[node] + others.sum::<f64>();
+            sum += weight * difference * difference;
+        }
+        Some(sum.sqrt())
     }
 
     /// Whether this may stand in the place of a history of the same scheme: of as many entries, of

@@ -80,7 +80,7 @@ pub struct StepReport {
     /// Products with the linearised operator, all iterations together.
     pub krylov: u32,
     /// What is left of the algebraic error of φ at most, relative, in L2: its change in the last iteration of
-    /// substep 2, or in the parts of an extrapolated step the changes that would follow.
+    /// substep 2, or in the secant scheme the changes that would follow.
     pub algebraic_error: f64,
     /// Iterations of the conjugate gradients of substep 1.
     pub director_iterations: u32,
@@ -95,6 +95,26 @@ pub struct StepReport {
     pub refused_ways: u32,
     /// The smallest damping factor of Newton's method; 1: it was not damped.
     pub damping: f64,
+}
+
+impl StepReport {
+    /// Takes in the part of the same step before this one.
+    pub(super) fn add(&mut self, before: Self) {
+        self.newton += before.newton;
+        self.krylov += before.krylov;
+        self.director_iterations += before.director_iterations;
+        self.refused_ways += before.refused_ways;
+        self.damping = self.damping.min(before.damping);
+        self.switched = self.switched.or(before.switched);
+        self.fallback = before.fallback.or(self.fallback.take());
+        self.newton_took_over = before.newton_took_over.or(self.newton_took_over.take());
+        if before.law_residual.abs() > self.law_residual.abs() {
+            self.law_residual = before.law_residual;
+        }
+        for (sum, term) in self.ledger.iter_mut().zip(before.ledger) {
+            sum.value += term.value;
+        }
+    }
 }
 
 /// A part of a step, reported when it ends.

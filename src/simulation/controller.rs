@@ -1,11 +1,9 @@
 //! How Δt is chosen: a small state machine without numerics.
 //!
-//! A step comes with the estimate of its error, e(Δt) ≈ C Δtᵏ
-//! (`scheme::extrapolated`; k is the order), and is accepted if
-//! e ≤ τ, the scene's `time.tolerance`. The next Δt is the one at which the estimate is expected to be
-//! σᵏτ, σ = 0.9: Δt·σ(τ/e)^(1/k) if C stays what it is, and less, by Gustafsson's predictive rule, if C has
-//! grown from step to step. Since e falls as Δtᵏ and the error at T of the combined solution does too,
-//! that error is proportional to τ.
+//! A step comes with the estimate of its error, e(Δt) ≈ C Δtᵏ, and is accepted if e is at most a bound b. The next Δt is
+//! the one at which the estimate is expected to be σᵏb, σ = 0.9: Δt·σ(b/e)^(1/k) if C stays what it is, and less, by
+//! Gustafsson's predictive rule, if C has grown from step to step. The errors of all steps are so about equal, which for
+//! their number is the least sum.
 //!
 //! The times at which a run must be, those of snapshots and T, are met exactly: a step that would
 //! pass one ends there, and the one before is shortened so that the two are of equal length; what is left over
@@ -35,7 +33,7 @@ const MOST_ATTEMPTS: u32 = 60;
 /// Where a run stands in the choice of its steps.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct Controller {
-    tolerance: f64,
+    bound: f64,
     /// 1/k.
     exponent: f64,
     /// The Δt that is tried next.
@@ -58,10 +56,10 @@ pub(super) struct Attempt {
 }
 
 impl Controller {
-    /// With the tolerance τ, the order k of the estimate, and the Δt that is tried first.
-    pub(super) fn new(tolerance: f64, order: u32, first: f64) -> Self {
+    /// With the bound of the estimate, its order k, and the Δt that is tried first.
+    pub(super) fn new(bound: f64, order: u32, first: f64) -> Self {
         Self {
-            tolerance,
+            bound,
             exponent: f64::from(order).recip(),
             next: first,
             first,
@@ -74,7 +72,7 @@ impl Controller {
     /// any numbers.
     pub(super) fn fits(&self, own: &Self) -> bool {
         let is_length = |value: f64| value.is_finite() && value > 0.0;
-        self.tolerance == own.tolerance
+        self.bound == own.bound
             && self.exponent == own.exponent
             && is_length(self.next)
             && self.attempts < MOST_ATTEMPTS
@@ -105,8 +103,8 @@ impl Controller {
     /// Judges a step that was solved by its estimated error; returns whether it is accepted.
     pub(super) fn judge(&mut self, dt: f64, error: f64) -> bool {
         // A state that does not move has no error: the largest change then.
-        let plain = SAFETY * (self.tolerance / error.max(f64::MIN_POSITIVE)).powf(self.exponent);
-        if error <= self.tolerance {
+        let plain = SAFETY * (self.bound / error.max(f64::MIN_POSITIVE)).powf(self.exponent);
+        if error <= self.bound {
             let predicted = match self.last {
                 Some((last, before)) if error > 0.0 && self.attempts == 0 => {
                     plain * dt / last * (before / error).powf(self.exponent)
@@ -137,6 +135,11 @@ impl Controller {
         let steeper = SAFETY * 0.5_f64.powi(self.attempts as i32 - 1);
         self.next = dt * plain.min(steeper).max(LARGEST_CHANGE.recip());
         false
+    }
+
+    /// The next step is to be no longer than this one.
+    pub(super) fn stay(&mut self, dt: f64) {
+        self.next = self.next.min(dt);
     }
 
     /// The step could not be solved; returns whether a smaller one may be tried.

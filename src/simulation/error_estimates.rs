@@ -39,7 +39,7 @@ impl ErrorPart {
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct ErrorEstimates {
     /// The sum of the errors of all steps so far. It is a bound if the equations damp what is passed
-    /// on; where steps are extrapolated it is the bound of the order below.
+    /// on.
     pub time: Option<f64>,
     /// Of the interpolation of φ on the mesh at the time reached, by gradient recovery. What a coarse
     /// mesh has done to the path until there is not in it.

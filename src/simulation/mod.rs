@@ -136,7 +136,8 @@ pub struct Simulation {
     schedule: Schedule,
 }
 
-/// The bound of a step's error in the secant scheme, over τ^(3/2).
+/// The bound of a step's error in the secant scheme, over τ^(3/2): the sum of N such errors, with N as Δt^(-1) and each as Δt³,
+/// is then in proportion to τ; with this number it is about τ (docs/guide/accuracy.md).
 const SECANT_BOUND: f64 = 5.0;
 
 /// How long steps are, and where a run stands in it.
@@ -489,13 +490,16 @@ impl Simulation {
                 return Ok(taken.interrupt(underway, sums));
             }
             is_begun = true;
-            let outcome = self.scheme.try_step(attempt.dt, watch);
-            // Of the first step nothing is known but its change, and it is not off by more than that.
-            let error =
-                |estimate: Option<f64>| estimate.unwrap_or_else(|| self.scheme.tried_change());
-            let outcome = outcome.map(|estimate| (estimate, error(estimate)));
+            let is_first = self.scheme.is_at_start();
+            let outcome = match is_first {
+                true => self.scheme.try_in_halves(attempt.dt, watch).map(Some),
+                false => self.scheme.try_step(attempt.dt, watch),
+            };
             let (again, reason) = match outcome {
-                Ok((estimate, error)) if controller.judge(attempt.dt, error) => {
+                // The few after the first, of which nothing is known either, are as long as that one.
+                Ok(estimate)
+                    if estimate.is_none_or(|error| controller.judge(attempt.dt, error)) =>
+                {
                     let solved = self.scheme.accept();
                     taken.note(solved);
                     self.report.refused = taken.effort.refused.try_into().unwrap_or(u32::MAX);
@@ -508,13 +512,18 @@ impl Simulation {
                     self.report.dt = attempt.dt;
                     self.report.t = attempt.end;
                     self.report.step = step;
+                    if is_first {
+                        controller.stay(attempt.dt);
+                    }
                     if self.is_event(t, attempt.end) {
                         controller.forget();
                     }
                     self.pacing = Pacing::Chosen(controller);
                     return Ok(StepOutcome::Whole(taken));
                 }
-                Ok((_, error)) => {
+                Ok(estimate) => {
+                    self.scheme.refuse();
+                    let error = estimate.unwrap_or_default();
                     let tried = self.scheme.tried_work();
                     work.iter_mut()
                         .zip(tried)

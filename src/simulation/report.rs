@@ -20,8 +20,7 @@ pub struct Report {
     /// Attempts at this step that were refused because their error was too large or they could not be
     /// solved; only where Δt is chosen.
     pub refused: u32,
-    /// The estimated error of φ in this step, in L2. Where steps are extrapolated it is that of the
-    /// solution of the order below, which is improved on.
+    /// The estimated error of φ in this step, in L2.
     pub time_error: Option<f64>,
     /// The energy of each effect, weighted as in E_tot.
     pub energies: Vec<NamedValue>,

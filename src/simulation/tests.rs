@@ -346,7 +346,7 @@ fn another_anchoring_comes_between_chosen_steps() {
         .unwrap()
         .total_energy;
     let after = simulation.advance().unwrap();
-    assert!(after.total_energy < measured && after.time_error.is_none());
+    assert!(after.total_energy < measured && after.time_error.is_some_and(|it| it <= 1e-5));
 }
 
 /// The jump of the energy is an event at the step before; the ledger knows nothing of it.

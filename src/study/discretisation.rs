@@ -9,9 +9,9 @@ use std::fmt;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum StepControl {
-    /// Δt, fixed; the scheme as it is, of first order.
+    /// Δt, fixed; the paper's scheme, of first order.
     Step(f64),
-    /// Chosen by a tolerance; of third order, or of the scene's own.
+    /// Chosen by a tolerance; by the secant scheme, or the scene's own.
     Tolerance(f64),
 }
 

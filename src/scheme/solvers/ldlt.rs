@@ -18,8 +18,7 @@ use super::super::fault_injection::{self, Place};
 use super::super::jacobian::Jacobian;
 
 /// Above this many GMRES iterations in one solve the factor is rebuilt: a factorisation costs about as much
-/// as twenty solves (`cargo bench --bench step -- factor`). Table 1's run with a tolerance of 1.5e-4 takes 55
-/// factors and 2521 iterations so, 63 and 2489 with 5 in place of 8, and 52 and 2640 with 20.
+/// as twenty solves (`cargo bench --bench step -- factor`).
 const STALE_AFTER: usize = 8;
 
 /// A factor serves for a Δt this many times longer or shorter than its own: it takes an iteration more in each

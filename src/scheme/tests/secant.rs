@@ -24,23 +24,24 @@ fn scheme(starting: u32) -> Scheme {
     scheme
 }
 
-/// μ at the end of so many steps to the same time.
-fn potential(starting: u32, steps: u32) -> Vec<f64> {
+/// φ at the end of so many steps to the same time.
+fn end(starting: u32, steps: u32) -> Vec<f64> {
     let mut scheme = scheme(starting);
     for _ in 0..steps {
         scheme.step(10.0 * DT / f64::from(steps)).expect("a step");
     }
-    scheme.state.mu
+    scheme.state.phi
 }
 
 /// Without the steps of first order what is stiff in φ⁰ rings on: it keeps its size and changes its sign in every step.
 #[test]
 fn what_is_stiff_rings_without_the_starting_steps() {
-    let exact = potential(STARTING_STEPS, 160);
-    let distance = |mu: &[f64]| {
-        let pairs = mu.iter().zip(&exact);
-        pairs.map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+    let exact = end(STARTING_STEPS, 320);
+    let error = |starting| {
+        let phi = end(starting, 10);
+        let squares = phi.iter().zip(&exact).map(|(a, b)| (a - b).powi(2));
+        squares.sum::<f64>().sqrt()
     };
-    let [damped, ringing] = [STARTING_STEPS, 0].map(|starting| distance(&potential(starting, 10)));
+    let (damped, ringing) = (error(STARTING_STEPS), error(0));
     assert!(ringing > 10.0 * damped, "{ringing:e} {damped:e}");
 }
