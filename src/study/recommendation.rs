@@ -22,7 +22,7 @@ const UNNOTICED: f64 = 0.25;
 /// A change at once is at most by this factor: estimates are estimates.
 const AT_MOST: f64 = 10.0;
 
-/// The error of φ at the end, over the tolerance: cases 3 and 4 at 120 cells have 0.9 to 1.8 (docs/guide/accuracy.md).
+/// The error of φ at the end, over the tolerance: cases 3 and 4 at 120 cells have 0.8 to 2.1 (docs/guide/accuracy.md).
 const ERROR_TO_TOLERANCE: f64 = 2.0;
 
 /// A change of a scene, and why.
@@ -222,7 +222,7 @@ mod tests {
         let chosen = |tolerance: &str| what(&[tolerance], [1e-4, 1e-2, 1e-9]);
         assert_eq!(
             what(&[], [1e-4, 1e-2, 1e-9]).as_deref(),
-            Some("time.tolerance=5e-4")
+            Some("time.tolerance=1e-3")
         );
         assert_eq!(
             chosen("time.tolerance=1e-5").as_deref(),
@@ -267,7 +267,7 @@ mod tests {
         }
         assert_eq!(
             what(&[], [1e-4, 1e-2, f64::NAN]).as_deref(),
-            Some("time.tolerance=5e-4")
+            Some("time.tolerance=1e-3")
         );
         let own_mesh = &["mesh.jitter=0.1", "time.tolerance=1e-4"];
         assert_eq!(what(own_mesh, [3e-3, 1e-2, 1e-9]), None);
@@ -283,9 +283,9 @@ mod tests {
         };
         let suggestion = Recommendation::of(&scene, &budget).expect("both are known");
         let mut changed = suggestion.applied_to(&scene);
-        assert_eq!(changed.time.tolerance, Some(5e-4));
+        assert_eq!(changed.time.tolerance, Some(1e-3));
         assert_eq!(changed.time.end, scene.time.end);
-        assert_eq!(changed.name, "Case 3, time.tolerance=5e-4");
+        assert_eq!(changed.name, "Case 3, time.tolerance=1e-3");
         (changed.time, changed.name) = (scene.time, scene.name.clone());
         assert_eq!(changed, scene);
     }
