@@ -513,7 +513,7 @@ fn what_the_errors_suggest_begins_as_another_run() {
     assert_eq!((rig.app.slots.len(), rig.app.active), (5, 4));
     let slot = &rig.app.slots[4];
     assert_eq!(slot.name, "case3-improved");
-    assert_eq!(slot.scene.time.tolerance, Some(5e-4));
+    assert_eq!(slot.scene.time.tolerance, Some(1e-3));
     assert!(slot.run.is_some(), "it has begun");
     assert!(rig.app.slots[2].run.is_some(), "the other waits");
 }
