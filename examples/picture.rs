@@ -11,8 +11,8 @@ use vesica::simulation::Simulation;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
     let scene = Scene::parse(
-        find_preset("case3-draft")?,
-        "case3-draft",
+        find_preset("case3-quick")?,
+        "case3-quick",
         &[],
         &mut no_files,
     )?;

@@ -266,10 +266,10 @@ fn director_work(effect: &mut dyn Effect, pair: &Pair, phi: usize, scheme: TimeS
         patch.add_mass_and_stiffness(&form.reaction, &weights, &mut matrix.values);
     }
     let mut work = 0.0;
-    for axis in 0..2 {
+    for (axis, step) in step.iter().enumerate() {
         let mut load = director_load(&form, space, &implicit, axis);
-        matrix.multiply_add(1.0, &step[axis], &mut load);
-        work += crate::linalg::vector::dot(&load, &step[axis]);
+        matrix.multiply_add(1.0, step, &mut load);
+        work += crate::linalg::vector::dot(&load, step);
     }
     work
 }

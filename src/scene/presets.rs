@@ -15,7 +15,7 @@ macro_rules! presets {
 // In the order in which they are listed.
 presets! {
     "case1" "case2" "case3" "case4"
-    "case1-draft" "case2-draft" "case3-draft" "case4-draft"
+    "case1-quick" "case2-quick" "case3-quick" "case4-quick"
     "case1-fine" "case2-fine" "case3-fine" "case4-fine"
     "bending" "circle" "curvature" "field" "pull" "noise"
 }

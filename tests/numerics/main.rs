@@ -5,7 +5,6 @@
 mod common;
 
 mod combinations;
-mod drafts;
 mod energy_law;
 mod freedericksz;
 #[path = "../hard_cases/mod.rs"]
@@ -14,6 +13,7 @@ mod limits;
 #[path = "../manufactured/mod.rs"]
 mod manufactured;
 mod paths;
+mod quick;
 mod random_scenes;
 mod reference;
 mod rest;
