@@ -54,6 +54,11 @@ impl LedgerTerms {
         }
     }
 
+    /// Makes all terms zero.
+    pub fn reset(&mut self) {
+        self.0.iter_mut().for_each(|term| term.value = 0.0);
+    }
+
     /// Forgets all terms.
     pub fn clear(&mut self) {
         self.0.clear();

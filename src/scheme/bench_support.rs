@@ -80,7 +80,7 @@ impl Phases {
                     scheme: TimeScheme::FirstOrder,
                     is_second: false,
                     dt: self.dt,
-                    tolerance: director_tolerance(solver),
+                    tolerance: director_tolerance(solver, TimeScheme::FirstOrder),
                     law_tolerance: solver.law_tolerance,
                     is_faint: false,
                     energy_scale,

@@ -25,7 +25,7 @@ const SHARE_OF_LAW: f64 = 0.1;
 const TIGHTER: f64 = 0.1;
 
 /// Corrections of the secant scheme's director at most, and to what part of the residual each is solved.
-const MOST_CORRECTIONS: usize = 40;
+const MOST_CORRECTIONS: usize = 15;
 const CORRECTION: f64 = 1e-3;
 
 /// The smallest relative residual that is aimed at.

@@ -24,26 +24,31 @@ impl Scheme {
         sum.max(self.membrane.least_energy())
     }
 
-    /// The energies of the state as it is.
+    /// The energies of the state as it is, and which terms the law has: so the ledgers of all steps have the same, by whatever
+    /// scheme they are taken.
     pub(super) fn evaluate_present_energies(&mut self) {
+        self.terms.clear();
         evaluate_energies(
             (&self.space, self.membrane.interface_width()),
             &mut self.effects,
             &mut self.scratch,
             [&self.state, &self.state],
             &mut self.report,
-            None,
+            Some(&mut self.terms),
         );
     }
 
-    /// Adds the terms of the law that substep 1 has in the secant scheme, once in each half of a step; returns the work that
-    /// effects have done on the director from outside.
-    pub(super) fn add_terms(&mut self, scheme: TimeScheme, half: Half) -> f64 {
-        let is_secant = scheme == TimeScheme::Secant;
-        let concerns = |effect: &(dyn Effect + 'static)| {
-            effect.does_work() || is_secant && effect.has_terms(scheme)
-        };
-        if !self.effects.iter().any(concerns) {
+    /// Adds the terms of the law that substep 1 has in a step of the secant scheme, once for each half; returns the work that
+    /// effects have done on the director from outside. (In a step of first order the terms of both substeps come together.)
+    pub(super) fn add_terms(&mut self, half: Half) -> f64 {
+        let scheme = self.director_schemes[half as usize];
+        let is_part = self.next_scheme() == TimeScheme::Secant;
+        let has_terms = |effect: &(dyn Effect + 'static)| is_part && effect.has_terms(scheme);
+        if !self
+            .effects
+            .iter()
+            .any(|effect| effect.does_work() || has_terms(effect))
+        {
             return 0.0;
         }
         let (state, directors) = match half {
@@ -65,7 +70,7 @@ impl Scheme {
                 if effect.does_work() {
                     work += effect.work(&step);
                 }
-                if is_secant && effect.has_terms(scheme) {
+                if is_part && effect.has_terms(scheme) {
                     effect.add_dissipation(&step, &mut self.terms);
                 }
             }

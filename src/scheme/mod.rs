@@ -51,6 +51,9 @@ const RISE: f64 = 5e-13;
 /// Steps of first order at the start and after an event.
 const STARTING_STEPS: u32 = 2;
 
+/// What the iterations may leave of φ, over the bound of a step's error.
+const SHARE_OF_BOUND: f64 = 0.05;
+
 /// The error of a step of the secant scheme over Δt³ times the third divided difference of φ.
 const LOCAL_ERROR: f64 = 0.5;
 
@@ -82,6 +85,8 @@ pub struct Scheme {
     scheme: TimeScheme,
     /// Steps of first order that are still to be taken before those of the secant scheme: it does not damp what is stiff.
     starting: u32,
+    /// By which scheme each solve of substep 1 was done in the present step.
+    director_schemes: [TimeScheme; 2],
     /// The director in the middle of a step of the secant scheme.
     middle: Option<[Vec<f64>; 2]>,
     /// Δt of the step that waits to be accepted, and the iterations that the last one took.
@@ -139,6 +144,11 @@ impl Scheme {
             director,
         };
         let middle = state.director.clone();
+        let mut solver = scene.solver;
+        if let Some((bound, _)) = scene.time.error_bound() {
+            // What the iterations leave is magnified in the divided difference that the error is estimated by.
+            solver.tolerance = solver.tolerance.min(SHARE_OF_BOUND * bound);
+        }
         let mut scheme = Self {
             next: state.clone(),
             scratch: Scratch::new(state.director.is_some()),
@@ -146,7 +156,7 @@ impl Scheme {
             space,
             effects,
             anchoring: scene.anchoring,
-            solver: scene.solver,
+            solver,
             state,
             director: director_step,
             membrane,
@@ -159,6 +169,7 @@ impl Scheme {
             switched: None,
             scheme: scene.time.scheme,
             starting: STARTING_STEPS,
+            director_schemes: [scene.time.scheme; 2],
             middle,
             tried: None,
             tried_work: [0; 3],
@@ -358,6 +369,7 @@ impl Scheme {
         dt: f64,
         watch: &mut dyn FnMut(Phase),
     ) -> Result<f64, StepError> {
+        self.set_interval(dt);
         let start = Start {
             state: self.state.clone(),
             report: self.report.clone(),
@@ -453,8 +465,8 @@ impl Scheme {
         report.director_iterations = 0;
         let part = (scheme.weight() * dt, scheme, Half::First);
         let dissipated = self.director_substep(part, energy_scale, report, watch)?;
-        self.terms.clear();
-        let scale = energy_scale + self.add_terms(scheme, Half::First).abs();
+        self.terms.reset();
+        let scale = energy_scale + self.add_terms(Half::First).abs();
         self.membrane.begin(
             &self.space,
             &mut self.effects,
@@ -506,12 +518,12 @@ impl Scheme {
         report: &mut StepReport,
         watch: &mut dyn FnMut(Phase),
     ) -> Result<(f64, Result<(), StepError>), StepError> {
-        self.terms.clear();
-        let mut work = self.add_terms(scheme, Half::First);
+        self.terms.reset();
+        let mut work = self.add_terms(Half::First);
         if scheme == TimeScheme::Secant {
             let part = (0.5 * dt, scheme, Half::Second);
             dissipated += self.director_substep(part, energy_scale, report, watch)?;
-            work += self.add_terms(scheme, Half::Second);
+            work += self.add_terms(Half::Second);
         }
         let closed = self.check_energy_law((dt, scheme), [work, dissipated], report);
         Ok((work, closed))
@@ -526,14 +538,11 @@ impl Scheme {
         report: &mut StepReport,
         watch: &mut dyn FnMut(Phase),
     ) -> Result<f64, StepError> {
-        let options = SolveOptions {
+        let mut options = SolveOptions {
             dt,
             scheme,
             is_second: half == Half::Second,
-            tolerance: match scheme {
-                TimeScheme::FirstOrder => director_tolerance(&self.solver),
-                TimeScheme::Secant => self.solver.tolerance,
-            },
+            tolerance: director_tolerance(&self.solver, scheme),
             law_tolerance: self.solver.law_tolerance,
             is_faint: energy_scale <= self.membrane.least_energy(),
             energy_scale,
@@ -551,8 +560,15 @@ impl Scheme {
             return Ok(0.0);
         };
         let (space, effects, scratch) = (&self.space, &mut self.effects, &mut self.scratch);
-        report.director_iterations +=
-            step.solve(space, effects, scratch, options, (phi, from), to)?;
+        let mut outcome = step.solve(space, effects, scratch, options, (phi, from), to);
+        if scheme == TimeScheme::Secant && outcome.is_err() {
+            // A director that is far faster than the step is long follows at once, and must be damped.
+            options.scheme = TimeScheme::FirstOrder;
+            options.tolerance = director_tolerance(&self.solver, options.scheme);
+            outcome = step.solve(space, effects, scratch, options, (phi, from), to);
+        }
+        report.director_iterations += outcome?;
+        self.director_schemes[half as usize] = options.scheme;
         watch(Phase::Director);
         Ok(step.dissipation(space, dt))
     }
@@ -653,7 +669,11 @@ impl Scheme {
 }
 
 /// The relative residual to which substep 1 is solved, at least. It is relative to the force, whose work is in
-/// general a small part of the energy, so the energy law misses by far less than its tolerance.
-fn director_tolerance(solver: &Solver) -> f64 {
-    solver.law_tolerance.clamp(1e-14, 1e-8)
+/// general a small part of the energy, so the energy law misses by far less than its tolerance. In the secant scheme the law
+/// is looked at too.
+fn director_tolerance(solver: &Solver, scheme: TimeScheme) -> f64 {
+    match scheme {
+        TimeScheme::FirstOrder => solver.law_tolerance.clamp(1e-14, 1e-8),
+        TimeScheme::Secant => solver.tolerance,
+    }
 }

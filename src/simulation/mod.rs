@@ -28,7 +28,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::fem::{Contour, GradientRecovery, Mesh, MeshQuality, Pieces, long_axis};
 use crate::geometry::Vector;
-use crate::scene::{AnchoringKind, Iteration, Scene, Shape, Time, TimeScheme, Warning};
+use crate::scene::{AnchoringKind, Iteration, Scene, Shape, Time, Warning};
 use crate::scheme::{Scheme, StepError, initial_fields};
 
 pub use crate::fem::OutlineMeasure;
@@ -136,10 +136,6 @@ pub struct Simulation {
     schedule: Schedule,
 }
 
-/// The bound of a step's error in the secant scheme, over τ^(3/2): the sum of N such errors, with N as Δt^(-1) and each as Δt³,
-/// is then in proportion to τ; with this number it is about τ (docs/guide/accuracy.md).
-const SECANT_BOUND: f64 = 5.0;
-
 /// How long steps are, and where a run stands in it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 enum Pacing {
@@ -151,17 +147,9 @@ enum Pacing {
 
 impl Pacing {
     fn of(time: &Time) -> Self {
-        match time.tolerance {
+        match time.error_bound() {
             None => Self::default(),
-            Some(tolerance) => {
-                let controller = match time.scheme {
-                    TimeScheme::FirstOrder => Controller::new(tolerance, 2, time.step),
-                    TimeScheme::Secant => {
-                        Controller::new(SECANT_BOUND * tolerance.powf(1.5), 3, time.step)
-                    }
-                };
-                Self::Chosen(controller)
-            }
+            Some((bound, power)) => Self::Chosen(Controller::new(bound, power, time.step)),
         }
     }
 }
@@ -517,6 +505,7 @@ impl Simulation {
                     }
                     if self.is_event(t, attempt.end) {
                         controller.forget();
+                        self.scheme.forget();
                     }
                     self.pacing = Pacing::Chosen(controller);
                     return Ok(StepOutcome::Whole(taken));

@@ -12,10 +12,9 @@ table! {
     /// The time axis. `step` and `tolerance` exclude each other.
     #[derive(Copy)]
     pub struct Time {
-        /// Δt; where `tolerance` is given, the Δt that is tried first.
+        /// Δt, the same for all steps.
         step: f64 = 1e-7, POSITIVE;
-        /// About the error of φ that the steps make until the end, in L2: by it Δt is chosen. Without it Δt is `step`
-        /// throughout.
+        /// About the error of φ that the steps make until the end at most, in L2: by it Δt is chosen, from 1e-7 on.
         tolerance: Option<f64> = None, POSITIVE;
         /// The scheme by which a step is taken; "secant" by default where `tolerance` is given.
         scheme: TimeScheme = TimeScheme::FirstOrder;
@@ -24,7 +23,21 @@ table! {
     }
 }
 
+/// The bound of a step's error in the secant scheme, over τ^(3/2): the sum of N such errors, with N as Δt^(-1) and each as Δt³,
+/// is then in proportion to τ; with this number it is about τ where it is largest (docs/guide/accuracy.md).
+const SECANT_BOUND: f64 = 5.0;
+
 impl Time {
+    /// The bound of the estimated error of φ in one step, in L2, and the power of Δt with which that error grows; `None` where
+    /// Δt is not chosen.
+    pub fn error_bound(&self) -> Option<(f64, u32)> {
+        let tolerance = self.tolerance?;
+        Some(match self.scheme {
+            TimeScheme::FirstOrder => (tolerance, 2),
+            TimeScheme::Secant => (SECANT_BOUND * tolerance.powf(1.5), 3),
+        })
+    }
+
     /// The number of steps: T/Δt, rounded. `None` where Δt is chosen on the way.
     pub fn steps(&self) -> Option<u64> {
         // A cast from f64 saturates; Δt and T are positive and finite.
