@@ -35,6 +35,16 @@ pub struct NamedValue {
 }
 
 impl NamedValue {
+    /// Adds values to those of the same names, and those that have none to the end.
+    pub fn add_all(sums: &mut Vec<Self>, more: impl IntoIterator<Item = Self>) {
+        for value in more {
+            match sums.iter_mut().find(|sum| sum.name == value.name) {
+                Some(sum) => sum.value += value.value,
+                None => sums.push(value),
+            }
+        }
+    }
+
     /// Whether it is a term of the ledger for the work that comes from outside.
     pub fn is_work(&self) -> bool {
         self.name.ends_with("_work")

@@ -128,13 +128,13 @@ impl Scheme {
             self.anchoring = checkpoint.anchoring;
             self.effects
                 .set_anchoring(checkpoint.anchoring.as_ref(), &self.space);
-            // For the names of the terms; the energies are below.
-            self.evaluate_present_energies();
         }
         self.interval = checkpoint.interval;
         // The energies that belong to it are in the checkpoint. Before the first step: the moment 0.
         self.effects
             .set_interval(checkpoint.interval.unwrap_or_default());
+        // For the names of the law's terms; the energies come below.
+        self.evaluate_present_energies();
         let StepReport {
             mut energies,
             mut ledger,

@@ -111,9 +111,7 @@ impl StepReport {
         if before.law_residual.abs() > self.law_residual.abs() {
             self.law_residual = before.law_residual;
         }
-        for (sum, term) in self.ledger.iter_mut().zip(before.ledger) {
-            sum.value += term.value;
-        }
+        NamedValue::add_all(&mut self.ledger, before.ledger);
     }
 }
 

@@ -153,8 +153,6 @@ impl Report {
         if law_residual.abs() > self.law_residual.abs() {
             self.law_residual = law_residual;
         }
-        for (sum, term) in self.ledger.iter_mut().zip(ledger) {
-            sum.value += term.value;
-        }
+        NamedValue::add_all(&mut self.ledger, ledger);
     }
 }
