@@ -466,6 +466,7 @@ impl Workspace {
         let mut is_rounding = false;
         for number in 0..=MOST_CORRECTIONS {
             self.assemble(space, effects, scratch, form, options.scheme, number == 0);
+            fault_injection::tap(Place::DirectorLoad, &mut self.load);
             if number > 0 && self.is_solved(space, options, is_rounding) {
                 return Ok(iterations);
             }
