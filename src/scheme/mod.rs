@@ -282,10 +282,9 @@ impl Scheme {
         Ok(self.accept())
     }
 
-    /// Tries a step of length Δt, and tells `watch` of every phase that ends: the scheme knows no clock. The state stays what
-    /// it is until [`accept`](Self::accept); to refuse the step do nothing. Returns the estimated error of φ, in L2, that the
-    /// step makes: Δt²/2 ‖φ_tt‖ of one of first order, Δt³/12 ‖φ_ttt‖ of one of second, from the last states; `None` where
-    /// these are too few.
+    /// Tries a step of length Δt. The state changes only with [`accept`](Self::accept). `watch` is called at the end of every
+    /// phase, for the scheme has no clock. Returns the estimated error of φ in this step, in L2, from the last states:
+    /// Δt²/2 ‖φ_tt‖ for a step of first order, Δt³/12 ‖φ_ttt‖ for one of second order; `None` where there are too few states.
     ///
     /// # Errors
     /// [`StepError`]: the step was not solved.
@@ -358,9 +357,9 @@ impl Scheme {
         self.starting == STARTING_STEPS
     }
 
-    /// Tries a step of length Δt whole and in two halves, all of first order, and leaves the scheme at the end of the halves,
-    /// until [`accept`](Self::accept) or [`refuse`](Self::refuse). Returns the distance of the two φ in L2: for a step from
-    /// the start, of whose error nothing else is known. What is stiff there both ways damp.
+    /// Tries the first step after the start or an event, of length Δt: once whole and once in two halves, all of first order.
+    /// Returns the distance of the two φ in L2, which estimates the error where no earlier states can. The scheme then
+    /// stands at the end of the halves, until [`accept`](Self::accept) or [`refuse`](Self::refuse).
     ///
     /// # Errors
     /// [`StepError`]: the step was not solved; the state is what it was.
@@ -402,7 +401,7 @@ impl Scheme {
         Ok(squares.sum::<f64>().sqrt())
     }
 
-    /// Goes back to where the step that was tried last began.
+    /// Goes back to the state before the step that was tried last.
     pub fn refuse(&mut self) {
         self.tried = None;
         if let Some(start) = self.start.take() {

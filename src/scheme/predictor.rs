@@ -82,8 +82,8 @@ impl Predictor {
         }
     }
 
-    /// The L2 norm, with these nodal weights, of the divided difference of φ over so many of the last states and the one
-    /// that is given, of the time t: ‖φ_tt‖/2 over two, ‖φ_ttt‖/6 over three. `None` where there are fewer.
+    /// The L2 norm of the divided difference of φ, from the last `states` states and the given φ at time t: ‖φ_tt‖/2 with
+    /// two states, ‖φ_ttt‖/6 with three. `weights` are the nodal weights. `None` where fewer states are known.
     pub(super) fn divided_difference(
         &self,
         states: usize,

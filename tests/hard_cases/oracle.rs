@@ -172,7 +172,7 @@ impl<'a> Watch<'a> {
     }
 }
 
-/// Runs a case through so many steps, with a setting.
+/// Runs `steps` steps of a case, with an additional setting.
 pub fn run(case: &Case, steps: u64, setting: Option<&str>) -> Worst {
     let mut worst = Worst {
         smallest_dt: f64::INFINITY,

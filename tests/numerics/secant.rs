@@ -76,8 +76,8 @@ fn broken_after(mut scheme: vesica::scheme::Scheme) -> Option<usize> {
     None
 }
 
-/// The force of first order in place of the secant (i_Δt, and p_Δt at the new d): what it dissipates is no term of the
-/// secant scheme's ledger.
+/// An effect with the forces of first order (i_Δt and p_Δt) in place of secants. Its numerical dissipation is not in the
+/// ledger of a secant step, so the law is broken.
 #[test]
 fn an_effect_that_knows_no_secant_breaks_the_law() {
     for quadrature in QUADRATURES {

@@ -24,7 +24,7 @@ fn scheme(starting: u32) -> Scheme {
     scheme
 }
 
-/// φ at the end of so many steps to the same time.
+/// φ at the time 10 DT, reached in `steps` equal steps.
 fn end(starting: u32, steps: u32) -> Vec<f64> {
     let mut scheme = scheme(starting);
     for _ in 0..steps {

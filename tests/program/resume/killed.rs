@@ -8,8 +8,8 @@ use rand_chacha::ChaCha8Rng;
 
 use super::{assert_same, check, command, folder_with_scene, resumed, summary, vesica};
 
-/// Kills runs until `kills` have been killed, each time at a random moment, and takes each up again
-/// until it is done: it leaves what a run leaves that nobody disturbed.
+/// Kills `kills` runs at random moments and resumes each until it is done. Its files must be those of a run that was not
+/// killed.
 fn kill_test(seed: u64, kills: usize, settings: &[&str]) {
     let folder = folder_with_scene();
     let path = folder.path();
