@@ -17,7 +17,7 @@ use criterion::{
     criterion_main,
 };
 use vesica::fem::{Mesh, Patch};
-use vesica::physics::{Effect, PatchFields};
+use vesica::physics::{Effect, PatchFields, Room};
 use vesica::scene::{Scene, find_preset};
 use vesica::scheme::bench_support::Phases;
 use vesica::scheme::{Scheme, initial_fields};
@@ -174,7 +174,7 @@ impl Effect for Anywhere {
         "anywhere"
     }
 
-    fn integral(&mut self, _patch: &Patch<'_>, _at: &PatchFields) -> f64 {
+    fn integral(&self, _: &Patch<'_>, _: &PatchFields, _: &mut Room) -> f64 {
         0.0
     }
 

@@ -6,7 +6,8 @@
 use vesica::fem::{Mesh, Patch};
 use vesica::geometry::{SymmetricTensor, Vector};
 use vesica::physics::{
-    DirectorCoupling, Effect, LedgerTerms, MembraneForce, MembraneJacobian, PatchFields, PatchStep,
+    DirectorCoupling, Effect, Kept, LedgerTerms, MembraneForce, MembraneJacobian, PatchFields,
+    PatchStep, Room,
 };
 use vesica::scene::{Iteration, Scene};
 use vesica::scheme::{Scheme, initial_fields};
@@ -23,7 +24,7 @@ impl Effect for Tension {
         "tension"
     }
 
-    fn integral(&mut self, patch: &Patch<'_>, at: &PatchFields) -> f64 {
+    fn integral(&self, patch: &Patch<'_>, at: &PatchFields, _: &mut Room) -> f64 {
         let squares = at.phi_gradient.iter().map(Vector::norm_squared);
         0.5 * self.weight * patch.integrate_elements_of(squares)
     }
@@ -32,7 +33,7 @@ impl Effect for Tension {
         Some(DirectorCoupling::NONE)
     }
 
-    fn add_membrane_force(&mut self, step: &PatchStep<'_>, force: &mut MembraneForce) {
+    fn add_membrane_force(&self, step: &PatchStep<'_>, _: &Kept, force: &mut MembraneForce) {
         let (old, new, scheme) = (step.old, step.new, step.scheme);
         let gradients = old.phi_gradient.iter().zip(&new.phi_gradient);
         for (flux, (old, new)) in force.flux.iter_mut().zip(gradients) {
@@ -41,9 +42,10 @@ impl Effect for Tension {
     }
 
     fn add_membrane_jacobian(
-        &mut self,
+        &self,
         step: &PatchStep<'_>,
-        _iteration: Iteration,
+        _: &Kept,
+        _: Iteration,
         jacobian: &mut MembraneJacobian,
     ) {
         for tensor in &mut jacobian.tensor {
@@ -51,7 +53,13 @@ impl Effect for Tension {
         }
     }
 
-    fn add_dissipation(&mut self, step: &PatchStep<'_>, terms: &mut LedgerTerms) {
+    fn add_dissipation(
+        &self,
+        step: &PatchStep<'_>,
+        _: &Kept,
+        terms: &mut LedgerTerms,
+        _: &mut Room,
+    ) {
         let (patch, old, new) = (step.patch, step.old, step.new);
         let gradients = new.phi_gradient.iter().zip(&old.phi_gradient);
         let squares = gradients.map(|(new, old)| (new - old).norm_squared());

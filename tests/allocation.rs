@@ -11,7 +11,7 @@ mod own_effect;
 
 use common::{SMALL, scene, scheme};
 use vesica::fem::Patch;
-use vesica::physics::{Effect, PatchFields};
+use vesica::physics::{Effect, PatchFields, Room};
 use vesica::scheme::{Scheme, SchemeCheckpoint};
 
 /// The system's allocator, which counts what each thread asks of it.
@@ -171,7 +171,7 @@ impl Effect for Anywhere {
         "anywhere"
     }
 
-    fn integral(&mut self, _patch: &Patch<'_>, _at: &PatchFields) -> f64 {
+    fn integral(&self, _: &Patch<'_>, _: &PatchFields, _: &mut Room) -> f64 {
         0.0
     }
 

@@ -26,6 +26,10 @@ pub(super) struct Arguments {
           allow_negative_numbers = true)]
     fps: u32,
 
+    /// Compute in N threads, of which the runs of the gallery have a share each [default: as many as there are and pay]
+    #[arg(long, value_name = "N", value_parser = numbers::threads, allow_negative_numbers = true)]
+    threads: Option<usize>,
+
     /// Colours of the terminal; auto: what it says of itself
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = Color::Auto)]
     color: Color,
@@ -114,6 +118,7 @@ pub(super) fn open(arguments: Arguments) -> Result<(), CliError> {
         slots,
         active,
         frames_per_second: arguments.fps,
+        threads: arguments.threads,
         tier: arguments.color.tier(),
         save: save_figures,
     })?;

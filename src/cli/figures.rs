@@ -14,11 +14,13 @@ use crate::record::{
 };
 use crate::scene::{Scene, preset};
 use crate::signals::EndingSignal;
-use crate::simulation::{Simulation, SimulationError, check_outlines, free_memory, memory_needed};
+use crate::simulation::{
+    Simulation, SimulationError, check_outlines, cores, free_memory, memory_needed,
+    threads_that_pay,
+};
 use indicatif::MultiProgress;
 use std::ffi::{OsStr, OsString};
 use std::fmt;
-use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::Mutex;
@@ -302,7 +304,7 @@ enum Outcome {
 
 /// Simulates the jobs side by side, as many at a time as there are processors and memory.
 fn compute(jobs: &[Job], signal: &EndSignal) -> Vec<Outcome> {
-    let processors = thread::available_parallelism().map_or(1, NonZero::get);
+    let processors = cores();
     let needed = jobs.iter().map(|job| memory_needed(&job.scene)).max();
     let threads = match (free_memory(), needed) {
         (Some(free), Some(needed)) => {
@@ -311,12 +313,13 @@ fn compute(jobs: &[Job], signal: &EndSignal) -> Vec<Outcome> {
         }
         _ => processors,
     };
+    let at_once = threads.min(jobs.len()).max(1);
     let bars = MultiProgress::new();
     let next = AtomicUsize::new(0);
     let outcomes: Vec<Mutex<Option<Outcome>>> = jobs.iter().map(|_| Mutex::new(None)).collect();
     let work = || {
         while let Some(job) = jobs.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let outcome = compute_one(job, signal, &bars)
+            let outcome = compute_one(job, processors / at_once, signal, &bars)
                 .unwrap_or_else(|error| Outcome::Failed(error.to_string()));
             let place = jobs.iter().position(|other| std::ptr::eq(other, job));
             if let Some(place) = place
@@ -328,7 +331,7 @@ fn compute(jobs: &[Job], signal: &EndSignal) -> Vec<Outcome> {
     };
     thread::scope(|scope| {
         // One of them is this thread: where the system starts no other, it does all.
-        for _ in 1..threads.min(jobs.len()) {
+        for _ in 1..at_once {
             let helper = thread::Builder::new().spawn_scoped(scope, work);
             if helper.is_err() {
                 break;
@@ -344,8 +347,10 @@ fn compute(jobs: &[Job], signal: &EndSignal) -> Vec<Outcome> {
         .collect()
 }
 
+/// Simulates one, in so many threads at most.
 fn compute_one(
     job: &Job,
+    threads: usize,
     signal: &EndSignal,
     bars: &MultiProgress,
 ) -> Result<Outcome, RecordError> {
@@ -367,6 +372,8 @@ fn compute_one(
             return Ok(Outcome::Failed(error.to_string()));
         }
     };
+    let nodes = simulation.mesh().nodes().len();
+    simulation.set_threads(threads_that_pay(nodes, threads));
     simulation.follow(preparation.schedule());
     let mut recorder = preparation.start(&simulation, begun.elapsed())?;
     let progress = Progress::among(bars, &job.name, recorder.schedule());

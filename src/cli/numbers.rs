@@ -18,6 +18,15 @@ pub(super) fn count_from_one(text: &str) -> Result<u64, String> {
         .ok_or_else(|| "it must be a whole number from 1".to_owned())
 }
 
+/// A number of threads.
+pub(super) fn threads(text: &str) -> Result<usize, String> {
+    const MOST: usize = 256;
+    text.parse()
+        .ok()
+        .filter(|number| (1..=MOST).contains(number))
+        .ok_or_else(|| format!("it must be a whole number from 1 to {MOST}"))
+}
+
 /// A budget of time, in seconds.
 pub(super) fn budget(text: &str) -> Result<u64, String> {
     const MOST: u64 = Budget::MOST;

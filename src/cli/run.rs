@@ -13,7 +13,10 @@ use crate::record::{
 };
 use crate::scene::{Scene, Time, preset};
 use crate::signals::EndingSignal;
-use crate::simulation::{Simulation, SimulationError, StepProgress, check_memory, check_outlines};
+use crate::simulation::{
+    Simulation, SimulationError, StepProgress, check_memory, check_outlines, cores,
+    threads_that_pay,
+};
 use std::ffi::{OsStr, OsString};
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -63,6 +66,10 @@ pub(super) struct Arguments {
           allow_negative_numbers = true)]
     checkpoint: Option<Duration>,
 
+    /// Compute in N threads; the numbers are the same [default: as many as there are and pay]
+    #[arg(long, value_name = "N", value_parser = numbers::threads, allow_negative_numbers = true)]
+    threads: Option<usize>,
+
     /// Replace the run that the folder holds
     #[arg(long, conflicts_with = "resume")]
     force: bool,
@@ -85,6 +92,13 @@ impl Arguments {
             snapshots: self.snapshots.unwrap_or(default.snapshots),
             checkpoint: self.checkpoint.unwrap_or(default.checkpoint),
         }
+    }
+
+    fn with_threads(&self, mut simulation: Simulation) -> Simulation {
+        let nodes = simulation.mesh().nodes().len();
+        let threads = self.threads;
+        simulation.set_threads(threads.unwrap_or_else(|| threads_that_pay(nodes, cores())));
+        simulation
     }
 }
 
@@ -112,7 +126,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let preparation = RecorderBuilder::begin(folder, &scene, settings)?;
     let begun = Instant::now();
     let simulation = match set_up(&scene, &signal, arguments.quiet)? {
-        Outcome::Ready(simulation) => *simulation,
+        Outcome::Ready(simulation) => arguments.with_threads(*simulation),
         Outcome::Signal(signal) => {
             let folder = preparation.folder().to_owned();
             preparation.end(Ending::Interrupted)?;
@@ -201,7 +215,7 @@ fn reopen(
         .filter(|own| same_run(own, scene));
     let scene = own.as_ref().unwrap_or(scene);
     let mut simulation = match set_up(scene, signal, arguments.quiet)? {
-        Outcome::Ready(simulation) => *simulation,
+        Outcome::Ready(simulation) => arguments.with_threads(*simulation),
         Outcome::Signal(signal) => return Err(ended_in_set_up(signal, path)),
         Outcome::Failed(error) => return Err(CliError::SetUp(error)),
     };

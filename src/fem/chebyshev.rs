@@ -1,7 +1,7 @@
 //! Solving with the mass matrix.
 
 use super::{MassForm, Space};
-use crate::linalg::{SparseMatrix, vector};
+use crate::linalg::{SparseMatrix, rows, vector};
 
 /// M⁻¹: a division with the lumped rule, Chebyshev's iteration with the consistent one.
 ///
@@ -14,7 +14,7 @@ pub struct MassInverse {
     inverse_weights: Vec<f64>,
     residual: Vec<f64>,
     direction: Vec<f64>,
-    product: Vec<f64>,
+    next: Vec<f64>,
 }
 
 /// The centre and half the width of the interval [1/4, 1].
@@ -36,7 +36,7 @@ impl MassInverse {
                 .collect(),
             residual: vec![0.0; size],
             direction: vec![0.0; size],
-            product: vec![0.0; size],
+            next: vec![0.0; size],
         }
     }
 
@@ -64,7 +64,7 @@ impl MassInverse {
                     // The error after k products is at most 1/T_k(5/3) ≤ 2/3^k of that before; the
                     // factor 4 is the condition number, for the residual.
                     let wanted = (8.0 * start / goal.max(f64::MIN_POSITIVE)).ln() / 3.0_f64.ln();
-                    self.iterate(space, x, wanted.clamp(1.0, 60.0).ceil() as usize);
+                    self.iterate(matrix, x, wanted.clamp(1.0, 60.0).ceil() as usize);
                 }
             }
         }
@@ -72,9 +72,11 @@ impl MassInverse {
 
     /// Takes the residual b − M x; its norm.
     fn residual_of(&mut self, matrix: &SparseMatrix, b: &[f64], x: &[f64]) -> f64 {
-        matrix.multiply(x, &mut self.product);
-        let triples = self.residual.iter_mut().zip(b).zip(&self.product);
-        triples.for_each(|((r, b), p)| *r = b - p);
+        let product = ([&matrix.values[..]], [x]);
+        let pattern = &matrix.pattern;
+        pattern.sweep(product, [b], [&mut self.residual], |[p], [b], _| {
+            [rows(|row| b[row] - p[row])]
+        });
         vector::weighted_square(&self.residual, &self.inverse_weights).sqrt()
     }
 
@@ -83,10 +85,10 @@ impl MassInverse {
     pub fn apply(&mut self, space: &Space, b: &[f64], x: &mut [f64], products: usize) {
         match space.mass() {
             MassForm::Nodal(_) => self.divide(b, x),
-            MassForm::Sparse(_) => {
+            MassForm::Sparse(matrix) => {
                 x.fill(0.0);
                 self.residual.copy_from_slice(b);
-                self.iterate(space, x, products);
+                self.iterate(matrix, x, products);
             }
         }
     }
@@ -98,48 +100,32 @@ impl MassInverse {
     }
 
     /// Adds to x what `products` products of Chebyshev's iteration make of the residual.
-    fn iterate(&mut self, space: &Space, x: &mut [f64], products: usize) {
-        let triples = self
-            .direction
-            .iter_mut()
-            .zip(&self.residual)
-            .zip(&self.inverse_weights);
+    fn iterate(&mut self, matrix: &SparseMatrix, x: &mut [f64], products: usize) {
+        let inverse = &self.inverse_weights;
+        let triples = self.direction.iter_mut().zip(&self.residual).zip(inverse);
         triples.for_each(|((d, r), inverse)| *d = r * inverse / CENTRE);
         let sigma = CENTRE / RADIUS;
         let mut rho = sigma.recip();
         for _ in 0..products {
-            space.mass().multiply(&self.direction, &mut self.product);
-            let next = (2.0 * sigma - rho).recip();
-            let (keep, add) = (next * rho, 2.0 * next / RADIUS);
-            rho = next;
-            advance(
-                [x, &mut self.residual, &mut self.direction],
-                &self.product,
-                &self.inverse_weights,
-                [keep, add],
-            );
+            let after = (2.0 * sigma - rho).recip();
+            let (keep, add) = (after * rho, 2.0 * after / RADIUS);
+            rho = after;
+            let direction = &self.direction[..];
+            let product = ([&matrix.values[..]], [direction]);
+            let outputs = [&mut *x, &mut self.residual, &mut self.next];
+            let pattern = &matrix.pattern;
+            let inputs = [direction, inverse];
+            pattern.sweep(product, inputs, outputs, |[p], [d, inverse], [x, r, _]| {
+                let r = rows(|row| r[row] - p[row]);
+                [
+                    rows(|row| x[row] + d[row]),
+                    r,
+                    rows(|row| keep * d[row] + add * r[row] * inverse[row]),
+                ]
+            });
+            std::mem::swap(&mut self.direction, &mut self.next);
         }
         vector::add_scaled(x, 1.0, &self.direction);
-    }
-}
-
-/// x += d; r −= p; d = keep d + add D⁻¹ r, in one sweep.
-fn advance(
-    [x, residual, direction]: [&mut [f64]; 3],
-    product: &[f64],
-    inverse: &[f64],
-    [keep, add]: [f64; 2],
-) {
-    let vectors = x
-        .iter_mut()
-        .zip(residual)
-        .zip(direction)
-        .zip(product)
-        .zip(inverse);
-    for ((((x, r), d), p), inverse) in vectors {
-        *x += *d;
-        *r -= p;
-        *d = keep * *d + add * *r * inverse;
     }
 }
 

@@ -21,7 +21,7 @@ mod quadtree;
 mod raster;
 mod space;
 
-pub use assembly::Assembly;
+pub use assembly::{Assembly, LoadEntries, MatrixEntries};
 pub use boundary::{Wall, is_in_hole};
 pub use chebyshev::MassInverse;
 pub use contour::{Contour, OutlineMeasure};

@@ -3,17 +3,17 @@
 //!
 //! Everything that an integral over the domain needs is done piece by piece: nodal fields are taken
 //! to the points and gradients to the triangles, effects work on both, and densities are brought back
-//! into loads, matrices and numbers.
+//! into entries of loads and matrices, which the space adds up, and into numbers.
 
 use std::ops::Range;
 
-use super::space::{GROUP, LANES, Lane};
-use super::{MassForm, QuadratureRule, Space};
-use crate::geometry::{SymmetricTensor, Vector};
-use crate::linalg::{op_counts, vector};
+use wide::f64x8;
 
-/// The six different entries aa, ab, ac, bb, bc, cc of the element matrices of a group of triangles.
-type Entries = [Lane; 6];
+use super::assembly::{LoadEntries, MatrixEntries};
+use super::space::{GROUP, LANES, Lane};
+use super::{QuadratureRule, Space};
+use crate::geometry::{SymmetricTensor, Vector};
+use crate::linalg::vector;
 
 /// A piece of a space.
 #[derive(Debug, Clone, Copy)]
@@ -67,9 +67,9 @@ impl<'a> Patch<'a> {
         }
     }
 
-    /// Whether it is the first one of its space.
-    pub fn is_first(&self) -> bool {
-        self.elements[0] == 0
+    /// Its groups of triangles: entries of loads and matrices are written group by group.
+    pub fn groups(&self) -> usize {
+        self.elements().div_ceil(LANES)
     }
 
     fn triangles(&self) -> &'a [[u32; 3]] {
@@ -88,7 +88,7 @@ impl<'a> Patch<'a> {
     /// The triangles in groups: their corners, their areas, the gradients of their first two basis
     /// functions (the third one's is minus the sum).
     #[inline(always)]
-    fn groups(&self) -> impl Iterator<Item = (&'a [[u32; 3]], &'a [f64], &'a [Lane; 4])> {
+    fn each_group(&self) -> impl Iterator<Item = (&'a [[u32; 3]], &'a [f64], &'a [Lane; 4])> {
         let first = self.elements[0] / LANES;
         self.triangles()
             .chunks(LANES)
@@ -99,7 +99,7 @@ impl<'a> Patch<'a> {
 
     /// A P1 function at the points and its gradient on the triangles.
     pub fn sample(&self, nodal: &[f64], points: &mut [f64], gradients: &mut [Vector]) {
-        let groups = self.groups().zip(gradients.chunks_mut(LANES));
+        let groups = self.each_group().zip(gradients.chunks_mut(LANES));
         if self.space.rule() == QuadratureRule::Lumped {
             points.copy_from_slice(nodal);
             for ((triangles, _, slopes), gradients) in groups {
@@ -122,19 +122,18 @@ impl<'a> Patch<'a> {
             return;
         }
         let points = points.as_chunks_mut::<GROUP>().0;
-        for ((triangles, ..), points) in self.groups().zip(points) {
+        for ((triangles, ..), points) in self.each_group().zip(points) {
             self.store_points(&corners(nodal, triangles), points);
         }
     }
 
     /// The values at the points of a group from those at the corners.
     #[inline(always)]
-    fn store_points(&self, [a, b, c]: &[Lane; 3], points: &mut [f64; GROUP]) {
+    fn store_points(&self, [a, b, c]: &[f64x8; 3], points: &mut [f64; GROUP]) {
         let rows = points.as_chunks_mut::<LANES>().0.iter_mut();
-        for (row, [la, lb, lc]) in rows.zip(&self.space.coordinates) {
-            for lane in 0..LANES {
-                row[lane] = la * a[lane] + lb * b[lane] + lc * c[lane];
-            }
+        for (row, coordinates) in rows.zip(&self.space.coordinates) {
+            let [la, lb, lc] = coordinates.map(f64x8::splat);
+            *row = (la * *a + lb * *b + lc * *c).to_array();
         }
     }
 
@@ -143,8 +142,8 @@ impl<'a> Patch<'a> {
         vector::dot(self.weights(), density)
     }
 
-    /// ∫ f(u) for a function u at the points.
-    pub fn integrate_of(&self, u: &[f64], f: impl Fn(f64) -> f64) -> f64 {
+    /// ∫ f(u) for a function u at the points, eight of which are worked on at once.
+    pub fn integrate_of(&self, u: &[f64], f: impl Fn(f64x8) -> f64x8) -> f64 {
         vector::weighted_sum(self.weights(), u, f)
     }
 
@@ -159,193 +158,142 @@ impl<'a> Patch<'a> {
         elements.map(|(area, density)| area * density).sum()
     }
 
-    /// load_i ← load_i + ∫ f ψ_i + ∫ q·∇ψ_i for a density f at the points and a flux q on the
-    /// triangles.
-    pub fn add_load(&self, density: &[f64], fluxes: &[Vector], load: &mut [f64]) {
+    /// ∫ f ψ_i + ∫ q·∇ψ_i for a density f at the points and a flux q on the triangles. With the lumped rule the part of f
+    /// is none of the triangles', but the nodes' ([`Space::add_load`]).
+    pub fn load_entries(&self, density: &[f64], fluxes: &[Vector], entries: &mut [LoadEntries]) {
+        let groups = self.each_group().zip(fluxes.chunks(LANES)).zip(entries);
         if self.space.rule() == QuadratureRule::Lumped {
-            for ((load, weight), f) in load.iter_mut().zip(self.weights()).zip(density) {
-                *load += weight * f;
-            }
-            for ((triangles, areas, slopes), fluxes) in self.groups().zip(fluxes.chunks(LANES)) {
-                let entries = flux_entries(areas, slopes, fluxes);
-                scatter(triangles, &entries, load);
+            for (((_, areas, slopes), fluxes), entries) in groups {
+                *entries = flux_entries(&lanes(areas), slopes, fluxes);
             }
             return;
         }
         let density = density.as_chunks::<GROUP>().0;
-        let groups = self.groups().zip(fluxes.chunks(LANES)).zip(density);
-        for (((triangles, areas, slopes), fluxes), density) in groups {
-            let mut entries = [[0.0; LANES]; 3];
+        for ((((_, areas, slopes), fluxes), entries), density) in groups.zip(density) {
+            let mut sums = [f64x8::ZERO; 3];
             for (point, row) in density.as_chunks::<LANES>().0.iter().enumerate() {
-                let weight = self.space.relative_weights[point];
-                for (entry, coordinate) in entries.iter_mut().zip(&self.space.coordinates[point]) {
-                    for lane in 0..LANES {
-                        entry[lane] += weight * coordinate * row[lane];
-                    }
+                let (weight, row) = (self.space.relative_weights[point], f64x8::new(*row));
+                for (sum, coordinate) in sums.iter_mut().zip(&self.space.coordinates[point]) {
+                    *sum += f64x8::splat(weight * coordinate) * row;
                 }
             }
-            let of_flux = flux_entries(areas, slopes, fluxes);
             let areas = lanes(areas);
-            for (entry, of_flux) in entries.iter_mut().zip(&of_flux) {
-                for lane in 0..LANES {
-                    entry[lane] = areas[lane] * entry[lane] + of_flux[lane];
+            *entries = flux_entries(&areas, slopes, fluxes);
+            add_times(entries, &areas, &sums);
+        }
+    }
+
+    /// entries ← entries + ∫ c u ψ_i for a coefficient on the triangles and a P1 function u given at the nodes.
+    pub fn add_product_entries(
+        &self,
+        coefficient: impl IntoIterator<Item = f64>,
+        u: &[f64],
+        entries: &mut [LoadEntries],
+    ) {
+        let mut coefficient = coefficient.into_iter();
+        for ((triangles, areas, _), entries) in self.each_group().zip(entries) {
+            let areas = lanes(areas);
+            for ((lane, triangle), c) in triangles.iter().enumerate().zip(&mut coefficient) {
+                let values = triangle.map(|node| u[node as usize]);
+                let sum = values[0] + values[1] + values[2];
+                for (entry, value) in entries.iter_mut().zip(values) {
+                    entry[lane] += match self.space.rule() {
+                        QuadratureRule::Lumped => c * areas[lane] / 3.0 * value,
+                        QuadratureRule::Consistent => c * areas[lane] / 12.0 * (sum + value),
+                    };
                 }
             }
-            scatter(triangles, &entries, load);
         }
     }
 
-    /// matrix ← matrix + ∫ c ψ_j ψ_i for a coefficient at the points; `values` are stored in the
-    /// pattern of the mesh.
-    pub fn add_mass(&self, coefficient: &[f64], values: &mut [f64]) {
-        op_counts::assembly();
-        match self.space.rule() {
-            QuadratureRule::Lumped => self.add_diagonal(coefficient, values),
-            QuadratureRule::Consistent => {
-                self.add_elements(coefficient, |_, _| [[0.0; LANES]; 6], values)
-            }
+    /// ∫ c ψ_j ψ_i for a coefficient at the points. With the lumped rule it is none of the triangles', but the nodes'.
+    pub fn mass_entries(&self, coefficient: &[f64], entries: &mut [MatrixEntries]) {
+        for ((group, (_, areas, _)), entries) in self.each_group().enumerate().zip(entries) {
+            *entries = [[0.0; LANES]; 6];
+            self.add_mass_entries(coefficient, group, &lanes(areas), entries);
         }
     }
 
-    /// matrix ← matrix + ∫ c ψ_j ψ_i + ∫ (T ∇ψ_j)·∇ψ_i for a coefficient c at the points and a
-    /// tensor T on the triangles.
-    pub fn add_mass_and_stiffness(
+    /// ∫ c ψ_j ψ_i + ∫ (T ∇ψ_j)·∇ψ_i for a coefficient c at the points and a tensor T on the triangles; with the lumped
+    /// rule without the part of c.
+    pub fn mass_and_stiffness_entries(
         &self,
         coefficient: &[f64],
         tensors: &[SymmetricTensor],
-        values: &mut [f64],
+        entries: &mut [MatrixEntries],
     ) {
-        op_counts::assembly();
-        if self.space.rule() == QuadratureRule::Lumped {
-            self.add_diagonal(coefficient, values);
-        }
-        self.add_elements(
-            coefficient,
-            |group, (areas, slopes)| {
-                let first = group * LANES;
-                let mut tensor = [[0.0; LANES]; 3];
-                let end = (first + LANES).min(tensors.len());
-                for (lane, entries) in tensors[first..end].iter().enumerate() {
-                    for (row, entry) in tensor.iter_mut().zip(entries.entries()) {
-                        row[lane] = entry;
-                    }
-                }
-                stiffness_entries(areas, slopes, &tensor)
-            },
-            values,
-        );
-    }
-
-    /// matrix ← matrix + ∫ c ψ_j ψ_i with the lumped rule.
-    fn add_diagonal(&self, coefficient: &[f64], values: &mut [f64]) {
-        let nodes = self.space.assembly().diagonal.iter().zip(self.weights());
-        for ((&position, weight), c) in nodes.zip(coefficient) {
-            values[position as usize] += weight * c;
-        }
-    }
-
-    /// Adds element matrices: what `of_group(group, (areas, slopes))` gives, and with the consistent
-    /// rule ∫ c ψ_j ψ_i.
-    #[inline(always)]
-    fn add_elements(
-        &self,
-        coefficient: &[f64],
-        of_group: impl Fn(usize, (&Lane, &[Lane; 4])) -> Entries,
-        values: &mut [f64],
-    ) {
-        let assembly = self.space.assembly();
-        let lumped = self.space.rule() == QuadratureRule::Lumped;
-        for (group, (triangles, areas, slopes)) in self.groups().enumerate() {
+        let groups = self.each_group().zip(tensors.chunks(LANES)).zip(entries);
+        for (group, (((_, areas, slopes), tensors), entries)) in groups.enumerate() {
             let areas = lanes(areas);
-            let mut entries = of_group(group, (&areas, slopes));
-            if !lumped {
-                self.add_mass_entries(coefficient, group, &areas, &mut entries);
+            let mut tensor = [[0.0; LANES]; 3];
+            for (lane, numbers) in tensors.iter().enumerate() {
+                for (row, number) in tensor.iter_mut().zip(numbers.entries()) {
+                    row[lane] = number;
+                }
             }
-            let first = self.elements[0] + group * LANES;
-            for lane in 0..triangles.len() {
-                assembly.add_element(values, first + lane, &entries.map(|entry| entry[lane]));
-            }
+            *entries = stiffness_entries(&areas, slopes, &tensor);
+            self.add_mass_entries(coefficient, group, &areas, entries);
         }
     }
 
-    /// entries ← entries + ∫ c ψ_j ψ_i for a group of triangles.
+    /// entries ← entries + ∫ c ψ_j ψ_i for a group of triangles, where the rule is consistent.
     #[inline(always)]
     fn add_mass_entries(
         &self,
         coefficient: &[f64],
         group: usize,
         areas: &Lane,
-        entries: &mut Entries,
+        entries: &mut MatrixEntries,
     ) {
-        let mut sums = [[0.0; LANES]; 6];
+        if self.space.rule() == QuadratureRule::Lumped {
+            return;
+        }
+        let mut sums = [f64x8::ZERO; 6];
         let rows = coefficient[group * GROUP..].as_chunks::<LANES>().0.iter();
         for (row, products) in rows.zip(&self.space.products) {
+            let row = f64x8::new(*row);
             for (sum, product) in sums.iter_mut().zip(products) {
-                for lane in 0..LANES {
-                    sum[lane] += row[lane] * product;
-                }
+                *sum += row * f64x8::splat(*product);
             }
         }
-        for (entry, sum) in entries.iter_mut().zip(&sums) {
-            for lane in 0..LANES {
-                entry[lane] += areas[lane] * sum[lane];
-            }
-        }
+        add_times(entries, areas, &sums);
     }
 
-    /// The matrices of two fields x and y on the same mesh, x and y blocks and what couples them:
+    /// The matrices of two fields x and y on the same mesh, their two blocks and what couples them:
     ///
-    /// x, y blocks ← blocks + ∫ w ∇ψ_j·∇ψ_i + ∫ c ψ_j ψ_i, and with a tensor R on the triangles also
-    /// ∫ R_xx ψ_j ψ_i, ∫ R_yy ψ_j ψ_i;
-    /// coupling ← coupling + ∫ R_xy ψ_j ψ_i.
-    pub fn add_coupled(
+    /// x, y blocks: ∫ w ∇ψ_j·∇ψ_i + ∫ c ψ_j ψ_i, and with a tensor R on the triangles also ∫ R_xx ψ_j ψ_i, ∫ R_yy ψ_j ψ_i;
+    /// coupling: ∫ R_xy ψ_j ψ_i, with the lumped rule only the three entries of the corners, which come first.
+    pub fn coupled_entries(
         &self,
         (weight, coefficient): (&[f64], &[f64]),
         tensors: Option<&[SymmetricTensor]>,
-        [x_block, y_block]: [&mut [f64]; 2],
-        coupling: &mut MassForm,
+        [x, y, coupling]: [&mut [MatrixEntries]; 3],
     ) {
-        op_counts::assembly();
-        let assembly = self.space.assembly();
         let lumped = self.space.rule() == QuadratureRule::Lumped;
-        if lumped {
-            self.add_diagonal(coefficient, x_block);
-            self.add_diagonal(coefficient, y_block);
-        }
-        for (group, (triangles, areas, slopes)) in self.groups().enumerate() {
-            let areas = lanes(areas);
-            let local = group * LANES..group * LANES + triangles.len();
-            let weight = lanes(&weight[local.clone()]);
-            let mut entries = stiffness_entries(&areas, slopes, &[weight, [0.0; LANES], weight]);
-            if !lumped {
-                self.add_mass_entries(coefficient, group, &areas, &mut entries);
-            }
-            for lane in 0..triangles.len() {
-                let triangle = self.elements[0] + local.start + lane;
-                let [mut x, mut y] = [entries.map(|entry| entry[lane]); 2];
-                if let Some(tensors) = tensors {
-                    let tensor = areas[lane] * tensors[local.start + lane];
-                    let [xx, xy, yy] = tensor.entries();
-                    match coupling {
-                        MassForm::Sparse(matrix) => {
-                            let [of_xx, of_xy, of_yy] = [xx, xy, yy].map(element_mass);
-                            x.iter_mut().zip(of_xx).for_each(|(x, entry)| *x += entry);
-                            y.iter_mut().zip(of_yy).for_each(|(y, entry)| *y += entry);
-                            assembly.add_element(&mut matrix.values, triangle, &of_xy);
-                        }
-                        MassForm::Nodal(diagonal) => {
-                            for corner in [0, 3, 5] {
-                                x[corner] += xx / 3.0;
-                                y[corner] += yy / 3.0;
-                            }
-                            for &node in &triangles[lane] {
-                                diagonal[node as usize] += xy / 3.0;
-                            }
+        let entries = x.iter_mut().zip(y).zip(coupling);
+        let groups = self.each_group().zip(weight.chunks(LANES)).zip(entries);
+        for (group, (((_, areas, slopes), weight), ((x, y), coupling))) in groups.enumerate() {
+            let (areas, weight) = (lanes(areas), lanes(weight));
+            *x = stiffness_entries(&areas, slopes, &[weight, [0.0; LANES], weight]);
+            self.add_mass_entries(coefficient, group, &areas, x);
+            *y = *x;
+            *coupling = [[0.0; LANES]; 6];
+            let Some(tensors) = tensors else { continue };
+            for (lane, tensor) in tensors[group * LANES..].iter().take(LANES).enumerate() {
+                let [xx, xy, yy] = (areas[lane] * *tensor).entries();
+                if lumped {
+                    for (number, corner) in [0, 3, 5].into_iter().enumerate() {
+                        x[corner][lane] += xx / 3.0;
+                        y[corner][lane] += yy / 3.0;
+                        coupling[number][lane] = xy / 3.0;
+                    }
+                } else {
+                    for (block, entry) in [(&mut *x, xx), (&mut *y, yy), (&mut *coupling, xy)] {
+                        for (sum, entry) in block.iter_mut().zip(element_mass(entry)) {
+                            sum[lane] += entry;
                         }
                     }
                 }
-                assembly.add_element(x_block, triangle, &x);
-                assembly.add_element(y_block, triangle, &y);
             }
         }
     }
@@ -361,14 +309,11 @@ impl<'a> Patch<'a> {
         }
         let groups = points.as_chunks::<GROUP>().0.iter();
         for (means, group) in means.chunks_mut(LANES).zip(groups) {
-            let mut sums = [0.0; LANES];
-            let rows = group.as_chunks::<LANES>().0.iter();
-            for (row, weight) in rows.zip(&self.space.relative_weights) {
-                for lane in 0..LANES {
-                    sums[lane] += weight * row[lane];
-                }
+            let mut sums = f64x8::ZERO;
+            for (row, weight) in group.as_chunks().0.iter().zip(&self.space.relative_weights) {
+                sums += f64x8::splat(*weight) * f64x8::new(*row);
             }
-            means.copy_from_slice(&sums[..means.len()]);
+            means.copy_from_slice(&sums.to_array()[..means.len()]);
         }
     }
 
@@ -397,44 +342,37 @@ impl<'a> Patch<'a> {
         }
     }
 
-    /// The mean over each triangle, by the rule, of v⊗v for a P1 vector field v given at the nodes.
-    /// The consistent rule is exact for it and the lumped one takes the mean of the corners, so no
-    /// points are needed.
+    /// The mean over each triangle, by the rule, of v⊗v for a vector field v at the points.
     pub fn mean_squares(&self, [x, y]: [&[f64]; 2], means: &mut [SymmetricTensor]) {
-        let rule = self.space.rule();
-        let mean = |u: [f64; 3], v: [f64; 3]| {
-            let corners = u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
-            match rule {
-                QuadratureRule::Lumped => corners / 3.0,
-                QuadratureRule::Consistent => {
-                    ((u[0] + u[1] + u[2]) * (v[0] + v[1] + v[2]) + corners) / 12.0
+        if self.space.rule() == QuadratureRule::Lumped {
+            for (mean, triangle) in means.iter_mut().zip(self.triangles()) {
+                let [x, y] = [x, y].map(|values| triangle.map(|node| values[node as usize]));
+                let of = |u: [f64; 3], v: [f64; 3]| (u[0] * v[0] + u[1] * v[1] + u[2] * v[2]) / 3.0;
+                *mean = SymmetricTensor::new(of(x, x), of(x, y), of(y, y));
+            }
+            return;
+        }
+        let groups = x
+            .as_chunks::<GROUP>()
+            .0
+            .iter()
+            .zip(y.as_chunks::<GROUP>().0);
+        for (means, (x, y)) in means.chunks_mut(LANES).zip(groups) {
+            let [mut xx, mut xy, mut yy] = [[0.0; LANES]; 3];
+            let rows = x
+                .as_chunks::<LANES>()
+                .0
+                .iter()
+                .zip(y.as_chunks::<LANES>().0);
+            for ((x, y), weight) in rows.zip(&self.space.relative_weights) {
+                for lane in 0..LANES {
+                    xx[lane] += weight * x[lane] * x[lane];
+                    xy[lane] += weight * x[lane] * y[lane];
+                    yy[lane] += weight * y[lane] * y[lane];
                 }
             }
-        };
-        for (means, triangle) in means.iter_mut().zip(self.triangles()) {
-            let x = triangle.map(|node| x[node as usize]);
-            let y = triangle.map(|node| y[node as usize]);
-            *means = SymmetricTensor::new(mean(x, x), mean(x, y), mean(y, y));
-        }
-    }
-
-    /// load_i ← load_i + ∫ c u ψ_i for a coefficient on the triangles and a P1 function u given at
-    /// the nodes.
-    pub fn add_element_product(
-        &self,
-        coefficient: impl IntoIterator<Item = f64>,
-        u: &[f64],
-        load: &mut [f64],
-    ) {
-        let elements = self.triangles().iter().zip(self.areas());
-        for (c, (triangle, area)) in coefficient.into_iter().zip(elements) {
-            let values = triangle.map(|node| u[node as usize]);
-            let sum = values[0] + values[1] + values[2];
-            for (&node, value) in triangle.iter().zip(values) {
-                load[node as usize] += match self.space.rule() {
-                    QuadratureRule::Lumped => c * area / 3.0 * value,
-                    QuadratureRule::Consistent => c * area / 12.0 * (sum + value),
-                };
+            for (lane, mean) in means.iter_mut().enumerate() {
+                *mean = SymmetricTensor::new(xx[lane], xy[lane], yy[lane]);
             }
         }
     }
@@ -472,89 +410,81 @@ fn lanes(values: &[f64]) -> Lane {
 
 /// The nodal values at the corners of a group's triangles: corner by corner.
 #[inline(always)]
-fn corners(nodal: &[f64], triangles: &[[u32; 3]]) -> [Lane; 3] {
+fn corners(nodal: &[f64], triangles: &[[u32; 3]]) -> [f64x8; 3] {
     let mut corners = [[0.0; LANES]; 3];
     for (lane, triangle) in triangles.iter().enumerate() {
         for (corner, &node) in corners.iter_mut().zip(triangle) {
             corner[lane] = nodal[node as usize];
         }
     }
-    corners
+    corners.map(f64x8::new)
+}
+
+/// entries ← entries + factor · sums, entry by entry.
+#[inline(always)]
+fn add_times<const N: usize>(entries: &mut [Lane; N], factor: &Lane, sums: &[f64x8; N]) {
+    let factor = f64x8::new(*factor);
+    for (entry, sum) in entries.iter_mut().zip(sums) {
+        *entry = (f64x8::new(*entry) + factor * *sum).to_array();
+    }
 }
 
 /// The gradients on the triangles of a group: (a − c)∇ψ_a + (b − c)∇ψ_b.
 #[inline(always)]
-fn store_gradients([a, b, c]: &[Lane; 3], [ax, ay, bx, by]: &[Lane; 4], gradients: &mut [Vector]) {
-    let mut all = [Vector::zeros(); LANES];
-    for lane in 0..LANES {
-        let (first, second) = (a[lane] - c[lane], b[lane] - c[lane]);
-        all[lane].x = first * ax[lane] + second * bx[lane];
-        all[lane].y = first * ay[lane] + second * by[lane];
-    }
-    match gradients.first_chunk_mut() {
-        Some(full) => *full = all,
-        None => gradients.copy_from_slice(&all[..gradients.len()]),
+fn store_gradients([a, b, c]: &[f64x8; 3], slopes: &[Lane; 4], gradients: &mut [Vector]) {
+    let [ax, ay, bx, by] = slopes.map(f64x8::new);
+    let (first, second) = (*a - *c, *b - *c);
+    let x = (first * ax + second * bx).to_array();
+    let y = (first * ay + second * by).to_array();
+    match gradients.first_chunk_mut::<LANES>() {
+        Some(full) => {
+            for lane in 0..LANES {
+                full[lane] = Vector::new(x[lane], y[lane]);
+            }
+        }
+        None => {
+            for (lane, gradient) in gradients.iter_mut().enumerate() {
+                *gradient = Vector::new(x[lane], y[lane]);
+            }
+        }
     }
 }
 
 /// ∫ q·∇ψ for the three corners of a group's triangles.
 #[inline(always)]
-fn flux_entries(areas: &[f64], [ax, ay, bx, by]: &[Lane; 4], fluxes: &[Vector]) -> [Lane; 3] {
-    let mut entries = [[0.0; LANES]; 3];
-    let mut all = [Vector::zeros(); LANES];
-    match fluxes.first_chunk() {
-        Some(full) => all = *full,
-        None => all[..fluxes.len()].copy_from_slice(fluxes),
+fn flux_entries(areas: &Lane, slopes: &[Lane; 4], fluxes: &[Vector]) -> LoadEntries {
+    let (mut x, mut y) = ([0.0; LANES], [0.0; LANES]);
+    match fluxes.first_chunk::<LANES>() {
+        Some(full) => {
+            for lane in 0..LANES {
+                (x[lane], y[lane]) = (full[lane].x, full[lane].y);
+            }
+        }
+        None => {
+            for (lane, flux) in fluxes.iter().enumerate() {
+                (x[lane], y[lane]) = (flux.x, flux.y);
+            }
+        }
     }
-    let areas = lanes(areas);
-    for lane in 0..LANES {
-        let (x, y) = (areas[lane] * all[lane].x, areas[lane] * all[lane].y);
-        let (first, second) = (x * ax[lane] + y * ay[lane], x * bx[lane] + y * by[lane]);
-        entries[0][lane] = first;
-        entries[1][lane] = second;
-        entries[2][lane] = -(first + second);
-    }
-    entries
+    let [ax, ay, bx, by] = slopes.map(f64x8::new);
+    let areas = f64x8::new(*areas);
+    let (x, y) = (areas * f64x8::new(x), areas * f64x8::new(y));
+    let (first, second) = (x * ax + y * ay, x * bx + y * by);
+    [first, second, -(first + second)].map(|entry| entry.to_array())
 }
 
 /// ∫ (T ∇ψ_j)·∇ψ_i for the triangles of a group; T by its entries xx, xy, yy.
 #[inline(always)]
-fn stiffness_entries(
-    areas: &Lane,
-    [ax, ay, bx, by]: &[Lane; 4],
-    [xx, xy, yy]: &[Lane; 3],
-) -> Entries {
-    let mut entries = [[0.0; LANES]; 6];
-    for lane in 0..LANES {
-        let (a_x, a_y, b_x, b_y) = (ax[lane], ay[lane], bx[lane], by[lane]);
-        let flux_a = [
-            areas[lane] * (xx[lane] * a_x + xy[lane] * a_y),
-            areas[lane] * (xy[lane] * a_x + yy[lane] * a_y),
-        ];
-        let flux_b = [
-            areas[lane] * (xx[lane] * b_x + xy[lane] * b_y),
-            areas[lane] * (xy[lane] * b_x + yy[lane] * b_y),
-        ];
-        let aa = flux_a[0] * a_x + flux_a[1] * a_y;
-        let ab = flux_a[0] * b_x + flux_a[1] * b_y;
-        let bb = flux_b[0] * b_x + flux_b[1] * b_y;
-        // The rows of an element's matrix have the sum zero.
-        entries[0][lane] = aa;
-        entries[1][lane] = ab;
-        entries[2][lane] = -(aa + ab);
-        entries[3][lane] = bb;
-        entries[4][lane] = -(ab + bb);
-        entries[5][lane] = aa + 2.0 * ab + bb;
-    }
-    entries
-}
-
-/// load ← load + the entries of a group's triangles.
-#[inline(always)]
-fn scatter(triangles: &[[u32; 3]], entries: &[Lane; 3], load: &mut [f64]) {
-    for (lane, triangle) in triangles.iter().enumerate() {
-        for (&node, entry) in triangle.iter().zip(entries) {
-            load[node as usize] += entry[lane];
-        }
-    }
+fn stiffness_entries(areas: &Lane, slopes: &[Lane; 4], tensor: &[Lane; 3]) -> MatrixEntries {
+    let [a_x, a_y, b_x, b_y] = slopes.map(f64x8::new);
+    let [xx, xy, yy] = tensor.map(f64x8::new);
+    let areas = f64x8::new(*areas);
+    let flux = |x, y| [areas * (xx * x + xy * y), areas * (xy * x + yy * y)];
+    let (flux_a, flux_b) = (flux(a_x, a_y), flux(b_x, b_y));
+    let aa = flux_a[0] * a_x + flux_a[1] * a_y;
+    let ab = flux_a[0] * b_x + flux_a[1] * b_y;
+    let bb = flux_b[0] * b_x + flux_b[1] * b_y;
+    // The rows of an element's matrix have the sum zero.
+    let cc = aa + f64x8::splat(2.0) * ab + bb;
+    [aa, ab, -(aa + ab), bb, -(ab + bb), cc].map(|entry| entry.to_array())
 }

@@ -35,9 +35,7 @@ pub fn l2_projection(
     let space = Space::new(mesh.clone(), QuadratureRule::Consistent);
     let mut load = vec![0.0; space.nodes()];
     let no_flux = vec![Vector::zeros(); space.elements()];
-    space
-        .whole()
-        .add_load(&values_at_points(&space, given), &no_flux, &mut load);
+    space.add_load(&values_at_points(&space, given), &no_flux, &mut load);
     let matrix = sparse(space.mass());
     solve(&space, matrix, load, wall)
 }
@@ -55,9 +53,7 @@ pub fn ritz_projection(
     let space = Space::new(mesh.clone(), QuadratureRule::Consistent);
     let mut load = vec![0.0; space.nodes()];
     let no_density = vec![0.0; space.points()];
-    space
-        .whole()
-        .add_load(&no_density, &mean_gradients(&space, given), &mut load);
+    space.add_load(&no_density, &mean_gradients(&space, given), &mut load);
     let mut projected = solve(&space, space.stiffness(), load, wall)?;
     if wall.is_none() {
         let wanted = space.whole().integrate(&values_at_points(&space, given));
@@ -200,9 +196,7 @@ mod tests {
         space.stiffness().multiply(&projected, &mut residual);
         let mut load = vec![0.0; space.nodes()];
         let no_density = vec![0.0; space.points()];
-        space
-            .whole()
-            .add_load(&no_density, &mean_gradients(&space, &bump), &mut load);
+        space.add_load(&no_density, &mean_gradients(&space, &bump), &mut load);
         for ((node, on), value) in mesh.on_boundary().iter().enumerate().zip(&projected) {
             if *on {
                 assert_eq!(*value, -1.0);

@@ -12,11 +12,11 @@
 
 use std::sync::Arc;
 
+use super::assembly::{LoadEntries, MatrixEntries};
 use super::quadrature::{POINTS, seven_points};
 use super::{Assembly, FemError, MassForm, Mesh, Patch, QuadratureRule};
 use crate::geometry::{Point, SymmetricTensor, Vector};
-use crate::linalg::SparseMatrix;
-use crate::linalg::vector;
+use crate::linalg::{SparseMatrix, op_counts, vector};
 
 /// Triangles of a group of points: one 512-bit register of f64.
 pub(super) const LANES: usize = 8;
@@ -108,17 +108,15 @@ impl Space {
             nodal_weights,
             numbers: None,
         };
-        let (points, elements) = (space.points(), space.elements());
+        let (nothing, one) = (vec![0.0; space.points()], vec![1.0; space.points()]);
+        let identity = vec![SymmetricTensor::isotropic(1.0); space.elements()];
         let mut stiffness = space.stiffness.clone();
-        let nothing = vec![0.0; points];
-        let identity = vec![SymmetricTensor::isotropic(1.0); elements];
-        space
-            .whole()
-            .add_mass_and_stiffness(&nothing, &identity, &mut stiffness.values);
+        space.add_mass_and_stiffness(&nothing, &identity, &mut stiffness.values);
         space.stiffness = stiffness;
-        if rule == QuadratureRule::Consistent {
-            let mut mass = SparseMatrix::zeros(space.assembly.pattern.clone());
-            space.whole().add_mass(&vec![1.0; points], &mut mass.values);
+        if let MassForm::Sparse(mass) = &space.mass {
+            let mut mass = mass.clone();
+            let nothing = vec![SymmetricTensor::default(); space.elements()];
+            space.add_mass_and_stiffness(&one, &nothing, &mut mass.values);
             space.mass = MassForm::Sparse(mass);
         }
         space
@@ -206,16 +204,39 @@ impl Space {
         triangle / LANES * GROUP + point * LANES + triangle % LANES
     }
 
-    /// The pieces of the space, in order. With the lumped rule there is one, for its points are the
-    /// nodes and each has triangles everywhere about it.
+    /// Triangles of a piece. With the lumped rule there is one, for its points are the nodes and each has triangles
+    /// everywhere about it.
+    fn piece(&self) -> usize {
+        let all = self.elements().max(1);
+        match self.rule {
+            QuadratureRule::Lumped => all,
+            QuadratureRule::Consistent => all.min(PATCH * LANES),
+        }
+    }
+
+    /// How many pieces there are.
+    pub fn pieces(&self) -> usize {
+        self.elements().div_ceil(self.piece())
+    }
+
+    /// Groups of triangles of a piece, but for the last one, which may have fewer.
+    pub fn groups_of_piece(&self) -> usize {
+        self.piece().div_ceil(LANES)
+    }
+
+    /// Groups of triangles in all.
+    pub fn groups(&self) -> usize {
+        self.slopes.len()
+    }
+
+    /// One of the pieces, in their order.
+    pub fn nth_patch(&self, number: usize) -> Patch<'_> {
+        self.patch(number * self.piece(), self.piece())
+    }
+
+    /// The pieces of the space, in order.
     pub fn patches(&self) -> impl Iterator<Item = Patch<'_>> {
-        let elements = match self.rule {
-            QuadratureRule::Lumped => self.elements(),
-            QuadratureRule::Consistent => self.elements().min(PATCH * LANES),
-        };
-        (0..self.elements())
-            .step_by(elements.max(1))
-            .map(move |first| self.patch(first, elements))
+        (0..self.pieces()).map(|number| self.nth_patch(number))
     }
 
     /// The whole space as one piece.
@@ -253,6 +274,51 @@ impl Space {
     /// The values at the points of a function of the place.
     pub fn sample(&self, f: impl Fn(Point) -> f64) -> Vec<f64> {
         self.point_positions().into_iter().map(f).collect()
+    }
+
+    /// load ← load + the entries of all triangles, and with the lumped rule ∫ f ψ_i for a density f at the nodes.
+    pub fn collect_load(&self, entries: &[LoadEntries], density: &[f64], load: &mut [f64]) {
+        if self.rule == QuadratureRule::Lumped {
+            for ((load, weight), f) in load.iter_mut().zip(&self.weights).zip(density) {
+                *load += weight * f;
+            }
+        }
+        self.assembly.collect_load(entries, load);
+    }
+
+    /// values ← values + ∫ c ψ_j ψ_i for a coefficient c at the nodes, with the lumped rule; with the consistent one nothing,
+    /// for there it is in the entries of the triangles.
+    pub fn add_diagonal(&self, coefficient: &[f64], values: &mut [f64]) {
+        if self.rule == QuadratureRule::Lumped {
+            let nodes = self.assembly.diagonal.iter().zip(&self.weights);
+            for ((&position, weight), c) in nodes.zip(coefficient) {
+                values[position as usize] += weight * c;
+            }
+        }
+    }
+
+    /// load_i ← load_i + ∫ f ψ_i + ∫ q·∇ψ_i for a density f at the points and a flux q on the triangles. Allocates: for what is
+    /// computed once.
+    pub fn add_load(&self, density: &[f64], fluxes: &[Vector], load: &mut [f64]) {
+        let mut entries = vec![LoadEntries::default(); self.groups()];
+        self.whole().load_entries(density, fluxes, &mut entries);
+        self.collect_load(&entries, density, load);
+    }
+
+    /// matrix ← matrix + ∫ c ψ_j ψ_i + ∫ (T ∇ψ_j)·∇ψ_i for a coefficient c at the points and a tensor T on the triangles;
+    /// `values` are stored in the pattern of the mesh. Allocates: for what is computed once.
+    pub fn add_mass_and_stiffness(
+        &self,
+        coefficient: &[f64],
+        tensors: &[SymmetricTensor],
+        values: &mut [f64],
+    ) {
+        let mut entries = vec![MatrixEntries::default(); self.groups()];
+        let whole = self.whole();
+        whole.mass_and_stiffness_entries(coefficient, tensors, &mut entries);
+        op_counts::assemblies(1);
+        self.add_diagonal(coefficient, values);
+        self.assembly.collect_matrices([&entries], [values]);
     }
 
     /// ∫ u for a P1 function.

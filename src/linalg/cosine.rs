@@ -10,8 +10,17 @@
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 
+use super::parallel;
+
 /// The sizes of the dense matrices are multiples of this: two registers of eight f64.
 const PADDING: usize = 16;
+
+/// A folded part of the grid, and room for a product with it.
+#[derive(Debug)]
+struct Part {
+    values: Mat<f64>,
+    product: Mat<f64>,
+}
 
 /// The transform of a grid of (n + 1)² values, row after row.
 #[derive(Debug)]
@@ -22,8 +31,7 @@ pub struct CosineTransform {
     waves: [Mat<f64>; 2],
     /// The four folded parts, by the parities in the row number and in the column number of the
     /// grid; a column of a part is a row of the grid.
-    parts: [[Mat<f64>; 2]; 2],
-    product: [[Mat<f64>; 2]; 2],
+    parts: [[Part; 2]; 2],
     /// One row of the grid plus and minus its mirror image.
     folded: [Vec<f64>; 2],
 }
@@ -47,13 +55,14 @@ impl CosineTransform {
                 (std::f64::consts::PI * ((j * k) % (2 * n)) as f64 / n as f64).cos()
             })
         };
-        let part =
-            || [0, 1].map(|rows| [0, 1].map(|columns| Mat::zeros(padded[columns], padded[rows])));
+        let part = |rows: usize, columns: usize| Part {
+            values: Mat::zeros(padded[columns], padded[rows]),
+            product: Mat::zeros(padded[columns], padded[rows]),
+        };
         Self {
             intervals,
             waves: [wave(0), wave(1)],
-            parts: part(),
-            product: part(),
+            parts: [0, 1].map(|rows| [0, 1].map(|columns| part(rows, columns))),
             folded: [vec![0.0; n + 1], vec![0.0; n + 1]],
         }
     }
@@ -103,28 +112,27 @@ impl CosineTransform {
     /// multiplier, and the transform back, unscaled.
     pub fn filter(&mut self, multiplier: &Multiplier, x: &[f64], y: &mut [f64]) {
         self.fold(x);
-        for rows in 0..2 {
-            for columns in 0..2 {
-                let part = &mut self.parts[rows][columns];
-                let product = &mut self.product[rows][columns];
-                let (along, across) = (self.waves[columns].as_ref(), self.waves[rows].as_ref());
-                sandwich(part, product, along, across.transpose());
-                let factors = &multiplier.0[rows][columns];
-                for column in 0..part.ncols() {
-                    let values = part.col_as_slice_mut(column);
-                    for (value, factor) in values.iter_mut().zip(factors.col_as_slice(column)) {
-                        *value *= factor;
-                    }
+        let waves = &self.waves;
+        let parts = self.parts.as_flattened_mut();
+        parallel::over_items(parts, ((), 0), |number, part, ()| {
+            let (rows, columns) = (number / 2, number % 2);
+            let (along, across) = (waves[columns].as_ref(), waves[rows].as_ref());
+            part.multiply(along, across.transpose());
+            let factors = &multiplier.0[rows][columns];
+            for column in 0..factors.ncols() {
+                let values = part.values.col_as_slice_mut(column);
+                for (value, factor) in values.iter_mut().zip(factors.col_as_slice(column)) {
+                    *value *= factor;
                 }
-                sandwich(part, product, along.transpose(), across);
             }
-        }
+            part.multiply(along.transpose(), across);
+        });
         self.unfold(y);
         // Every value of y depends on every value of x. The padding, too, is no longer zero then, and
         // would spoil whatever is transformed next.
         if !y.first().is_none_or(|value| value.is_finite()) {
             for part in self.parts.iter_mut().flatten() {
-                part.fill(0.0);
+                part.values.fill(0.0);
             }
         }
     }
@@ -149,8 +157,8 @@ impl CosineTransform {
             for rows in 0..parities {
                 let [even, odd] = &mut self.parts[rows];
                 let (even, odd) = (
-                    &mut even.col_as_slice_mut(i)[..=n / 2],
-                    odd.col_as_slice_mut(i),
+                    &mut even.values.col_as_slice_mut(i)[..=n / 2],
+                    odd.values.col_as_slice_mut(i),
                 );
                 let values = &self.folded[rows];
                 let mirrored = values.iter().rev();
@@ -173,7 +181,10 @@ impl CosineTransform {
             let parities = if i == n - i { 1 } else { 2 };
             for rows in 0..parities {
                 let [even, odd] = &self.parts[rows];
-                let (even, odd) = (&even.col_as_slice(i)[..=n / 2], odd.col_as_slice(i));
+                let (even, odd) = (
+                    &even.values.col_as_slice(i)[..=n / 2],
+                    odd.values.col_as_slice(i),
+                );
                 let values = &mut self.folded[rows];
                 for (j, (e, o)) in even.iter().zip(odd).enumerate() {
                     values[j] = e + o;
@@ -202,15 +213,20 @@ impl CosineTransform {
 #[derive(Debug)]
 pub struct Multiplier([[Mat<f64>; 2]; 2]);
 
-/// part ← left · part · right.
-fn sandwich(
-    part: &mut Mat<f64>,
-    product: &mut Mat<f64>,
-    left: MatRef<'_, f64>,
-    right: MatRef<'_, f64>,
-) {
-    matmul(&mut *product, Accum::Replace, left, &*part, 1.0, Par::Seq);
-    matmul(&mut *part, Accum::Replace, &*product, right, 1.0, Par::Seq);
+impl Part {
+    /// values ← left · values · right.
+    fn multiply(&mut self, left: MatRef<'_, f64>, right: MatRef<'_, f64>) {
+        let Self { values, product } = self;
+        matmul(&mut *product, Accum::Replace, left, &*values, 1.0, Par::Seq);
+        matmul(
+            &mut *values,
+            Accum::Replace,
+            &*product,
+            right,
+            1.0,
+            Par::Seq,
+        );
+    }
 }
 
 #[cfg(test)]

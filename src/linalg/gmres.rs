@@ -120,11 +120,15 @@ impl Gmres {
         preconditioner.apply(&old[column], direction);
         matrix.apply(direction, next);
         let entries = &mut self.hessenberg[column];
-        for (entry, v) in entries.iter_mut().zip(old.iter()) {
-            *entry = vector::dot(next, v);
-            vector::add_scaled(next, -*entry, v);
+        let mut along = vector::dot(next, &old[0]);
+        let mut length = 0.0;
+        for (number, v) in old.iter().enumerate() {
+            entries[number] = along;
+            match old.get(number + 1) {
+                Some(other) => along = vector::add_scaled_and_dot(next, -along, v, other),
+                None => length = vector::add_scaled_and_norm(next, -along, v),
+            }
         }
-        let length = vector::norm(next);
         entries[column + 1] = length;
         if length > 0.0 {
             vector::scale(next, 1.0 / length);

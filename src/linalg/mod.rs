@@ -9,6 +9,7 @@ mod gmres;
 mod lower_triangle;
 pub(crate) mod op_counts;
 mod ordering;
+pub mod parallel;
 mod shifted_cholesky;
 mod sparse;
 mod supernodal;
@@ -21,7 +22,7 @@ pub use factor::Ldlt;
 pub use gmres::{Gmres, Outcome};
 pub use ordering::minimum_degree;
 pub use shifted_cholesky::ShiftedFactors;
-pub use sparse::{Pattern, SparseMatrix};
+pub use sparse::{Block, Pattern, SparseMatrix, rows};
 
 /// A linear map between vectors of the same length: a matrix, a matrix-free product, or a
 /// preconditioner.

@@ -6,7 +6,7 @@
 pub(crate) struct Counts {
     /// Products of a sparse matrix and a vector.
     pub(crate) products: u64,
-    /// Matrices assembled on a patch.
+    /// Matrices assembled.
     pub(crate) assemblies: u64,
 }
 
@@ -26,13 +26,13 @@ pub(crate) fn products(_count: u64) {
     });
 }
 
-/// A matrix assembled on a patch.
+/// So many matrices assembled.
 #[inline(always)]
-pub(crate) fn assembly() {
+pub(crate) fn assemblies(_count: u64) {
     #[cfg(test)]
     COUNTS.with(|counts| {
         let mut now = counts.get();
-        now.assemblies += 1;
+        now.assemblies += _count;
         counts.set(now);
     });
 }

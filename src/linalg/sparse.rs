@@ -9,10 +9,13 @@
 
 use std::sync::Arc;
 
-use super::op_counts;
+use super::{op_counts, parallel};
 
 /// Rows of a block: one 512-bit register of f64.
 const LANES: usize = 8;
+
+/// A value for each row of a block.
+pub type Block = [f64; LANES];
 
 /// Marks a slot whose columns are not consecutive.
 const GATHER: u32 = u32::MAX;
@@ -136,104 +139,133 @@ impl Pattern {
             .map(|(position, _)| position)
     }
 
-    /// Calls `each(first row, products)` for every block of rows, with the products of N matrices
-    /// and N vectors: the loop that all products share.
+    /// What N matrices make of N vectors in a block of rows: the loop that all products share.
     #[inline(always)]
-    fn for_each_block<const N: usize>(
+    fn block<const N: usize>(
         &self,
-        values: [&[f64]; N],
-        vectors: [&[f64]; N],
-        mut each: impl FnMut(usize, [[f64; LANES]; N]),
-    ) {
-        op_counts::products(N as u64);
-        let values = values.map(|values| values.as_chunks::<LANES>().0);
-        let mut start = 0;
-        for (block, &end) in self.block_start[1..].iter().enumerate() {
-            let end = end as usize;
-            let mut sums = [[0.0; LANES]; N];
-            let slots = self.runs[start..end].iter().zip(&self.columns[start..end]);
-            for (slot, (&run, columns)) in slots.enumerate() {
-                for matrix in 0..N {
-                    let entries = &values[matrix][start + slot];
-                    let (vector, sums) = (vectors[matrix], &mut sums[matrix]);
-                    // Two loops, not one with two sources: each is a handful of instructions.
-                    match vector
-                        .get(run as usize..)
-                        .and_then(<[f64]>::first_chunk::<LANES>)
-                    {
-                        Some(x) => {
-                            for lane in 0..LANES {
-                                sums[lane] += entries[lane] * x[lane];
-                            }
+        block: usize,
+        values: &[&[[f64; LANES]]; N],
+        vectors: &[&[f64]; N],
+    ) -> [Block; N] {
+        let slots = self.block_start[block] as usize..self.block_start[block + 1] as usize;
+        let mut sums = [[0.0; LANES]; N];
+        let values = values.map(|values| &values[slots.clone()]);
+        let slots = self.runs[slots.clone()].iter().zip(&self.columns[slots]);
+        for (slot, (&run, columns)) in slots.enumerate() {
+            for matrix in 0..N {
+                let entries = &values[matrix][slot];
+                let (vector, sums) = (vectors[matrix], &mut sums[matrix]);
+                // Two loops, not one with two sources: each is a handful of instructions.
+                match vector
+                    .get(run as usize..)
+                    .and_then(<[f64]>::first_chunk::<LANES>)
+                {
+                    Some(x) => {
+                        for lane in 0..LANES {
+                            sums[lane] += entries[lane] * x[lane];
                         }
-                        None => {
-                            for lane in 0..LANES {
-                                sums[lane] += entries[lane] * vector[columns[lane] as usize];
-                            }
+                    }
+                    None => {
+                        for lane in 0..LANES {
+                            sums[lane] += entries[lane] * vector[columns[lane] as usize];
                         }
                     }
                 }
             }
-            each(LANES * block, sums);
-            start = end;
         }
+        sums
     }
 
-    /// Calls `each(row, products)` for every row, with what N matrices make of N vectors there: for operators
-    /// that are a combination of several, in one sweep.
-    pub fn for_each_row<const N: usize>(
+    /// For every block of rows, outputs ← each(products, inputs, outputs), with what N matrices make of N vectors there and the
+    /// rows of other vectors: for operators that are a combination of several, in one sweep. The rows that the last block
+    /// does not have are zero.
+    #[inline(always)]
+    pub fn sweep<const N: usize, const K: usize, const M: usize>(
         &self,
-        matrices: [&[f64]; N],
-        vectors: [&[f64]; N],
-        mut each: impl FnMut(usize, [f64; N]),
+        (matrices, vectors): ([&[f64]; N], [&[f64]; N]),
+        inputs: [&[f64]; K],
+        outputs: [&mut [f64]; M],
+        each: impl Fn([Block; N], [Block; K], [Block; M]) -> [Block; M] + Sync,
     ) {
-        self.for_each_block(matrices, vectors, |first, sums| {
-            for lane in 0..LANES.min(self.size - first) {
-                each(first + lane, sums.map(|sums| sums[lane]));
+        op_counts::products(N as u64);
+        let values = matrices.map(|values| values.as_chunks::<LANES>().0);
+        parallel::over_pieces(outputs, |first, outputs| {
+            let length = outputs.first().map_or(0, |output| output.len());
+            let inputs = inputs.map(|input| in_blocks(&input[first..first + length]));
+            let mut outputs = outputs.map(|output| {
+                let (blocks, rest) = output.as_chunks_mut();
+                let last = filled(rest);
+                (blocks, rest, last)
+            });
+            let first = first / LANES;
+            // In one place, so that what is done with the products is compiled into the loop; and by value, so that the
+            // compiler knows that no row is another.
+            for block in 0..length.div_ceil(LANES) {
+                let products = self.block(first + block, &values, &vectors);
+                let inputs = inputs
+                    .each_ref()
+                    .map(|(blocks, last)| *blocks.get(block).unwrap_or(last));
+                let places = outputs
+                    .each_mut()
+                    .map(|(blocks, _, last)| blocks.get_mut(block).unwrap_or(last));
+                let rows = each(products, inputs, places.each_ref().map(|place| **place));
+                for (place, row) in places.into_iter().zip(rows) {
+                    *place = row;
+                }
+            }
+            for (_, rest, last) in &mut outputs {
+                let rows = rest.len();
+                rest.copy_from_slice(&last[..rows]);
             }
         });
     }
 
     /// y ← A x.
     pub fn multiply(&self, a: &[f64], x: &[f64], y: &mut [f64]) {
-        self.for_each_block([a], [x], |first, [sums]| {
-            write(y, first, |y, lane| *y = sums[lane]);
-        });
+        self.sweep(([a], [x]), [], [y], |[sums], [], _| [sums]);
     }
 
     /// y ← y + s A x.
     pub fn multiply_add(&self, s: f64, a: &[f64], x: &[f64], y: &mut [f64]) {
-        self.for_each_block([a], [x], |first, [sums]| {
-            write(y, first, |y, lane| *y += s * sums[lane]);
+        self.sweep(([a], [x]), [], [y], |[sums], [], [y]| {
+            [rows(|row| y[row] + s * sums[row])]
         });
     }
 
     /// (A x, B x) in one sweep.
     pub fn multiply_both(&self, matrices: [&[f64]; 2], x: &[f64], ax: &mut [f64], bx: &mut [f64]) {
-        self.for_each_block(matrices, [x, x], |first, [a, b]| {
-            write(ax, first, |y, lane| *y = a[lane]);
-            write(bx, first, |y, lane| *y = b[lane]);
-        });
+        self.sweep((matrices, [x, x]), [], [ax, bx], |both, [], _| both);
     }
 
     /// y ← A x + s B z in one sweep.
     pub fn multiply_sum(&self, a: &[f64], x: &[f64], s: f64, b: &[f64], z: &[f64], y: &mut [f64]) {
-        self.for_each_block([a, b], [x, z], |first, [a, b]| {
-            write(y, first, |y, lane| *y = a[lane] + s * b[lane]);
+        self.sweep(([a, b], [x, z]), [], [y], |[a, b], [], _| {
+            [rows(|row| a[row] + s * b[row])]
         });
     }
 }
 
-/// Calls `each(y, lane)` for the rows of y that a block writes.
+/// A block of rows, by the number of the row in it.
 #[inline(always)]
-fn write(y: &mut [f64], first: usize, mut each: impl FnMut(&mut f64, usize)) {
-    match y[first..].first_chunk_mut::<LANES>() {
-        Some(rows) => (0..LANES).for_each(|lane| each(&mut rows[lane], lane)),
-        None => y[first..]
-            .iter_mut()
-            .enumerate()
-            .for_each(|(lane, y)| each(y, lane)),
+pub fn rows(value: impl Fn(usize) -> f64) -> Block {
+    let mut block = [0.0; LANES];
+    for (row, place) in block.iter_mut().enumerate() {
+        *place = value(row);
     }
+    block
+}
+
+/// Whole blocks of rows, and the last rows with zeros.
+fn in_blocks(rows: &[f64]) -> (&[Block], Block) {
+    let (blocks, rest) = rows.as_chunks();
+    (blocks, filled(rest))
+}
+
+/// The last rows, and zeros.
+fn filled(rows: &[f64]) -> Block {
+    let mut block = [0.0; LANES];
+    block[..rows.len()].copy_from_slice(rows);
+    block
 }
 
 /// A square sparse matrix.
@@ -264,14 +296,15 @@ impl SparseMatrix {
 
     /// xᵀ A x.
     pub fn quadratic_form(&self, x: &[f64]) -> f64 {
+        op_counts::products(1);
+        let values = [self.values.as_chunks::<LANES>().0];
         let mut lanes = [0.0; LANES];
-        self.pattern
-            .for_each_block([&self.values], [x], |first, [sums]| {
-                let end = (first + LANES).min(x.len());
-                for ((lane, sum), x) in lanes.iter_mut().zip(sums).zip(&x[first..end]) {
-                    *lane += sum * x;
-                }
-            });
+        for (number, rows) in x.chunks(LANES).enumerate() {
+            let [sums] = self.pattern.block(number, &values, &[x]);
+            for ((lane, sum), x) in lanes.iter_mut().zip(sums).zip(rows) {
+                *lane += sum * x;
+            }
+        }
         lanes.iter().sum()
     }
 
@@ -373,13 +406,17 @@ mod tests {
             for (y, (ax, az)) in y.iter().zip(ax.iter().zip(&az)) {
                 assert_eq!(*y, ax + 6.0 * az);
             }
-            let mut rows = Vec::new();
+            let mut y = vec![1.0; size];
+            let of_both = ([&a.values[..], &doubled], [&x[..], &z]);
             a.pattern
-                .for_each_row([&a.values, &doubled], [&x, &z], |row, [ax, az]| {
-                    rows.push((row, ax, az));
+                .sweep(of_both, [&x, &z], [&mut y], |[ax, az], [x, z], [y]| {
+                    let sum = |row: usize| ax[row] + az[row] + 3.0 * x[row] - z[row];
+                    [rows(|row| y[row] + sum(row))]
                 });
-            let expected = (0..size).map(|row| (row, ax[row], 2.0 * az[row]));
-            assert!(rows.into_iter().eq(expected));
+            for row in 0..size {
+                let expected = 1.0 + (ax[row] + 2.0 * az[row] + 3.0 * x[row] - z[row]);
+                assert_eq!(y[row], expected);
+            }
             let form: f64 = ax.iter().zip(&x).map(|(ax, x)| ax * x).sum();
             assert_eq!(a.quadratic_form(&x), form);
         }

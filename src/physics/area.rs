@@ -5,8 +5,8 @@ use super::potentials::{
     double_well, double_well_derivative, double_well_secant, double_well_secant_derivative,
 };
 use super::{
-    DirectorCoupling, Effect, EffectContext, MembraneForce, MembraneJacobian, PatchFields,
-    PatchStep, RankOne,
+    DirectorCoupling, Effect, EffectContext, Kept, MembraneForce, MembraneJacobian, PatchFields,
+    PatchStep, Room,
 };
 use crate::fem::{Patch, Space};
 use crate::geometry::{SymmetricTensor, Vector};
@@ -35,7 +35,7 @@ pub(super) fn of_scene(context: &EffectContext<'_>) -> Option<Box<dyn Effect>> {
     let area = scene.area.as_ref()?;
     let width = scene.membrane.interface_width;
     let initial_area = surface_area(space, phi, width);
-    Some(Box::new(Area::new(area, width, initial_area, space)))
+    Some(Box::new(Area::new(area, width, initial_area)))
 }
 
 /// The penalty of the surface area.
@@ -50,16 +50,11 @@ pub struct Area {
     /// have led, and that to which the last one leads if it is taken whole.
     followed: Option<f64>,
     corrected: f64,
-    scratch: Vec<f64>,
-    flux: Vec<Vector>,
-    rank_one: RankOne,
-    /// Whether the last linearisation has the rank-one term.
-    has_rank_one: bool,
 }
 
 impl Area {
     /// η of a scene, and β as its fraction of B(φ⁰).
-    pub fn new(area: &scene::Area, interface_width: f64, initial_area: f64, space: &Space) -> Self {
+    pub fn new(area: &scene::Area, interface_width: f64, initial_area: f64) -> Self {
         Self {
             interface_width,
             penalty: area.penalty,
@@ -67,14 +62,6 @@ impl Area {
             tension: 0.0,
             followed: None,
             corrected: 0.0,
-            scratch: Vec::new(),
-            flux: Vec::new(),
-            rank_one: RankOne {
-                scale: 0.5 / area.penalty,
-                column: vec![0.0; space.nodes()],
-                row: vec![0.0; space.nodes()],
-            },
-            has_rank_one: false,
         }
     }
 }
@@ -85,7 +72,7 @@ impl Effect for Area {
     }
 
     /// B.
-    fn integral(&mut self, patch: &Patch<'_>, at: &PatchFields) -> f64 {
+    fn integral(&self, patch: &Patch<'_>, at: &PatchFields, _: &mut Room) -> f64 {
         area_integral(patch, at, self.interface_width)
     }
 
@@ -107,7 +94,7 @@ impl Effect for Area {
     }
 
     fn newton_correction(&mut self, along: f64) {
-        self.corrected = self.tension + self.rank_one.scale * along;
+        self.corrected = self.tension + 0.5 / self.penalty * along;
         self.followed.get_or_insert(self.tension);
     }
 
@@ -120,7 +107,7 @@ impl Effect for Area {
 
     /// tension · [ε/2 (∇(φ + φⁿ), ∇ψ) + (1/ε)(F_sec, ψ)]: the bracket is an exact secant of B, so
     /// this effect has no numerical dissipation.
-    fn add_membrane_force(&mut self, step: &PatchStep<'_>, force: &mut MembraneForce) {
+    fn add_membrane_force(&self, step: &PatchStep<'_>, _: &Kept, force: &mut MembraneForce) {
         let (old, new) = (step.old, step.new);
         let tension = self.tension;
         let (along, across) = (
@@ -135,15 +122,15 @@ impl Effect for Area {
         terms.for_each(|(load, (new, old))| *load += across * double_well_secant(*new, *old));
     }
 
-    /// The derivative of the bracket, and with Newton's method that of the tension:
-    /// 1/(2η) · bracket ⊗ B'(φ).
+    /// The derivative of the bracket.
     fn add_membrane_jacobian(
-        &mut self,
+        &self,
         step: &PatchStep<'_>,
+        _: &Kept,
         iteration: Iteration,
         jacobian: &mut MembraneJacobian,
     ) {
-        let (patch, old, new) = (step.patch, step.old, step.new);
+        let (old, new) = (step.old, step.new);
         let width = self.interface_width;
         let tension = match iteration {
             Iteration::Newton => self.followed.unwrap_or(self.tension),
@@ -153,39 +140,36 @@ impl Effect for Area {
         for tensor in &mut jacobian.tensor {
             *tensor += SymmetricTensor::isotropic(along);
         }
-        let terms = jacobian
-            .reaction
-            .iter_mut()
-            .zip(new.phi.iter().zip(&old.phi));
+        let values = new.phi.iter().zip(&old.phi);
+        let terms = jacobian.reaction.iter_mut().zip(values);
         terms.for_each(|(reaction, (new, old))| {
             *reaction += across * double_well_secant_derivative(*new, *old);
         });
-        self.has_rank_one = iteration == Iteration::Newton;
-        if !self.has_rank_one {
-            return;
-        }
-        if patch.is_first() {
-            self.rank_one.column.fill(0.0);
-            self.rank_one.row.fill(0.0);
-        }
-        self.flux.resize(patch.elements(), Vector::zeros());
-        self.scratch.resize(patch.points(), 0.0);
-        let gradients = new.phi_gradient.iter().zip(&old.phi_gradient);
-        for (flux, (new, old)) in self.flux.iter_mut().zip(gradients) {
-            *flux = 0.5 * width * (new + old);
-        }
-        let terms = self.scratch.iter_mut().zip(new.phi.iter().zip(&old.phi));
-        terms.for_each(|(load, (new, old))| *load = double_well_secant(*new, *old) / width);
-        patch.add_load(&self.scratch, &self.flux, &mut self.rank_one.column);
-        for (flux, gradient) in self.flux.iter_mut().zip(&new.phi_gradient) {
-            *flux = width * gradient;
-        }
-        let terms = self.scratch.iter_mut().zip(&new.phi);
-        terms.for_each(|(load, phi)| *load = double_well_derivative(*phi) / width);
-        patch.add_load(&self.scratch, &self.flux, &mut self.rank_one.row);
     }
 
-    fn rank_one(&self) -> Option<&RankOne> {
-        self.has_rank_one.then_some(&self.rank_one)
+    /// With Newton's method that of the tension too: 1/(2η) · bracket ⊗ B'(φ).
+    fn rank_one(&self, iteration: Iteration) -> Option<f64> {
+        (iteration == Iteration::Newton).then_some(0.5 / self.penalty)
+    }
+
+    fn add_rank_one(
+        &self,
+        step: &PatchStep<'_>,
+        column: &mut MembraneForce,
+        row: &mut MembraneForce,
+    ) {
+        let (old, new, width) = (step.old, step.new, self.interface_width);
+        let gradients = new.phi_gradient.iter().zip(&old.phi_gradient);
+        let fluxes = column.flux.iter_mut().zip(&mut row.flux);
+        for ((column, row), (new, old)) in fluxes.zip(gradients) {
+            *column += 0.5 * width * (new + old);
+            *row += width * new;
+        }
+        let values = new.phi.iter().zip(&old.phi);
+        let loads = column.load.iter_mut().zip(&mut row.load);
+        for ((column, row), (new, old)) in loads.zip(values) {
+            *column += double_well_secant(*new, *old) / width;
+            *row += double_well_derivative(*new) / width;
+        }
     }
 }

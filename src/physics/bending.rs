@@ -12,7 +12,8 @@ use super::potentials::{
     bending_derivative, bending_secant, bending_secant_derivative, bending_tangent,
 };
 use super::{
-    DirectorCoupling, Effect, LedgerTerms, MembraneForce, MembraneJacobian, PatchFields, PatchStep,
+    DirectorCoupling, Effect, Kept, LedgerTerms, MembraneForce, MembraneJacobian, PatchFields,
+    PatchStep, Room,
 };
 use crate::fem::{Patch, Space};
 use crate::scene::{Iteration, Membrane, ScalarField};
@@ -31,7 +32,6 @@ pub struct Bending {
     /// What stands for G_sec(φ, φⁿ, ε k) in tests of a wrong one.
     #[cfg(test)]
     wrong_secant: Option<fn(f64, f64, f64) -> f64>,
-    scratch: Vec<f64>,
 }
 
 impl Bending {
@@ -50,7 +50,6 @@ impl Bending {
             curved: curved.filter(|curved| curved.iter().any(|k| *k != 0.0)),
             #[cfg(test)]
             wrong_secant: None,
-            scratch: Vec::new(),
         }
     }
 
@@ -82,20 +81,15 @@ impl Bending {
         }
     }
 
-    /// load ← load + (∇φ, ∇χ) + (1/ε²)(G(φ), χ): what (ω, χ) must equal.
-    pub fn add_omega_load(&mut self, patch: &Patch<'_>, at: &PatchFields, load: &mut [f64]) {
+    /// density ← (1/ε²) G(φ) at the points: with ∇φ as the flux it makes the load that (ω, χ) must equal,
+    /// (∇φ, ∇χ) + (1/ε²)(G(φ), χ).
+    pub fn omega_density(&self, patch: &Patch<'_>, at: &PatchFields, density: &mut Vec<f64>) {
         let scale = (self.interface_width * self.interface_width).recip();
-        self.scratch.resize(patch.points(), 0.0);
-        let phi = &at.phi[..self.scratch.len()];
-        Self::at_points(
-            &self.curved,
-            patch,
-            &mut self.scratch,
-            |point, curved, out| {
-                *out = scale * bending_derivative(phi[point], curved);
-            },
-        );
-        patch.add_load(&self.scratch, &at.phi_gradient, load);
+        density.resize(patch.points(), 0.0);
+        let phi = &at.phi[..density.len()];
+        Self::at_points(&self.curved, patch, density, |point, curved, out| {
+            *out = scale * bending_derivative(phi[point], curved);
+        });
     }
 
     /// (1/ε) G_sec at the points: how ω acts in the second equation.
@@ -107,12 +101,6 @@ impl Bending {
         Self::at_points(&self.curved, patch, out, |point, curved, out| {
             *out = scale * bending_secant(phi[point], phi_old[point], curved);
         });
-        #[cfg(test)]
-        if let Some(wrong) = self.wrong_secant {
-            Self::at_points(&self.curved, patch, out, |point, curved, out| {
-                *out = scale * wrong(phi[point], phi_old[point], curved);
-            });
-        }
     }
 
     /// (1/ε) G'(φ) at the points: how φ acts in the linearised third equation.
@@ -131,7 +119,7 @@ impl Effect for Bending {
         "bending"
     }
 
-    fn integral(&mut self, patch: &Patch<'_>, at: &PatchFields) -> f64 {
+    fn integral(&self, patch: &Patch<'_>, at: &PatchFields, _: &mut Room) -> f64 {
         0.5 * self.interface_width * patch.integrate_of(&at.omega, |omega| omega * omega)
     }
 
@@ -139,13 +127,25 @@ impl Effect for Bending {
         Some(DirectorCoupling::NONE)
     }
 
-    fn add_membrane_force(&mut self, step: &PatchStep<'_>, force: &mut MembraneForce) {
-        let new = step.new;
-        let mut scratch = std::mem::take(&mut self.scratch);
-        self.secant(step, &mut scratch);
-        let terms = force.load.iter_mut().zip(&scratch).zip(&new.omega);
-        terms.for_each(|((load, secant), omega)| *load += secant * omega);
-        self.scratch = scratch;
+    fn add_membrane_force(&self, step: &PatchStep<'_>, _: &Kept, force: &mut MembraneForce) {
+        let (patch, old, new) = (step.patch, step.old, step.new);
+        let points = patch.points();
+        let (phi, phi_old) = (&new.phi[..points], &old.phi[..points]);
+        let omega = &new.omega[..points];
+        let scale = self.interface_width.recip();
+        let load = &mut force.load;
+        #[cfg(test)]
+        if let Some(wrong) = self.wrong_secant {
+            Self::at_points(&self.curved, patch, load, |point, curved, load| {
+                let right = bending_secant(phi[point], phi_old[point], curved);
+                let secant = wrong(phi[point], phi_old[point], curved) - right;
+                *load += scale * secant * omega[point];
+            });
+        }
+        Self::at_points(&self.curved, patch, load, |point, curved, load| {
+            let secant = bending_secant(phi[point], phi_old[point], curved);
+            *load += scale * secant * omega[point];
+        });
         for (flux, gradient) in force.flux.iter_mut().zip(&new.omega_gradient) {
             *flux += self.interface_width * gradient;
         }
@@ -153,8 +153,9 @@ impl Effect for Bending {
 
     /// (1/ε) ∂G_sec/∂φ ω, which (4.35) leaves out.
     fn add_membrane_jacobian(
-        &mut self,
+        &self,
         step: &PatchStep<'_>,
+        _: &Kept,
         iteration: Iteration,
         jacobian: &mut MembraneJacobian,
     ) {
@@ -174,13 +175,19 @@ impl Effect for Bending {
     }
 
     /// Δt ND_ω = ε/2 ‖ω − ωⁿ‖².
-    fn add_dissipation(&mut self, step: &PatchStep<'_>, terms: &mut LedgerTerms) {
+    fn add_dissipation(
+        &self,
+        step: &PatchStep<'_>,
+        _: &Kept,
+        terms: &mut LedgerTerms,
+        room: &mut Room,
+    ) {
         let (patch, old, new) = (step.patch, step.old, step.new);
-        self.scratch.resize(patch.points(), 0.0);
-        for ((density, old), new) in self.scratch.iter_mut().zip(&old.omega).zip(&new.omega) {
-            *density = (new - old) * (new - old);
-        }
-        let value = 0.5 * self.interface_width * patch.integrate(&self.scratch);
+        let density = &mut room.points;
+        density.clear();
+        let pairs = new.omega.iter().zip(&old.omega);
+        density.extend(pairs.map(|(new, old)| (new - old) * (new - old)));
+        let value = 0.5 * self.interface_width * patch.integrate(density);
         terms.add("ND_omega", value);
     }
 }

@@ -141,10 +141,36 @@ pub struct PatchStep<'a> {
     pub scheme: TimeScheme,
 }
 
+/// What an effect keeps of a patch over substep 2, from [`Effect::begin_membrane`] to the end of the step. It is empty at first.
+#[derive(Debug, Clone, Default)]
+pub struct Kept {
+    /// Values at the points.
+    pub points: Vec<f64>,
+    /// Tensors on the triangles.
+    pub tensors: Vec<SymmetricTensor>,
+}
+
+/// Room for what an effect works out on a patch, so that nothing is allocated in a step. Others have used it before.
+#[derive(Debug, Default)]
+pub struct Room {
+    /// Values at the points.
+    pub points: Vec<f64>,
+    /// The same.
+    pub more_points: Vec<f64>,
+    /// Values on the triangles.
+    pub elements: Vec<f64>,
+    /// The same.
+    pub more_elements: Vec<f64>,
+    /// Tensors on the triangles.
+    pub tensors: Vec<SymmetricTensor>,
+    /// Numbers of the points.
+    pub numbers: Vec<u32>,
+}
+
 /// One energy and how the scheme treats it.
 ///
-/// Everything is worked out one [`Patch`] of the space at a time: slices belong to the patch. What an
-/// effect keeps over a step it stores for the whole space, and finds by the patch's ranges. Of the
+/// Everything is worked out one [`Patch`] of the space at a time, several at once where there are threads: slices belong to
+/// the patch. What an effect keeps of a patch over a step it puts into [`Kept`]. Of the
 /// states, only what is known and of use is sampled, and nothing else may be looked at (tests see to
 /// that):
 ///
@@ -156,13 +182,13 @@ pub struct PatchStep<'a> {
 /// | `begin_membrane` | φ | d |
 /// | `add_membrane_force`, `add_membrane_jacobian` | φ | φ, ω_θ |
 /// | `add_dissipation` | φ, ω, d | φ, ω, d |
-pub trait Effect: Send + std::fmt::Debug {
+pub trait Effect: Send + Sync + std::fmt::Debug {
     /// Its name: the column `E_<name>` of a history.
     fn name(&self) -> &'static str;
 
     /// The patch's share of the integral that the energy follows from; most energies *are* an
     /// integral, weighted as in E_tot.
-    fn integral(&mut self, patch: &Patch<'_>, at: &PatchFields) -> f64;
+    fn integral(&self, patch: &Patch<'_>, at: &PatchFields, room: &mut Room) -> f64;
 
     /// The energy, weighted as in E_tot, from the integral over the whole domain.
     fn energy(&self, integral: f64) -> f64 {
@@ -198,28 +224,43 @@ pub trait Effect: Send + std::fmt::Debug {
 
     /// Adds the director force at the new d, an iterate (dⁿ itself in the scheme of first order, where it is affine), and
     /// its linear part.
-    fn add_director_force(&mut self, _step: &PatchStep<'_>, _form: &mut DirectorForm) {}
+    fn add_director_force(
+        &self,
+        _step: &PatchStep<'_>,
+        _form: &mut DirectorForm,
+        _room: &mut Room,
+    ) {
+    }
 
     /// Called once a step before substep 2, when the new director is known: the place to prepare
     /// what depends on φⁿ and d only.
-    fn begin_membrane(&mut self, _step: &PatchStep<'_>) {}
+    fn begin_membrane(&self, _step: &PatchStep<'_>, _kept: &mut Kept, _room: &mut Room) {}
 
     /// Adds the membrane force.
-    fn add_membrane_force(&mut self, _step: &PatchStep<'_>, _force: &mut MembraneForce) {}
+    fn add_membrane_force(&self, _step: &PatchStep<'_>, _kept: &Kept, _force: &mut MembraneForce) {}
 
     /// Adds the derivative of the membrane force with respect to φ, for the given iteration.
     fn add_membrane_jacobian(
-        &mut self,
+        &self,
         _step: &PatchStep<'_>,
+        _kept: &Kept,
         _iteration: Iteration,
         _jacobian: &mut MembraneJacobian,
     ) {
     }
 
-    /// The part of the derivative that is a product of two vectors, as of the last calls of
-    /// [`add_membrane_jacobian`](Self::add_membrane_jacobian) for all patches.
-    fn rank_one(&self) -> Option<&RankOne> {
+    /// Whether a part of the derivative, for the given iteration, is a product of two vectors, scale · column rowᵀ: its scale.
+    fn rank_one(&self, _iteration: Iteration) -> Option<f64> {
         None
+    }
+
+    /// Adds the densities of these two vectors, if there is such a part. In `step` only φ is sampled.
+    fn add_rank_one(
+        &self,
+        _step: &PatchStep<'_>,
+        _column: &mut MembraneForce,
+        _row: &mut MembraneForce,
+    ) {
     }
 
     /// Told what the correction of Newton's method that was just solved for makes of the rank-one term:
@@ -241,7 +282,7 @@ pub trait Effect: Send + std::fmt::Debug {
 
     /// The patch's share of the work that it has done from outside on the director in substep 1, if it
     /// [`does_work`](Self::does_work).
-    fn work(&mut self, _step: &PatchStep<'_>) -> f64 {
+    fn work(&self, _step: &PatchStep<'_>, _room: &mut Room) -> f64 {
         0.0
     }
 
@@ -252,7 +293,14 @@ pub trait Effect: Send + std::fmt::Debug {
 
     /// Adds the terms of the numerical dissipation, each Δt·ND ≥ 0 (times Δt, so that nothing is
     /// divided by a small number); and minus the work that comes from outside, of either sign.
-    fn add_dissipation(&mut self, _step: &PatchStep<'_>, _terms: &mut LedgerTerms) {}
+    fn add_dissipation(
+        &self,
+        _step: &PatchStep<'_>,
+        _kept: &Kept,
+        _terms: &mut LedgerTerms,
+        _room: &mut Room,
+    ) {
+    }
 }
 
 /// The director force near an iterate d*, tested with e:
@@ -365,6 +413,8 @@ impl MembraneJacobian {
 /// The matrix scale · column rowᵀ, in nodal loads.
 #[derive(Debug, Clone)]
 pub struct RankOne {
+    /// The number of the effect that it belongs to.
+    pub effect: usize,
     /// Its factor.
     pub scale: f64,
     /// The column vector.

@@ -35,17 +35,17 @@ use super::potentials::{
     phase_indicator_derivative,
 };
 use super::{
-    DirectorCoupling, DirectorForm, Effect, EffectContext, Interval, LedgerTerms, MembraneForce,
-    MembraneJacobian, PatchFields, PatchStep,
+    DirectorCoupling, DirectorForm, Effect, EffectContext, Interval, Kept, LedgerTerms,
+    MembraneForce, MembraneJacobian, PatchFields, PatchStep, Room,
 };
-use crate::fem::{Patch, Space};
+use crate::fem::Patch;
 use crate::geometry::{SymmetricTensor, Vector};
 use crate::scene::{self, Iteration, TimeScheme};
 
 /// The effect, where the scene has it.
 pub(super) fn of_scene(context: &EffectContext<'_>) -> Option<Box<dyn Effect>> {
     let field = context.scene.field.as_ref()?;
-    Some(Box::new(Field::new(field, context.space)))
+    Some(Box::new(Field::new(field)))
 }
 
 /// An external field on the director.
@@ -59,47 +59,59 @@ pub struct Field {
     until: f64,
     /// Whether it is switched on.
     on: bool,
-    /// ⟨½ (d·H)²⟩ of the new director, brought to the points of the space, kept over substep 2.
-    squares: Vec<f64>,
-    points: Vec<f64>,
-    elements: Vec<f64>,
-    weights: Vec<f64>,
 }
 
 impl Field {
     /// χ, H and the times of a scene.
-    pub fn new(field: &scene::Field, space: &Space) -> Self {
+    pub fn new(field: &scene::Field) -> Self {
         Self {
             weight: field.weight,
             vector: field.vector(),
             from: field.from,
             until: field.until.unwrap_or(f64::INFINITY),
             on: field.from <= 0.0,
-            squares: vec![0.0; space.points()],
-            points: Vec::new(),
-            elements: Vec::new(),
-            weights: Vec::new(),
         }
     }
 
-    /// elements ← ⟨½ (v·H)²⟩ for a vector field v at the points.
-    fn fill_squares(&mut self, patch: &Patch<'_>, values: impl Iterator<Item = Vector>) {
-        self.points.clear();
-        self.points.extend(values.map(|v| {
+    /// room.elements ← ⟨½ (v·H)²⟩ for a vector field v at the points.
+    fn fill_squares(
+        &self,
+        patch: &Patch<'_>,
+        values: impl Iterator<Item = Vector>,
+        room: &mut Room,
+    ) {
+        room.points.clear();
+        room.points.extend(values.map(|v| {
             let component = self.vector.dot(&v);
             0.5 * component * component
         }));
-        self.elements.resize(patch.elements(), 0.0);
-        patch.element_means(&self.points, &mut self.elements);
+        room.elements.resize(patch.elements(), 0.0);
+        patch.element_means(&room.points, &mut room.elements);
     }
 
-    /// weights ← ⟨I(φ)⟩.
-    fn fill_indicator(&mut self, patch: &Patch<'_>, phi: &[f64]) {
-        self.points.clear();
-        self.points
-            .extend(phi.iter().map(|phi| phase_indicator(*phi)));
-        self.weights.resize(patch.elements(), 0.0);
-        patch.element_means(&self.points, &mut self.weights);
+    /// room.more_elements ← ⟨I(φ)⟩.
+    fn fill_indicator(patch: &Patch<'_>, phi: &[f64], room: &mut Room) {
+        room.points.clear();
+        let values = phi.iter().map(|phi| phase_indicator(*phi));
+        room.points.extend(values);
+        room.more_elements.resize(patch.elements(), 0.0);
+        patch.element_means(&room.points, &mut room.more_elements);
+    }
+
+    /// ∫ ⟨I(φ)⟩ ½ (v·H)² for a vector field v at the points.
+    fn integral_of(
+        &self,
+        patch: &Patch<'_>,
+        phi: &[f64],
+        values: impl Iterator<Item = Vector>,
+        room: &mut Room,
+    ) -> f64 {
+        Self::fill_indicator(patch, phi, room);
+        self.fill_squares(patch, values, room);
+        for (square, weight) in room.elements.iter_mut().zip(&room.more_elements) {
+            *square *= weight;
+        }
+        patch.integrate_elements(&room.elements)
     }
 
     /// i* = i(φⁿ) − sign(χ) c (φ − φⁿ).
@@ -119,16 +131,11 @@ impl Effect for Field {
         std::mem::replace(&mut self.on, on) != on
     }
 
-    fn integral(&mut self, patch: &Patch<'_>, at: &PatchFields) -> f64 {
+    fn integral(&self, patch: &Patch<'_>, at: &PatchFields, room: &mut Room) -> f64 {
         let Some(director) = at.director.as_ref().filter(|_| self.on) else {
             return 0.0;
         };
-        self.fill_indicator(patch, &at.phi);
-        self.fill_squares(patch, director.vectors());
-        for (square, weight) in self.elements.iter_mut().zip(&self.weights) {
-            *square *= weight;
-        }
-        -self.weight * patch.integrate_elements(&self.elements)
+        -self.weight * self.integral_of(patch, &at.phi, director.vectors(), room)
     }
 
     /// |χ| H² I(φ): the field turns the director only inside.
@@ -144,24 +151,29 @@ impl Effect for Field {
         })
     }
 
-    fn add_director_force(&mut self, step: &PatchStep<'_>, form: &mut DirectorForm) {
+    fn add_director_force(
+        &self,
+        step: &PatchStep<'_>,
+        form: &mut DirectorForm,
+        room: &mut Room,
+    ) {
         let (patch, old, new, scheme) = (step.patch, step.old, step.new, step.scheme);
         let (Some(old_director), Some(new_director), true) =
             (&old.director, &new.director, self.on)
         else {
             return;
         };
-        self.fill_indicator(patch, &old.phi);
+        Self::fill_indicator(patch, &old.phi, room);
         if self.weight < 0.0 {
-            for (tensor, weight) in form.tensor.iter_mut().zip(&self.weights) {
+            for (tensor, weight) in form.tensor.iter_mut().zip(&room.more_elements) {
                 *tensor += SymmetricTensor::outer(-self.weight * weight, self.vector);
             }
             form.has_tensor = true;
             return;
         }
-        patch.from_elements(&self.weights, &mut self.points);
+        patch.from_elements(&room.more_elements, &mut room.points);
         let [load_x, load_y] = &mut form.load;
-        let loads = load_x.iter_mut().zip(load_y).zip(&self.points);
+        let loads = load_x.iter_mut().zip(load_y).zip(&room.points);
         let vectors = old_director.vectors().zip(new_director.vectors());
         for (((load_x, load_y), weight), (old, new)) in loads.zip(vectors) {
             let d = match scheme {
@@ -174,21 +186,19 @@ impl Effect for Field {
         }
     }
 
-    fn begin_membrane(&mut self, step: &PatchStep<'_>) {
+    fn begin_membrane(&self, step: &PatchStep<'_>, kept: &mut Kept, room: &mut Room) {
         let (patch, new) = (step.patch, step.new);
+        kept.points.clear();
         if let Some(director) = new.director.as_ref().filter(|_| self.on) {
-            self.fill_squares(patch, director.vectors());
-            patch.from_elements(&self.elements, &mut self.squares[patch.point_range()]);
+            self.fill_squares(patch, director.vectors(), room);
+            kept.points.resize(patch.points(), 0.0);
+            patch.from_elements(&room.elements, &mut kept.points);
         }
     }
 
-    fn add_membrane_force(&mut self, step: &PatchStep<'_>, force: &mut MembraneForce) {
-        let (patch, old, new, scheme) = (step.patch, step.old, step.new, step.scheme);
-        if !self.on {
-            return;
-        }
-        let squares = &self.squares[patch.point_range()];
-        let values = squares.iter().zip(new.phi.iter().zip(&old.phi));
+    fn add_membrane_force(&self, step: &PatchStep<'_>, kept: &Kept, force: &mut MembraneForce) {
+        let (old, new, scheme) = (step.old, step.new, step.scheme);
+        let values = kept.points.iter().zip(new.phi.iter().zip(&old.phi));
         let terms = force.load.iter_mut().zip(values);
         match scheme {
             TimeScheme::FirstOrder => terms.for_each(|(load, (square, (new, old)))| {
@@ -201,17 +211,14 @@ impl Effect for Field {
     }
 
     fn add_membrane_jacobian(
-        &mut self,
+        &self,
         step: &PatchStep<'_>,
-        _iteration: Iteration,
+        kept: &Kept,
+        _: Iteration,
         jacobian: &mut MembraneJacobian,
     ) {
-        let (patch, old, new, scheme) = (step.patch, step.old, step.new, step.scheme);
-        if !self.on {
-            return;
-        }
-        let squares = &self.squares[patch.point_range()];
-        let values = squares.iter().zip(new.phi.iter().zip(&old.phi));
+        let (old, new, scheme) = (step.old, step.new, step.scheme);
+        let values = kept.points.iter().zip(new.phi.iter().zip(&old.phi));
         let terms = jacobian.reaction.iter_mut().zip(values);
         let scale = self.weight.abs() * INDICATOR_CONVEXITY;
         match scheme {
@@ -225,31 +232,31 @@ impl Effect for Field {
     }
 
     /// Of substep 1, ½ |χ| ∫ w (δ·H)², and of substep 2, −χ ∫ Q (i* (φ − φⁿ) − I(φ) + I(φⁿ)).
-    fn add_dissipation(&mut self, step: &PatchStep<'_>, terms: &mut LedgerTerms) {
+    fn add_dissipation(
+        &self,
+        step: &PatchStep<'_>,
+        kept: &Kept,
+        terms: &mut LedgerTerms,
+        room: &mut Room,
+    ) {
         let (patch, old, new) = (step.patch, step.old, step.new);
         let (Some(old_director), Some(new_director), true) =
             (&old.director, &new.director, self.on)
         else {
             return;
         };
-        self.fill_indicator(patch, &old.phi);
         let steps = new_director.vectors().zip(old_director.vectors());
-        self.fill_squares(patch, steps.map(|(new, old)| new - old));
-        for (square, weight) in self.elements.iter_mut().zip(&self.weights) {
-            *square *= weight;
-        }
-        let of_director = self.weight.abs() * patch.integrate_elements(&self.elements);
+        let steps = steps.map(|(new, old)| new - old);
+        let of_director = self.weight.abs() * self.integral_of(patch, &old.phi, steps, room);
         terms.add("ND_field_director", of_director);
 
-        let mut points = std::mem::take(&mut self.points);
-        let squares = &self.squares[patch.point_range()];
-        let values = squares.iter().zip(new.phi.iter().zip(&old.phi));
+        let points = &mut room.points;
+        let values = kept.points.iter().zip(new.phi.iter().zip(&old.phi));
         points.clear();
         points.extend(values.map(|(square, (new, old))| {
             let change = phase_indicator(*new) - phase_indicator(*old);
             -self.weight * square * (self.indicator_tangent(*new, *old) * (new - old) - change)
         }));
-        terms.add("ND_field_membrane", patch.integrate(&points));
-        self.points = points;
+        terms.add("ND_field_membrane", patch.integrate(points));
     }
 }

@@ -49,8 +49,8 @@ pub use anchoring::Anchoring;
 pub use area::{Area, area_integral, surface_area};
 pub use bending::{Bending, bending_energy_density};
 pub use effect::{
-    DirectorCoupling, DirectorForm, Effect, Interval, LedgerTerms, MembraneForce, MembraneJacobian,
-    NamedValue, PatchStep, RankOne,
+    DirectorCoupling, DirectorForm, Effect, Interval, Kept, LedgerTerms, MembraneForce,
+    MembraneJacobian, NamedValue, PatchStep, RankOne, Room,
 };
 pub use field::Field;
 pub use nematic::Nematic;
@@ -98,12 +98,12 @@ impl Effects {
     }
 
     /// Puts an anchoring in the place of the present one; of the kind "none" it is no effect.
-    pub fn set_anchoring(&mut self, anchoring: Option<&scene::Anchoring>, space: &Space) {
+    pub fn set_anchoring(&mut self, anchoring: Option<&scene::Anchoring>) {
         self.others.retain(|effect| effect.name() != ANCHORING);
         if let Some(anchoring) = anchoring
             && anchoring.kind != AnchoringKind::None
         {
-            self.add(Anchoring::new(anchoring, space));
+            self.add(Anchoring::new(anchoring));
         }
     }
 
@@ -141,12 +141,22 @@ impl Effects {
         })
     }
 
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        1 + self.others.len()
+    }
+
     /// sums ← sums + the patch's shares of the integrals that forces need, effect by effect.
-    pub fn add_integrals(&mut self, patch: &Patch<'_>, at: &PatchFields, sums: &mut Vec<f64>) {
-        sums.resize(1 + self.others.len(), 0.0);
-        for (effect, sum) in self.iter_mut().zip(sums) {
+    pub fn add_integrals(
+        &self,
+        patch: &Patch<'_>,
+        at: &PatchFields,
+        sums: &mut [f64],
+        room: &mut Room,
+    ) {
+        for (effect, sum) in self.iter().zip(sums) {
             if effect.needs_integrals() {
-                *sum += effect.integral(patch, at);
+                *sum += effect.integral(patch, at, room);
             }
         }
     }

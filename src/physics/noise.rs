@@ -19,8 +19,8 @@
 
 use super::potentials::phase_indicator;
 use super::{
-    DirectorCoupling, DirectorForm, Effect, EffectContext, Interval, LedgerTerms, PatchFields,
-    PatchStep,
+    DirectorCoupling, DirectorForm, Effect, EffectContext, Interval, Kept, LedgerTerms,
+    PatchFields, PatchStep, Room,
 };
 use crate::fem::Patch;
 use crate::geometry::Vector;
@@ -42,8 +42,6 @@ pub struct Noise {
     mobility: f64,
     seed: u64,
     interval: Interval,
-    numbers: Vec<u32>,
-    density: Vec<f64>,
 }
 
 impl Noise {
@@ -57,17 +55,21 @@ impl Noise {
                 begin: 0.0,
                 length: 1.0,
             },
-            numbers: Vec::new(),
-            density: Vec::new(),
         }
     }
 
     /// Calls f(point of the patch, ξ) where ξ is not zero.
-    fn at_points(&mut self, patch: &Patch<'_>, phi: &[f64], mut f: impl FnMut(usize, Vector)) {
-        patch.point_numbers(&mut self.numbers);
+    fn at_points(
+        &self,
+        patch: &Patch<'_>,
+        phi: &[f64],
+        numbers: &mut Vec<u32>,
+        mut f: impl FnMut(usize, Vector),
+    ) {
+        patch.point_numbers(numbers);
         let key = mixed(self.seed ^ mixed(self.interval.begin.to_bits()));
         let variance = 2.0 * self.temperature / (self.mobility * self.interval.length);
-        let points = self.numbers.iter().zip(patch.weights()).zip(phi);
+        let points = numbers.iter().zip(patch.weights()).zip(phi);
         for (point, ((number, weight), phi)) in points.enumerate() {
             let inside = phase_indicator(*phi);
             if inside > 0.0 && *weight > 0.0 {
@@ -112,7 +114,7 @@ impl Effect for Noise {
         false
     }
 
-    fn integral(&mut self, _patch: &Patch<'_>, _at: &PatchFields) -> f64 {
+    fn integral(&self, _: &Patch<'_>, _: &PatchFields, _: &mut Room) -> f64 {
         0.0
     }
 
@@ -127,10 +129,15 @@ impl Effect for Noise {
     }
 
     /// −(ξ, e).
-    fn add_director_force(&mut self, step: &PatchStep<'_>, form: &mut DirectorForm) {
+    fn add_director_force(
+        &self,
+        step: &PatchStep<'_>,
+        form: &mut DirectorForm,
+        room: &mut Room,
+    ) {
         let (patch, old) = (step.patch, step.old);
         let [load_x, load_y] = &mut form.load;
-        self.at_points(patch, &old.phi, |point, xi| {
+        self.at_points(patch, &old.phi, &mut room.numbers, |point, xi| {
             load_x[point] -= xi.x;
             load_y[point] -= xi.y;
         });
@@ -141,24 +148,28 @@ impl Effect for Noise {
     }
 
     /// ∫ ξ·(d − dⁿ).
-    fn work(&mut self, step: &PatchStep<'_>) -> f64 {
+    fn work(&self, step: &PatchStep<'_>, room: &mut Room) -> f64 {
         let (patch, old, new) = (step.patch, step.old, step.new);
         let (Some(old_director), Some(new_director)) = (&old.director, &new.director) else {
             return 0.0;
         };
-        let mut density = std::mem::take(&mut self.density);
+        let density = &mut room.points;
         density.clear();
         density.resize(patch.points(), 0.0);
-        self.at_points(patch, &old.phi, |point, xi| {
+        self.at_points(patch, &old.phi, &mut room.numbers, |point, xi| {
             density[point] = xi.dot(&(new_director.at(point) - old_director.at(point)));
         });
-        let work = patch.integrate(&density);
-        self.density = density;
-        work
+        patch.integrate(density)
     }
 
-    fn add_dissipation(&mut self, step: &PatchStep<'_>, terms: &mut LedgerTerms) {
-        terms.add("noise_work", -self.work(step));
+    fn add_dissipation(
+        &self,
+        step: &PatchStep<'_>,
+        _: &Kept,
+        terms: &mut LedgerTerms,
+        room: &mut Room,
+    ) {
+        terms.add("noise_work", -self.work(step, room));
     }
 }
 
@@ -228,7 +239,7 @@ mod tests {
                     new: &old,
                     scheme: TimeScheme::FirstOrder,
                 };
-                noise.add_director_force(&step, &mut form);
+                noise.add_director_force(&step, &mut form, &mut Room::default());
                 let [x, _] = &form.load;
                 let density: Vec<f64> = x.iter().zip(&at_points).map(|(f, e)| f * e).collect();
                 sum += patch.integrate(&density).powi(2);

@@ -23,8 +23,6 @@ pub struct PatchFields {
 /// d on a patch: component by component.
 #[derive(Debug, Clone, Default)]
 pub struct DirectorFields {
-    /// d_x and d_y at the nodes of the whole space: what a mean of squares is made from.
-    pub nodal: [Vec<f64>; 2],
     /// d_x and d_y at the points.
     pub values: [Vec<f64>; 2],
     /// ∇d_x and ∇d_y on the triangles.
@@ -79,14 +77,10 @@ impl PatchFields {
         fill(patch, omega, &mut self.omega, &mut self.omega_gradient);
     }
 
-    /// Samples nodal values of d, where the sample has a director. The patches of a space are to
-    /// come in order, for the nodes are taken with the first one.
+    /// Samples nodal values of d, where the sample has a director.
     pub fn set_director(&mut self, patch: &Patch<'_>, director: &[Vec<f64>; 2]) {
         if let Some(sample) = &mut self.director {
             for (axis, component) in director.iter().enumerate() {
-                if patch.is_first() {
-                    component.clone_into(&mut sample.nodal[axis]);
-                }
                 let (values, gradients) = (&mut sample.values[axis], &mut sample.gradients[axis]);
                 fill(patch, component, values, gradients);
             }

@@ -1,13 +1,15 @@
 //! The functions of φ and d that the energies are made of, with the secants of the scheme.
 //! Written for one point; all of them are polynomials or piecewise polynomials.
 
+use std::ops::{Mul, Sub};
+
 use crate::geometry::Vector;
 
-/// F(φ) = ¼ (φ² − 1)².
+/// F(φ) = ¼ (φ² − 1)², of one number or of eight.
 #[inline(always)]
-pub fn double_well(phi: f64) -> f64 {
-    let square = phi * phi - 1.0;
-    0.25 * square * square
+pub fn double_well<T: Copy + From<f64> + Mul<Output = T> + Sub<Output = T>>(phi: T) -> T {
+    let square = phi * phi - T::from(1.0);
+    T::from(0.25) * square * square
 }
 
 /// F_sec = ¼ (φ + φⁿ)(φ² + (φⁿ)² − 2), (3.24): F_sec·(φ − φⁿ) = F(φ) − F(φⁿ).

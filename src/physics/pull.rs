@@ -5,7 +5,9 @@
 //! numerically. Since ∫φ is conserved, a constant added to U changes the energy by a constant.
 
 use super::patch_fields::at_points;
-use super::{DirectorCoupling, Effect, EffectContext, MembraneForce, PatchFields, PatchStep};
+use super::{
+    DirectorCoupling, Effect, EffectContext, Kept, MembraneForce, PatchFields, PatchStep, Room,
+};
 use crate::fem::{Patch, Space};
 use crate::scene;
 
@@ -20,7 +22,6 @@ pub(super) fn of_scene(context: &EffectContext<'_>) -> Option<Box<dyn Effect>> {
 pub struct Pull {
     /// U at the points.
     potential: Vec<f64>,
-    density: Vec<f64>,
 }
 
 impl Pull {
@@ -28,7 +29,6 @@ impl Pull {
     pub fn new(pull: &scene::Pull, space: &Space) -> Self {
         Self {
             potential: at_points(&pull.potential, space),
-            density: Vec::new(),
         }
     }
 }
@@ -38,12 +38,12 @@ impl Effect for Pull {
         "pull"
     }
 
-    fn integral(&mut self, patch: &Patch<'_>, at: &PatchFields) -> f64 {
+    fn integral(&self, patch: &Patch<'_>, at: &PatchFields, room: &mut Room) -> f64 {
         let potential = &self.potential[patch.point_range()];
-        self.density.clear();
-        self.density
-            .extend(potential.iter().zip(&at.phi).map(|(u, phi)| -u * phi));
-        patch.integrate(&self.density)
+        let density = &mut room.points;
+        density.clear();
+        density.extend(potential.iter().zip(&at.phi).map(|(u, phi)| -u * phi));
+        patch.integrate(density)
     }
 
     fn director_coupling(&self) -> Option<DirectorCoupling> {
@@ -51,7 +51,7 @@ impl Effect for Pull {
     }
 
     /// (−U, ψ).
-    fn add_membrane_force(&mut self, step: &PatchStep<'_>, force: &mut MembraneForce) {
+    fn add_membrane_force(&self, step: &PatchStep<'_>, _: &Kept, force: &mut MembraneForce) {
         let patch = step.patch;
         let potential = &self.potential[patch.point_range()];
         for (load, u) in force.load.iter_mut().zip(potential) {

@@ -1,8 +1,8 @@
 //! A line tension, E_tension = ½ σ ∫ |∇φ|². (The example of the guide's page "Adding an effect".)
 
 use super::{
-    DirectorCoupling, Effect, EffectContext, LedgerTerms, MembraneForce, MembraneJacobian,
-    PatchFields, PatchStep,
+    DirectorCoupling, Effect, EffectContext, Kept, LedgerTerms, MembraneForce, MembraneJacobian,
+    PatchFields, PatchStep, Room,
 };
 use crate::fem::Patch;
 use crate::geometry::{SymmetricTensor, Vector};
@@ -37,7 +37,7 @@ impl Effect for Tension {
     }
 
     /// The energy: ½ σ |∇φ|².
-    fn integral(&mut self, patch: &Patch<'_>, at: &PatchFields) -> f64 {
+    fn integral(&self, patch: &Patch<'_>, at: &PatchFields, _: &mut Room) -> f64 {
         let squares = at.phi_gradient.iter().map(Vector::norm_squared);
         0.5 * self.weight * patch.integrate_elements_of(squares)
     }
@@ -49,7 +49,7 @@ impl Effect for Tension {
 
     /// The force: σ (∇φ_θ, ∇ψ), with φ_θ the new φ in the scheme of first order, for the energy is convex, and the mean of
     /// both in the secant scheme.
-    fn add_membrane_force(&mut self, step: &PatchStep<'_>, force: &mut MembraneForce) {
+    fn add_membrane_force(&self, step: &PatchStep<'_>, _: &Kept, force: &mut MembraneForce) {
         let (old, new, scheme) = (step.old, step.new, step.scheme);
         let gradients = old.phi_gradient.iter().zip(&new.phi_gradient);
         for (flux, (old, new)) in force.flux.iter_mut().zip(gradients) {
@@ -59,9 +59,10 @@ impl Effect for Tension {
 
     /// Its derivative: θσ times the unit tensor.
     fn add_membrane_jacobian(
-        &mut self,
+        &self,
         step: &PatchStep<'_>,
-        _iteration: Iteration,
+        _: &Kept,
+        _: Iteration,
         jacobian: &mut MembraneJacobian,
     ) {
         for tensor in &mut jacobian.tensor {
@@ -70,7 +71,13 @@ impl Effect for Tension {
     }
 
     /// What that loses in the scheme of first order: Δt ND = ½ σ ∫ |∇(φ − φⁿ)|² ≥ 0.
-    fn add_dissipation(&mut self, step: &PatchStep<'_>, terms: &mut LedgerTerms) {
+    fn add_dissipation(
+        &self,
+        step: &PatchStep<'_>,
+        _: &Kept,
+        terms: &mut LedgerTerms,
+        _: &mut Room,
+    ) {
         let (patch, old, new) = (step.patch, step.old, step.new);
         let gradients = new.phi_gradient.iter().zip(&old.phi_gradient);
         let squares = gradients.map(|(new, old)| (new - old).norm_squared());

@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use super::*;
-use crate::fem::{MassInverse, Mesh, QuadratureRule};
+use crate::fem::{LoadEntries, MassInverse, Mesh, QuadratureRule};
 use crate::geometry::{Point, SymmetricTensor};
 use crate::scene::{self, Iteration, ScalarField, TimeScheme};
 
@@ -80,8 +80,8 @@ fn only(sample: &PatchFields, omega: bool, director: bool) -> PatchFields {
 }
 
 /// The energy of a state.
-fn energy(effect: &mut dyn Effect, space: &Space, at: &PatchFields) -> f64 {
-    let integral = effect.integral(&space.whole(), at);
+fn energy(effect: &dyn Effect, space: &Space, at: &PatchFields) -> f64 {
+    let integral = effect.integral(&space.whole(), at, &mut Room::default());
     effect.energy(integral)
 }
 
@@ -90,7 +90,7 @@ fn set_integrals(effect: &mut dyn Effect, space: &Space, [old, new]: [&PatchFiel
     if effect.needs_integrals() {
         let [old, new] = [old, new].map(|at| {
             let at = only(at, false, false);
-            effect.integral(&space.whole(), &at)
+            effect.integral(&space.whole(), &at, &mut Room::default())
         });
         effect.set_integrals(old, new);
     }
@@ -115,17 +115,21 @@ fn with_step<R>(
 }
 
 fn begin_membrane(
-    effect: &mut dyn Effect,
+    effect: &dyn Effect,
     space: &Space,
     [old, new]: [&PatchFields; 2],
     scheme: TimeScheme,
-) {
+) -> Kept {
     let director_alone = PatchFields {
         director: new.director.clone(),
         ..PatchFields::default()
     };
     let seen = [&only(old, false, false), &director_alone];
-    with_step(space, seen, scheme, |step| effect.begin_membrane(step));
+    let mut kept = Kept::default();
+    with_step(space, seen, scheme, |step| {
+        effect.begin_membrane(step, &mut kept, &mut Room::default())
+    });
+    kept
 }
 
 /// The effects other than bending, on the old state of a pair.
@@ -146,9 +150,8 @@ fn effects(pair: &Pair) -> Vec<Box<dyn Effect>> {
             &area,
             0.1,
             surface_area(space, &pair.phi[0], 0.1),
-            space,
         )),
-        Box::new(Nematic::new(&nematic, space)),
+        Box::new(Nematic::new(&nematic)),
     ];
     for weight in [40.0, -40.0] {
         let field = scene::Field {
@@ -157,7 +160,7 @@ fn effects(pair: &Pair) -> Vec<Box<dyn Effect>> {
             angle: 25.0,
             ..scene::Field::default()
         };
-        effects.push(Box::new(Field::new(&field, space)));
+        effects.push(Box::new(Field::new(&field)));
     }
     let pull = scene::Pull {
         potential: ScalarField::Expression("3*x - y^2".parse().expect("a formula")),
@@ -165,7 +168,7 @@ fn effects(pair: &Pair) -> Vec<Box<dyn Effect>> {
     effects.push(Box::new(Pull::new(&pull, space)));
     for kind in [AnchoringKind::Parallel, AnchoringKind::Homeotropic] {
         let anchoring = scene::Anchoring { kind, weight: 3.0 };
-        effects.push(Box::new(Anchoring::new(&anchoring, space)));
+        effects.push(Box::new(Anchoring::new(&anchoring)));
     }
     let tension = scene::Tension { weight: 2.0 };
     effects.push(Box::new(tension::Tension::new(&tension)));
@@ -182,7 +185,7 @@ fn no_effect_is_forgotten() {
 }
 
 fn membrane_load(
-    effect: &mut dyn Effect,
+    (effect, kept): (&mut dyn Effect, &Kept),
     space: &Space,
     [old, new]: [&PatchFields; 2],
     scheme: TimeScheme,
@@ -193,10 +196,10 @@ fn membrane_load(
     set_integrals(effect, space, [old, new]);
     let seen = [&only(old, false, false), &only(new, true, false)];
     with_step(space, seen, scheme, |step| {
-        effect.add_membrane_force(step, &mut force)
+        effect.add_membrane_force(step, kept, &mut force)
     });
     let mut load = vec![0.0; space.nodes()];
-    patch.add_load(&force.load, &force.flux, &mut load);
+    space.add_load(&force.load, &force.flux, &mut load);
     load
 }
 
@@ -208,18 +211,20 @@ fn director_load(
     axis: usize,
 ) -> Vec<f64> {
     let mut load = vec![0.0; space.nodes()];
+    let mut entries = vec![LoadEntries::default(); space.groups()];
     let patch = space.whole();
-    patch.add_load(&form.load[axis], &form.flux[axis], &mut load);
+    patch.load_entries(&form.load[axis], &form.flux[axis], &mut entries);
     for (other, component) in implicit.iter().enumerate() {
         let row = form.tensor.iter().map(|tensor| tensor[(axis, other)]);
-        patch.add_element_product(row, component, &mut load);
+        patch.add_product_entries(row, component, &mut entries);
     }
+    space.collect_load(&entries, &form.load[axis], &mut load);
     load
 }
 
 /// The director force of an effect from a state to an iterate.
 fn director_form(
-    effect: &mut dyn Effect,
+    effect: &dyn Effect,
     space: &Space,
     [old, new]: [&PatchFields; 2],
     scheme: TimeScheme,
@@ -230,14 +235,14 @@ fn director_form(
     iterate.director.clone_from(&new.director);
     let seen = [&only(old, false, true), &iterate];
     with_step(space, seen, scheme, |step| {
-        effect.add_director_force(step, &mut form);
+        effect.add_director_force(step, &mut form, &mut Room::default());
         form.add_flux_of_stiffness(step);
     });
     form
 }
 
 /// ⟨f_d, δ⟩ from the old to the new director, with the φ of a state of the pair.
-fn director_work(effect: &mut dyn Effect, pair: &Pair, phi: usize, scheme: TimeScheme) -> f64 {
+fn director_work(effect: &dyn Effect, pair: &Pair, phi: usize, scheme: TimeScheme) -> f64 {
     let space = &pair.space;
     let (patch, weight) = (space.whole(), scheme.weight());
     // The force is affine in the scheme of first order, and given at dⁿ; in the other one it is given at d.
@@ -263,7 +268,7 @@ fn director_work(effect: &mut dyn Effect, pair: &Pair, phi: usize, scheme: TimeS
     if scheme == TimeScheme::FirstOrder {
         let weights = form.stiffness.iter().copied();
         let weights: Vec<_> = weights.map(SymmetricTensor::isotropic).collect();
-        patch.add_mass_and_stiffness(&form.reaction, &weights, &mut matrix.values);
+        space.add_mass_and_stiffness(&form.reaction, &weights, &mut matrix.values);
     }
     let mut work = 0.0;
     for (axis, step) in step.iter().enumerate() {
@@ -294,12 +299,12 @@ fn every_effect_closes_its_share_of_the_energy_law() {
             {
                 let effect = &mut *effects[index];
                 let of_director = director_work(effect, &pair, 0, scheme);
-                begin_membrane(effect, space, [old, new], scheme);
-                let load = membrane_load(effect, space, [old, new], scheme);
+                let kept = begin_membrane(effect, space, [old, new], scheme);
+                let load = membrane_load((effect, &kept), space, [old, new], scheme);
                 let mut terms = LedgerTerms::default();
                 if effect.has_terms(scheme) {
                     with_step(space, [old, new], scheme, |step| {
-                        effect.add_dissipation(step, &mut terms)
+                        effect.add_dissipation(step, &kept, &mut terms, &mut Room::default())
                     });
                 }
                 let [before, after] = [old, new].map(|at| energy(effect, space, at));
@@ -329,13 +334,13 @@ fn a_force_is_the_gradient_of_the_energy() {
         let mut effects = effects(&pair);
         for (index, scheme) in (0..effects.len()).flat_map(|index| SCHEMES.map(|it| (index, it))) {
             let effect = &mut *effects[index];
-            begin_membrane(effect, space, [at, at], scheme);
-            let load = membrane_load(effect, space, [at, at], scheme);
+            let kept = begin_membrane(effect, space, [at, at], scheme);
+            let load = membrane_load((effect, &kept), space, [at, at], scheme);
             let form = director_form(effect, space, [at, at], scheme);
             let scale = load.iter().fold(0.0_f64, |largest, f| largest.max(f.abs()));
             for node in [10, 24, 33] {
                 let h = 1e-6;
-                let mut shifted = |shift: f64| {
+                let shifted = |shift: f64| {
                     let (mut phi, mut sample) = (pair.phi[0].clone(), at.clone());
                     phi[node] += shift;
                     sample.set_phi(&space.whole(), &phi);
@@ -349,7 +354,7 @@ fn a_force_is_the_gradient_of_the_energy() {
                 );
                 for axis in 0..2 {
                     let force = director_load(&form, space, &pair.director[0], axis);
-                    let mut shifted = |shift: f64| {
+                    let shifted = |shift: f64| {
                         let (mut director, mut sample) = (pair.director[0].clone(), at.clone());
                         director[axis][node] += shift;
                         sample.set_director(&space.whole(), &director);
@@ -369,7 +374,7 @@ fn a_force_is_the_gradient_of_the_energy() {
 
 /// The derivative of `load` along a direction, from an effect's linearisation.
 fn linearised(
-    effect: &mut dyn Effect,
+    (effect, kept): (&mut dyn Effect, &Kept),
     pair: &Pair,
     direction: &[f64],
     (iteration, scheme): (Iteration, TimeScheme),
@@ -382,15 +387,27 @@ fn linearised(
     set_integrals(effect, space, [old, new]);
     let seen = [&only(old, false, false), &only(new, true, false)];
     with_step(space, seen, scheme, |step| {
-        effect.add_membrane_jacobian(step, iteration, &mut jacobian)
+        effect.add_membrane_jacobian(step, kept, iteration, &mut jacobian)
     });
     let mut matrix = crate::linalg::SparseMatrix::zeros(space.assembly().pattern.clone());
-    patch.add_mass_and_stiffness(&jacobian.reaction, &jacobian.tensor, &mut matrix.values);
+    space.add_mass_and_stiffness(&jacobian.reaction, &jacobian.tensor, &mut matrix.values);
     let mut product = vec![0.0; space.nodes()];
     matrix.multiply(direction, &mut product);
-    if let Some(rank_one) = effect.rank_one() {
-        let along = rank_one.scale * crate::linalg::vector::dot(&rank_one.row, direction);
-        crate::linalg::vector::add_scaled(&mut product, along, &rank_one.column);
+    if let Some(scale) = effect.rank_one(iteration) {
+        let [mut column, mut row] = [MembraneForce::default(), MembraneForce::default()];
+        column.clear(&patch);
+        row.clear(&patch);
+        let seen = [&only(old, false, false), &only(new, false, false)];
+        with_step(space, seen, scheme, |step| {
+            effect.add_rank_one(step, &mut column, &mut row)
+        });
+        let [column, row] = [column, row].map(|vector| {
+            let mut load = vec![0.0; space.nodes()];
+            space.add_load(&vector.load, &vector.flux, &mut load);
+            load
+        });
+        let along = scale * crate::linalg::vector::dot(&row, direction);
+        crate::linalg::vector::add_scaled(&mut product, along, &column);
     }
     product
 }
@@ -411,7 +428,7 @@ fn a_jacobian_is_the_derivative_of_the_force() {
         let direction = wave(space, 0.123, 1.0);
         for (index, scheme) in (0..all.len()).flat_map(|index| SCHEMES.map(|it| (index, it))) {
             let effect = &mut all[index];
-            begin_membrane(&mut **effect, space, [old, new], scheme);
+            let kept = begin_membrane(&**effect, space, [old, new], scheme);
             let h = 1e-5;
             let mut shifted = |shift: f64| {
                 let mut sample = new.clone();
@@ -421,11 +438,11 @@ fn a_jacobian_is_the_derivative_of_the_force() {
                     .map(|(phi, d)| phi + shift * d)
                     .collect();
                 sample.set_phi(&space.whole(), &phi);
-                membrane_load(&mut **effect, space, [old, &sample], scheme)
+                membrane_load((&mut **effect, &kept), space, [old, &sample], scheme)
             };
             let (forward, backward) = (shifted(h), shifted(-h));
             let product = linearised(
-                &mut **effect,
+                (&mut **effect, &kept),
                 &pair,
                 &direction,
                 (Iteration::Newton, scheme),
@@ -456,8 +473,10 @@ fn bending_closes_its_share_and_the_misprint_does_not() {
             };
             let mut bending = Bending::new(&membrane, &pair.space);
             for sample in &mut pair.samples {
-                let mut load = vec![0.0; pair.space.nodes()];
-                bending.add_omega_load(&pair.space.whole(), sample, &mut load);
+                let (mut load, mut density) = (vec![0.0; pair.space.nodes()], Vec::new());
+                bending.omega_density(&pair.space.whole(), sample, &mut density);
+                pair.space
+                    .add_load(&density, &sample.phi_gradient, &mut load);
                 let mut omega = vec![0.0; load.len()];
                 MassInverse::new(&pair.space).solve(&pair.space, &load, &mut omega, 1e-15);
                 sample.set_omega(&pair.space.whole(), &omega);
@@ -477,11 +496,12 @@ fn bending_closes_its_share_and_the_misprint_does_not() {
                     TimeScheme::FirstOrder => new,
                     TimeScheme::Secant => &mean,
                 };
-                let load = membrane_load(bending, space, [old, implicit], scheme);
+                let kept = Kept::default();
+                let load = membrane_load((bending, &kept), space, [old, implicit], scheme);
                 let mut terms = LedgerTerms::default();
                 if bending.has_terms(scheme) {
                     with_step(space, [old, new], scheme, |step| {
-                        bending.add_dissipation(step, &mut terms)
+                        bending.add_dissipation(step, &kept, &mut terms, &mut Room::default())
                     });
                 }
                 let [before, after] = [old, new].map(|at| energy(bending, space, at));

@@ -83,8 +83,9 @@ pub struct RunSummary {
     pub nodes: Option<usize>,
     /// Of the mesh.
     pub triangles: Option<usize>,
-    /// One run is one thread.
-    pub threads: u32,
+    /// In how many threads its steps were computed last, where that is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub threads: Option<usize>,
     /// How the linear systems are solved at present: "transform", "shifted" or "factor".
     pub linear_method: Option<&'static str>,
     /// Newton iterations, of all steps.
@@ -250,7 +251,6 @@ impl RunSummary {
             scene: scene.name.clone(),
             started: now(),
             planned_steps,
-            threads: 1,
             ..RunSummary::default()
         }
     }
@@ -260,6 +260,7 @@ impl RunSummary {
         let (report, _) = simulation.last_whole();
         self.underway = simulation.underway();
         self.setup_seconds = seconds(setup);
+        self.threads = Some(simulation.threads());
         self.nodes = Some(simulation.mesh().nodes().len());
         self.triangles = Some(simulation.mesh().triangles().len());
         self.linear_method = Some(simulation.linear_method());

@@ -35,7 +35,7 @@ impl Phases {
         let Scheme {
             space,
             effects,
-            scratch,
+            strips,
             membrane,
             state,
             next,
@@ -47,9 +47,8 @@ impl Phases {
         membrane.begin(
             space,
             effects,
-            scratch,
-            &state.phi,
-            director,
+            strips,
+            (&state.phi, director),
             TimeScheme::FirstOrder,
         );
         history.extrapolate(*t + dt, next);
@@ -69,7 +68,6 @@ impl Phases {
             effects,
             state,
             next,
-            scratch,
             director,
             solver,
             ..
@@ -86,7 +84,7 @@ impl Phases {
                     energy_scale,
                 };
                 let from = (&state.phi[..], from);
-                step.solve(space, effects, scratch, options, from, to)
+                step.solve(space, effects, options, from, to)
             }
             _ => Ok(0),
         }
@@ -140,7 +138,7 @@ impl Phases {
         let mut context = StepContext {
             space: &scheme.space,
             effects: &mut scheme.effects,
-            scratch: &mut scheme.scratch,
+            strips: &mut scheme.strips,
             from: &scheme.state,
             to: &mut scheme.next,
             dt: self.dt,

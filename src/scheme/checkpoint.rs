@@ -126,8 +126,7 @@ impl Scheme {
         self.state.clone_from(&checkpoint.state);
         if self.anchoring != checkpoint.anchoring {
             self.anchoring = checkpoint.anchoring;
-            self.effects
-                .set_anchoring(checkpoint.anchoring.as_ref(), &self.space);
+            self.effects.set_anchoring(checkpoint.anchoring.as_ref());
         }
         self.interval = checkpoint.interval;
         // The energies that belong to it are in the checkpoint. Before the first step: the moment 0.

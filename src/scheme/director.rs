@@ -8,11 +8,13 @@ use serde::{Deserialize, Serialize};
 use super::StepError;
 use super::active_region::{ActiveRegion, Criterion};
 use super::fault_injection::{self, Place};
-use super::membrane::Scratch;
 use super::rounding;
-use crate::fem::{MassForm, Space};
-use crate::linalg::{ConjugateGradients, LinalgError, LinearOperator, SparseMatrix, vector};
-use crate::physics::{DirectorForm, Effects, PatchStep};
+use super::strips::{Strip, Strips};
+use crate::fem::{LoadEntries, MassForm, MatrixEntries, Space};
+use crate::linalg::{
+    ConjugateGradients, LinalgError, LinearOperator, SparseMatrix, op_counts, vector,
+};
+use crate::physics::{Effects, PatchStep};
 use crate::scene::TimeScheme;
 
 /// Limit of the conjugate gradients' iterations.
@@ -36,7 +38,6 @@ const TIGHTEST: f64 = 1e-15;
 pub(super) struct DirectorStep {
     /// γ_nem.
     mobility: f64,
-    form: DirectorForm,
     /// A bound of the eigenvalues of M_L⁻¹ K.
     largest_eigenvalue: f64,
     region: ActiveRegion,
@@ -139,6 +140,9 @@ struct Workspace {
     /// 1/(γ_nem Δt).
     inertia: f64,
     method: ConjugateGradients,
+    strips: Strips,
+    load_entries: [Vec<LoadEntries>; 2],
+    matrix_entries: [Vec<MatrixEntries>; 3],
 }
 
 impl Workspace {
@@ -163,6 +167,9 @@ impl Workspace {
             implicit: [vector(), vector()],
             inertia: f64::NAN,
             method: ConjugateGradients::new(2 * space.nodes()),
+            strips: Strips::new(space, true),
+            load_entries: [(); 2].map(|()| vec![LoadEntries::default(); space.groups()]),
+            matrix_entries: [(); 3].map(|()| vec![MatrixEntries::default(); space.groups()]),
         }
     }
 }
@@ -208,7 +215,6 @@ impl DirectorStep {
         let size = 2 * space.nodes();
         Self {
             mobility,
-            form: DirectorForm::default(),
             largest_eigenvalue: space.stiffness().eigenvalue_bound(space.nodal_weights()),
             region: ActiveRegion::default(),
             work: None,
@@ -284,8 +290,7 @@ impl DirectorStep {
     pub(super) fn solve(
         &mut self,
         space: &Space,
-        effects: &mut Effects,
-        scratch: &mut Scratch,
+        effects: &Effects,
         options: SolveOptions,
         (phi, from): (&[f64], &[Vec<f64>; 2]),
         to: &mut [Vec<f64>; 2],
@@ -335,13 +340,11 @@ impl DirectorStep {
         work.system.keep(&mut work.solution);
         let iterations = match options.scheme {
             TimeScheme::FirstOrder => {
-                work.assemble(part, effects, scratch, &mut self.form, options.scheme, true);
+                work.assemble(part, effects, options.scheme, true);
                 fault_injection::tap(Place::DirectorLoad, &mut work.load);
                 work.solve(options)
             }
-            TimeScheme::Secant => {
-                work.solve_secant(part, effects, scratch, &mut self.form, options)
-            }
+            TimeScheme::Secant => work.solve_secant(part, effects, options),
         };
         let iterations = iterations.map_err(StepError::Director)?;
         self.increment.fill(0.0);
@@ -457,15 +460,13 @@ impl Workspace {
     fn solve_secant(
         &mut self,
         space: &Space,
-        effects: &mut Effects,
-        scratch: &mut Scratch,
-        form: &mut DirectorForm,
+        effects: &Effects,
         options: SolveOptions,
     ) -> Result<u32, LinalgError> {
         let mut iterations = 0;
         let mut is_rounding = false;
         for number in 0..=MOST_CORRECTIONS {
-            self.assemble(space, effects, scratch, form, options.scheme, number == 0);
+            self.assemble(space, effects, options.scheme, number == 0);
             fault_injection::tap(Place::DirectorLoad, &mut self.load);
             if number > 0 && self.is_solved(space, options, is_rounding) {
                 return Ok(iterations);
@@ -517,9 +518,7 @@ impl Workspace {
     fn assemble(
         &mut self,
         space: &Space,
-        effects: &mut Effects,
-        Scratch { old, new }: &mut Scratch,
-        form: &mut DirectorForm,
+        effects: &Effects,
         scheme: TimeScheme,
         with_matrix: bool,
     ) {
@@ -533,75 +532,132 @@ impl Workspace {
                 *implicit = scheme.implicit(*old, *iterate);
             }
         }
-        let [x_block, y_block] = &mut self.system.blocks;
-        let coupling = &mut self.system.coupling;
+        self.over_patches(space, effects, scheme, with_matrix);
+        self.collect_load(space, is_iterate);
         if with_matrix {
-            for block in [&mut x_block.values[..], &mut y_block.values[..]] {
-                block.fill(0.0);
-                space
-                    .mass()
-                    .add_to(self.inertia, &space.assembly().diagonal, block);
-            }
-            coupling.clear();
-            self.system.coupled = false;
+            self.collect_matrix(space);
         }
-        self.load.fill(0.0);
-        form.with_derivative = with_matrix;
-        let (load_x, load_y) = self.load.split_at_mut(nodes);
-        for patch in space.patches() {
+    }
+
+    /// The entries of all triangles: of the force, and of the matrix where it is asked for.
+    fn over_patches(
+        &mut self,
+        space: &Space,
+        effects: &Effects,
+        scheme: TimeScheme,
+        with_matrix: bool,
+    ) {
+        let Self {
+            phi,
+            director,
+            iterate,
+            implicit,
+            load_entries,
+            matrix_entries,
+            strips,
+            ..
+        } = self;
+        let is_iterate = scheme == TimeScheme::Secant;
+        let entries = (
+            load_entries.each_mut().map(|entries| &mut entries[..]),
+            matrix_entries.each_mut().map(|entries| &mut entries[..]),
+        );
+        strips.over(space, entries, |patch, _, strip, (of_load, of_matrix)| {
+            let Strip {
+                old,
+                new,
+                form,
+                room,
+                ..
+            } = strip;
             old.begin();
-            old.set_phi(&patch, &self.phi);
-            old.set_director(&patch, &self.director);
+            old.set_phi(patch, phi);
+            old.set_director(patch, director);
             if is_iterate {
                 new.begin();
-                new.set_director(&patch, &self.iterate);
+                new.set_director(patch, iterate);
             }
-            form.clear(&patch);
+            form.clear(patch);
+            form.with_derivative = with_matrix;
             let step = PatchStep {
-                patch: &patch,
+                patch,
                 old,
                 new: if is_iterate { new } else { old },
                 scheme,
             };
-            for effect in effects.iter_mut() {
-                effect.add_director_force(&step, form);
+            for effect in effects.iter() {
+                effect.add_director_force(&step, form, room);
             }
             form.add_flux_of_stiffness(&step);
-            let tensors = form.has_tensor.then_some(&*form.tensor);
-            for (axis, load) in [&mut *load_x, &mut *load_y].into_iter().enumerate() {
-                patch.add_load(&form.load[axis], &form.flux[axis], load);
-                if let Some(tensors) = tensors {
-                    for (other, component) in self.implicit.iter().enumerate() {
-                        let row = tensors.iter().map(|tensor| tensor[(axis, other)]);
-                        patch.add_element_product(row, component, load);
+            for (axis, entries) in of_load.into_iter().enumerate() {
+                patch.load_entries(&form.load[axis], &form.flux[axis], entries);
+                if form.has_tensor {
+                    for (other, component) in implicit.iter().enumerate() {
+                        let row = form.tensor.iter().map(|tensor| tensor[(axis, other)]);
+                        patch.add_product_entries(row, component, entries);
                     }
                 }
             }
             if with_matrix {
                 form.differentiate(scheme);
-                patch.add_coupled(
-                    (&form.stiffness, &form.reaction),
-                    form.has_tensor.then_some(&*form.tensor),
-                    [&mut x_block.values, &mut y_block.values],
-                    coupling,
-                );
-                self.system.coupled |= form.has_tensor;
+                let tensors = form.has_tensor.then_some(&form.tensor[..]);
+                let weights = (&form.stiffness[..], &form.reaction[..]);
+                patch.coupled_entries(weights, tensors, of_matrix);
             }
-        }
-        if is_iterate {
-            for (steps, load) in [&mut *load_x, load_y].into_iter().enumerate() {
-                let steps = &self.solution[steps * nodes..][..nodes];
+        });
+    }
+
+    /// Minus the force, or minus the residual at an iterate.
+    fn collect_load(&mut self, space: &Space, is_iterate: bool) {
+        let nodes = space.nodes();
+        self.load.fill(0.0);
+        for (axis, load) in self.load.chunks_exact_mut(nodes).enumerate() {
+            let density = &self.strips.first().form.load[axis];
+            space.collect_load(&self.load_entries[axis], density, load);
+            if is_iterate {
+                let steps = &self.solution[axis * nodes..][..nodes];
                 space.mass().multiply_add(self.inertia, steps, load);
             }
         }
         self.load.iter_mut().for_each(|entry| *entry = -*entry);
         self.system.keep(&mut self.load);
-        if !with_matrix {
-            return;
+    }
+
+    /// The matrix, and the inverse of its diagonal.
+    fn collect_matrix(&mut self, space: &Space) {
+        op_counts::assemblies(1);
+        let (assembly, nodes) = (space.assembly(), space.nodes());
+        let form = &self.strips.first().form;
+        let [x_entries, y_entries, of_coupling] = &self.matrix_entries;
+        let DirectorMatrix {
+            blocks: [x, y],
+            coupling,
+            coupled,
+            ..
+        } = &mut self.system;
+        for block in [&mut x.values[..], &mut y.values] {
+            block.fill(0.0);
+            let diagonal = &assembly.diagonal;
+            space.mass().add_to(self.inertia, diagonal, block);
+            space.add_diagonal(&form.reaction, block);
+        }
+        coupling.clear();
+        *coupled = form.has_tensor;
+        let blocks = [&x_entries[..], y_entries];
+        match coupling {
+            _ if !*coupled => assembly.collect_matrices(blocks, [&mut x.values, &mut y.values]),
+            MassForm::Nodal(diagonal) => {
+                assembly.collect_matrices(blocks, [&mut x.values, &mut y.values]);
+                assembly.collect_corners(of_coupling, diagonal);
+            }
+            MassForm::Sparse(matrix) => {
+                let values = [&mut x.values[..], &mut y.values, &mut matrix.values];
+                assembly.collect_matrices([x_entries, y_entries, of_coupling], values);
+            }
         }
         for (axis, block) in self.system.blocks.iter().enumerate() {
             let inverse = &mut self.inverse_diagonal[axis * nodes..][..nodes];
-            for (inverse, &position) in inverse.iter_mut().zip(&space.assembly().diagonal) {
+            for (inverse, &position) in inverse.iter_mut().zip(&assembly.diagonal) {
                 *inverse = block.values[position as usize].recip();
             }
         }

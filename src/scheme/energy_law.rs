@@ -14,7 +14,7 @@ use crate::physics::{
 use crate::scene::TimeScheme;
 
 use super::fault_injection::{self, Place};
-use super::membrane::Scratch;
+use super::strips::{Strip, Strips};
 use super::{Scheme, State, StepError, StepReport};
 
 impl Scheme {
@@ -27,11 +27,15 @@ impl Scheme {
     /// The energies of the state as it is, and which terms the law has: so the ledgers of all steps have the same, by whatever
     /// scheme they are taken.
     pub(super) fn evaluate_present_energies(&mut self) {
+        let state = (&self.state.phi[..], self.state.director.as_ref());
+        let (space, strips) = (&self.space, &mut self.strips);
+        self.membrane
+            .begin(space, &self.effects, strips, state, TimeScheme::FirstOrder);
         self.terms.clear();
         evaluate_energies(
-            (&self.space, self.membrane.interface_width()),
-            &mut self.effects,
-            &mut self.scratch,
+            (space, self.membrane.interface_width()),
+            &self.effects,
+            strips,
             [&self.state, &self.state],
             &mut self.report,
             Some(&mut self.terms),
@@ -55,26 +59,37 @@ impl Scheme {
             Half::First => (&self.state, [&self.state.director, &self.next.director]),
             Half::Second => (&self.next, [&self.middle, &self.next.director]),
         };
-        let Scratch { old, new } = &mut self.scratch;
-        let mut work = 0.0;
-        for patch in self.space.patches() {
-            fill(old, &patch, state, directors[0]);
-            fill(new, &patch, state, directors[1]);
+        let effects = &self.effects;
+        let (space, strips) = (&self.space, &mut self.strips);
+        let sums = strips.sum_over(space, ((), 1), |patch, number, strip, ()| {
+            let Strip {
+                old,
+                new,
+                room,
+                kept,
+                sums,
+                terms,
+                ..
+            } = strip;
+            fill(old, patch, state, directors[0]);
+            fill(new, patch, state, directors[1]);
             let step = PatchStep {
-                patch: &patch,
+                patch,
                 old,
                 new,
                 scheme,
             };
-            for effect in self.effects.iter_mut() {
+            for (effect, kept) in effects.iter().zip(&kept[number]) {
                 if effect.does_work() {
-                    work += effect.work(&step);
+                    sums[0] += effect.work(&step, room);
                 }
                 if is_part && effect.has_terms(scheme) {
-                    effect.add_dissipation(&step, &mut self.terms);
+                    effect.add_dissipation(&step, kept, terms, room);
                 }
             }
-        }
+        });
+        let work = sums[0];
+        strips.move_terms(&mut self.terms);
         work
     }
 
@@ -99,8 +114,8 @@ impl Scheme {
         let space = &self.space;
         evaluate_energies(
             (space, self.membrane.interface_width()),
-            &mut self.effects,
-            &mut self.scratch,
+            &self.effects,
+            &mut self.strips,
             [&self.state, &self.next],
             report,
             // In the secant scheme the parts of the step have added theirs.
@@ -155,53 +170,62 @@ impl Scheme {
 /// The energies and B of the new state, and the numerical dissipation from the old one to it.
 pub(super) fn evaluate_energies(
     (space, interface_width): (&Space, f64),
-    effects: &mut Effects,
-    scratch: &mut Scratch,
+    effects: &Effects,
+    strips: &mut Strips,
     [old_state, new_state]: [&State; 2],
     report: &mut StepReport,
-    mut terms: Option<&mut LedgerTerms>,
+    terms: Option<&mut LedgerTerms>,
 ) {
-    report.energies.clear();
-    report.energies.extend(
-        effects
-            .iter()
-            .filter(|effect| effect.has_energy())
-            .map(|effect| NamedValue {
-                name: effect.name(),
-                value: 0.0,
-            }),
-    );
-    report.surface_area = 0.0;
-    for patch in space.patches() {
-        fill(&mut scratch.new, &patch, new_state, &new_state.director);
-        report.surface_area += area_integral(&patch, &scratch.new, interface_width);
-        if terms.is_some() {
-            fill(&mut scratch.old, &patch, old_state, &old_state.director);
+    let with_terms = terms.is_some();
+    // Those of the effects, and B.
+    let count = effects.count() + 1;
+    let sums = strips.sum_over(space, ((), count), |patch, number, strip, ()| {
+        let Strip {
+            old,
+            new,
+            room,
+            kept,
+            sums,
+            terms,
+            ..
+        } = strip;
+        fill(new, patch, new_state, &new_state.director);
+        sums[count - 1] += area_integral(patch, new, interface_width);
+        if with_terms {
+            fill(old, patch, old_state, &old_state.director);
         }
         let step = PatchStep {
-            patch: &patch,
-            old: &scratch.old,
-            new: &scratch.new,
+            patch,
+            old,
+            new,
             scheme: TimeScheme::FirstOrder,
         };
-        let mut energies = report.energies.iter_mut();
-        for effect in effects.iter_mut() {
-            if effect.has_energy()
-                && let Some(energy) = energies.next()
-            {
-                energy.value += effect.integral(&patch, &scratch.new);
+        for (effect, (sum, kept)) in effects.iter().zip(sums.iter_mut().zip(&kept[number])) {
+            if effect.has_energy() {
+                *sum += effect.integral(patch, new, room);
             }
-            if let Some(terms) = &mut terms {
-                effect.add_dissipation(&step, terms);
+            if with_terms {
+                effect.add_dissipation(&step, kept, terms, room);
             }
         }
-    }
-    let effects = effects.iter().filter(|effect| effect.has_energy());
-    for (effect, energy) in effects.zip(&mut report.energies) {
-        energy.value = effect.energy(energy.value);
+    });
+    report.surface_area = sums[count - 1];
+    report.energies.clear();
+    let effects = effects.iter().zip(sums);
+    let effects = effects.filter(|(effect, _)| effect.has_energy());
+    report
+        .energies
+        .extend(effects.map(|(effect, integral)| NamedValue {
+            name: effect.name(),
+            value: effect.energy(*integral),
+        }));
+    for energy in &mut report.energies {
         fault_injection::tap(Place::Energy, std::slice::from_mut(&mut energy.value));
     }
     report.total_energy = report.energies.iter().map(|energy| energy.value).sum();
+    if let Some(terms) = terms {
+        strips.move_terms(terms);
+    }
 }
 
 /// Which solve of substep 1: the only one, or the first of two; or the second, after substep 2.

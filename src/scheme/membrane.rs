@@ -10,15 +10,16 @@
 mod iteration;
 mod linear;
 
-use crate::fem::{MassInverse, Space};
+use crate::fem::{LoadEntries, MassInverse, Space};
 use crate::linalg::{LinalgError, LinearOperator, vector};
-use crate::physics::{Effects, MembraneForce, PatchFields, PatchStep};
+use crate::physics::{Effects, PatchStep};
 use crate::scene::{Iteration, LinearMethod, Membrane, TimeScheme};
 
 use super::fault_injection;
 use super::jacobian::Jacobian;
 use super::rounding::{self, Least};
 use super::solvers::cosine::ReducedOperator;
+use super::strips::{Strip, Strips};
 use super::{Phase, State, StepError};
 
 use linear::{LinearSolver, Path};
@@ -28,7 +29,7 @@ pub(super) use linear::LinearCheckpoint;
 
 /// Accuracy of the solves with the mass matrix, over the tolerance of the energy law: so far below it
 /// that the second and the third equation of (3.21) may be taken as exact.
-const MASS_ACCURACY: f64 = 1e-4;
+const MASS_ACCURACY: f64 = 1e-2;
 
 /// Substep 2 with its matrices and vectors.
 #[derive(Debug)]
@@ -49,7 +50,7 @@ pub(super) struct MembraneStep {
     standby: Option<LinearSolver>,
     mass_inverse: MassInverse,
     jacobian: Jacobian,
-    force: MembraneForce,
+    entries: Vec<LoadEntries>,
     /// The integrals that forces need, at φⁿ and at the iterate.
     integrals: [Vec<f64>; 2],
     /// r₁ and r₂; r₂ stays zero with the natural boundary.
@@ -67,27 +68,11 @@ pub(super) struct MembraneStep {
     largest_eigenvalue: f64,
 }
 
-/// Room for the old and the new state on a patch.
-#[derive(Debug)]
-pub(super) struct Scratch {
-    pub(super) old: PatchFields,
-    pub(super) new: PatchFields,
-}
-
-impl Scratch {
-    pub(super) fn new(with_director: bool) -> Self {
-        Self {
-            old: PatchFields::new(with_director),
-            new: PatchFields::new(with_director),
-        }
-    }
-}
-
 /// The places of a step: what it starts from, where it goes.
 pub(super) struct StepContext<'a> {
     pub(super) space: &'a Space,
     pub(super) effects: &'a mut Effects,
-    pub(super) scratch: &'a mut Scratch,
+    pub(super) strips: &'a mut Strips,
     pub(super) from: &'a State,
     pub(super) to: &'a mut State,
     pub(super) dt: f64,
@@ -97,7 +82,7 @@ pub(super) struct StepContext<'a> {
     /// S, the scale of the energy law.
     pub(super) energy_scale: f64,
     /// Told of every phase that ends.
-    pub(super) watch: &'a mut dyn FnMut(Phase),
+    pub(super) watch: &'a mut (dyn FnMut(Phase) + Send),
 }
 
 impl StepContext<'_> {
@@ -137,7 +122,7 @@ impl MembraneStep {
             standby: None,
             mass_inverse: MassInverse::new(space),
             jacobian: Jacobian::new(space),
-            force: MembraneForce::default(),
+            entries: vec![LoadEntries::default(); space.groups()],
             integrals: [Vec::new(), Vec::new()],
             residual: [vector(), vector()],
             load: vector(),
@@ -174,32 +159,14 @@ impl MembraneStep {
     pub(super) fn begin(
         &mut self,
         space: &Space,
-        effects: &mut Effects,
-        scratch: &mut Scratch,
-        phi: &[f64],
-        director: Option<&[Vec<f64>; 2]>,
+        effects: &Effects,
+        strips: &mut Strips,
+        state: (&[f64], Option<&[Vec<f64>; 2]>),
         scheme: TimeScheme,
     ) {
-        let Scratch { old, new } = scratch;
         let [integrals, _] = &mut self.integrals;
         integrals.clear();
-        for patch in space.patches() {
-            old.begin();
-            old.set_phi(&patch, phi);
-            effects.add_integrals(&patch, old, integrals);
-            new.begin();
-            if let Some(director) = director {
-                new.set_director(&patch, director);
-            }
-            for effect in effects.iter_mut() {
-                effect.begin_membrane(&PatchStep {
-                    patch: &patch,
-                    old,
-                    new,
-                    scheme,
-                });
-            }
-        }
+        integrals.extend(strips.begin_membrane(space, effects, state, scheme));
     }
 
     /// ω(φ) from the third equation of (3.21); tells the effects the integrals at φ.
@@ -207,22 +174,32 @@ impl MembraneStep {
         &mut self,
         space: &Space,
         effects: &mut Effects,
-        sample: &mut PatchFields,
+        strips: &mut Strips,
         phi: &[f64],
         omega: &mut [f64],
     ) {
+        let all: &Effects = effects;
+        let entries = ([&mut self.entries[..]], all.count());
+        let sums = strips.sum_over(space, entries, |patch, _, strip, [entries]| {
+            let Strip {
+                new,
+                room,
+                force,
+                sums,
+                ..
+            } = strip;
+            new.begin();
+            new.set_phi(patch, phi);
+            all.add_integrals(patch, new, sums, room);
+            all.bending.omega_density(patch, new, &mut force.load);
+            patch.load_entries(&force.load, &new.phi_gradient, entries);
+        });
         let [old_integrals, integrals] = &mut self.integrals;
         integrals.clear();
-        self.load.fill(0.0);
-        for patch in space.patches() {
-            sample.begin();
-            sample.set_phi(&patch, phi);
-            effects.add_integrals(&patch, sample, integrals);
-            effects
-                .bending
-                .add_omega_load(&patch, sample, &mut self.load);
-        }
+        integrals.extend(sums);
         effects.set_integrals(old_integrals, integrals);
+        self.load.fill(0.0);
+        space.collect_load(&self.entries, &strips.first().force.load, &mut self.load);
         self.mass_inverse
             .solve(space, &self.load, omega, self.mass_tolerance);
     }
@@ -231,31 +208,40 @@ impl MembraneStep {
     fn assemble_force(
         &mut self,
         space: &Space,
-        effects: &mut Effects,
-        scratch: &mut Scratch,
+        effects: &Effects,
+        strips: &mut Strips,
         [phi_old, phi]: [&[f64]; 2],
         scheme: TimeScheme,
     ) {
-        let Scratch { old, new } = scratch;
-        self.load.fill(0.0);
-        for patch in space.patches() {
+        let omega = &self.implicit;
+        let entries = [&mut self.entries[..]];
+        strips.over(space, entries, |patch, number, strip, [entries]| {
+            let Strip {
+                old,
+                new,
+                force,
+                kept,
+                ..
+            } = strip;
             old.begin();
-            old.set_phi(&patch, phi_old);
+            old.set_phi(patch, phi_old);
             new.begin();
-            new.set_phi(&patch, phi);
-            new.set_omega(&patch, &self.implicit);
-            self.force.clear(&patch);
+            new.set_phi(patch, phi);
+            new.set_omega(patch, omega);
+            force.clear(patch);
             let step = PatchStep {
-                patch: &patch,
+                patch,
                 old,
                 new,
                 scheme,
             };
-            for effect in effects.iter_mut() {
-                effect.add_membrane_force(&step, &mut self.force);
+            for (effect, kept) in effects.iter().zip(&kept[number]) {
+                effect.add_membrane_force(&step, kept, force);
             }
-            patch.add_load(&self.force.load, &self.force.flux, &mut self.load);
-        }
+            patch.load_entries(&force.load, &force.flux, entries);
+        });
+        self.load.fill(0.0);
+        space.collect_load(&self.entries, &strips.first().force.load, &mut self.load);
     }
 
     /// ω and μ of a state at rest: (μ, ψ) = ⟨δE/δφ, ψ⟩.
@@ -263,7 +249,7 @@ impl MembraneStep {
         &mut self,
         space: &Space,
         effects: &mut Effects,
-        scratch: &mut Scratch,
+        strips: &mut Strips,
         state: &mut State,
     ) {
         let State {
@@ -273,10 +259,10 @@ impl MembraneStep {
             director,
         } = state;
         let scheme = TimeScheme::FirstOrder;
-        self.begin(space, effects, scratch, phi, director.as_ref(), scheme);
-        self.solve_omega(space, effects, &mut scratch.new, phi, omega);
+        self.begin(space, effects, strips, (phi, director.as_ref()), scheme);
+        self.solve_omega(space, effects, strips, phi, omega);
         self.implicit.copy_from_slice(omega);
-        self.assemble_force(space, effects, scratch, [phi, phi], scheme);
+        self.assemble_force(space, effects, strips, [phi, phi], scheme);
         self.mass_inverse
             .solve(space, &self.load, mu, self.mass_tolerance);
     }
@@ -290,7 +276,7 @@ impl MembraneStep {
         let StepContext {
             space,
             effects,
-            scratch,
+            strips,
             from,
             to,
             scheme,
@@ -299,7 +285,7 @@ impl MembraneStep {
         self.jacobian.assemble(
             space,
             effects,
-            [&mut scratch.old, &mut scratch.new],
+            strips,
             [&from.phi, &to.phi, &self.implicit],
             self.interface_width,
             (iteration, *scheme),
@@ -354,9 +340,9 @@ impl MembraneStep {
     ) -> Result<f64, StepError> {
         let space = context.space;
         let State { phi, omega, mu, .. } = &mut *context.to;
-        let (effects, scratch) = (&mut *context.effects, &mut *context.scratch);
+        let (effects, strips) = (&mut *context.effects, &mut *context.strips);
         fault_injection::tap(fault_injection::Place::Phi, phi);
-        self.solve_omega(space, effects, &mut scratch.new, phi, omega);
+        self.solve_omega(space, effects, strips, phi, omega);
         fault_injection::tap(fault_injection::Place::Omega, omega);
         let scheme = context.scheme;
         for ((implicit, old), new) in self
@@ -367,7 +353,7 @@ impl MembraneStep {
         {
             *implicit = scheme.implicit(*old, *new);
         }
-        self.assemble_force(space, effects, scratch, [&context.from.phi, phi], scheme);
+        self.assemble_force(space, effects, strips, [&context.from.phi, phi], scheme);
         if !self.clamped {
             self.mass_inverse
                 .solve(space, &self.load, mu, self.mass_tolerance);

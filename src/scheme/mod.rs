@@ -16,6 +16,7 @@ mod predictor;
 mod rounding;
 mod solvers;
 mod state;
+mod strips;
 #[cfg(test)]
 mod tests;
 
@@ -30,9 +31,10 @@ use crate::scene::{
 
 use director::{DirectorStep, SolveOptions};
 use energy_law::Half;
-use membrane::{MembraneStep, NewtonOptions, Scratch, StepContext, StoppingCriterion, Work};
+use membrane::{MembraneStep, NewtonOptions, StepContext, StoppingCriterion, Work};
 use predictor::Predictor;
 use solvers::selection::{Selection, Verdict};
+use strips::Strips;
 
 pub use checkpoint::{RestoreError, SchemeCheckpoint};
 pub use error::StepError;
@@ -67,7 +69,7 @@ pub struct Scheme {
     solver: Solver,
     state: State,
     next: State,
-    scratch: Scratch,
+    strips: Strips,
     terms: LedgerTerms,
     director: Option<DirectorStep>,
     membrane: MembraneStep,
@@ -151,7 +153,7 @@ impl Scheme {
         }
         let mut scheme = Self {
             next: state.clone(),
-            scratch: Scratch::new(state.director.is_some()),
+            strips: Strips::new(&space, state.director.is_some()),
             terms: LedgerTerms::default(),
             space,
             effects,
@@ -198,7 +200,7 @@ impl Scheme {
         self.membrane.solve_at_rest(
             &self.space,
             &mut self.effects,
-            &mut self.scratch,
+            &mut self.strips,
             &mut self.state,
         );
         self.evaluate_present_energies();
@@ -246,7 +248,7 @@ impl Scheme {
     /// again, so that the law of the next step starts from those that it ends with; the report has
     /// no ledger, for no step was taken.
     pub fn set_anchoring(&mut self, anchoring: Option<&scene::Anchoring>) {
-        self.effects.set_anchoring(anchoring, &self.space);
+        self.effects.set_anchoring(anchoring);
         self.anchoring = anchoring.copied();
         self.evaluate_present_energies();
         self.report.ledger.clear();
@@ -291,7 +293,7 @@ impl Scheme {
     pub fn try_step(
         &mut self,
         dt: f64,
-        watch: &mut dyn FnMut(Phase),
+        watch: &mut (dyn FnMut(Phase) + Send),
     ) -> Result<Option<f64>, StepError> {
         self.tried = None;
         self.set_interval(dt);
@@ -366,7 +368,7 @@ impl Scheme {
     pub fn try_in_halves(
         &mut self,
         dt: f64,
-        watch: &mut dyn FnMut(Phase),
+        watch: &mut (dyn FnMut(Phase) + Send),
     ) -> Result<f64, StepError> {
         self.set_interval(dt);
         let start = Start {
@@ -459,7 +461,7 @@ impl Scheme {
         (dt, scheme): (f64, TimeScheme),
         energy_scale: f64,
         report: &mut StepReport,
-        watch: &mut dyn FnMut(Phase),
+        watch: &mut (dyn FnMut(Phase) + Send),
     ) -> Result<(), StepError> {
         report.director_iterations = 0;
         let part = (scheme.weight() * dt, scheme, Half::First);
@@ -468,10 +470,9 @@ impl Scheme {
         let scale = energy_scale + self.add_terms(Half::First).abs();
         self.membrane.begin(
             &self.space,
-            &mut self.effects,
-            &mut self.scratch,
-            &self.state.phi,
-            self.next.director.as_ref(),
+            &self.effects,
+            &mut self.strips,
+            (&self.state.phi, self.next.director.as_ref()),
             scheme,
         );
         let mut effort = self.solve_with_fallbacks((dt, scheme), scale, report, watch)?;
@@ -487,7 +488,7 @@ impl Scheme {
             let mut context = StepContext {
                 space: &self.space,
                 effects: &mut self.effects,
-                scratch: &mut self.scratch,
+                strips: &mut self.strips,
                 from: &self.state,
                 to: &mut self.next,
                 dt,
@@ -515,7 +516,7 @@ impl Scheme {
         energy_scale: f64,
         mut dissipated: f64,
         report: &mut StepReport,
-        watch: &mut dyn FnMut(Phase),
+        watch: &mut (dyn FnMut(Phase) + Send),
     ) -> Result<(f64, Result<(), StepError>), StepError> {
         self.terms.reset();
         let mut work = self.add_terms(Half::First);
@@ -535,7 +536,7 @@ impl Scheme {
         (dt, scheme, half): (f64, TimeScheme, Half),
         energy_scale: f64,
         report: &mut StepReport,
-        watch: &mut dyn FnMut(Phase),
+        watch: &mut (dyn FnMut(Phase) + Send),
     ) -> Result<f64, StepError> {
         let mut options = SolveOptions {
             dt,
@@ -558,13 +559,13 @@ impl Scheme {
         else {
             return Ok(0.0);
         };
-        let (space, effects, scratch) = (&self.space, &mut self.effects, &mut self.scratch);
-        let mut outcome = step.solve(space, effects, scratch, options, (phi, from), to);
+        let (space, effects) = (&self.space, &self.effects);
+        let mut outcome = step.solve(space, effects, options, (phi, from), to);
         if scheme == TimeScheme::Secant && outcome.is_err() {
             // A director that is far faster than the step is long follows at once, and must be damped.
             options.scheme = TimeScheme::FirstOrder;
             options.tolerance = director_tolerance(&self.solver, options.scheme);
-            outcome = step.solve(space, effects, scratch, options, (phi, from), to);
+            outcome = step.solve(space, effects, options, (phi, from), to);
         }
         report.director_iterations += outcome?;
         self.director_schemes[half as usize] = options.scheme;
@@ -597,7 +598,7 @@ impl Scheme {
         (dt, scheme): (f64, TimeScheme),
         energy_scale: f64,
         report: &mut StepReport,
-        watch: &mut dyn FnMut(Phase),
+        watch: &mut (dyn FnMut(Phase) + Send),
     ) -> Result<Work, StepError> {
         if self.selection.retries_fast(dt) {
             self.membrane.return_to_fast();
@@ -608,7 +609,7 @@ impl Scheme {
         let mut context = StepContext {
             space: &self.space,
             effects: &mut self.effects,
-            scratch: &mut self.scratch,
+            strips: &mut self.strips,
             from: &self.state,
             to: &mut self.next,
             dt,

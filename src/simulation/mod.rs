@@ -18,6 +18,7 @@ mod step_effort;
 mod step_subdivision;
 #[cfg(test)]
 mod tests;
+mod threads;
 mod warnings;
 mod worker;
 
@@ -46,6 +47,7 @@ pub use presence::{NoVesicle, Part, check_outlines};
 pub use report::{Costs, Report};
 pub use schedule::{Schedule, step_count};
 pub use step_effort::{StepEffort, Tried};
+pub use threads::{cores, threads_that_pay};
 pub use warnings::warnings;
 pub(crate) use worker::panic_words;
 pub use worker::{
@@ -59,6 +61,7 @@ use memory_estimate::claim_memory;
 use partial_step::{PartialStep, StepDetails, StepOutcome};
 use presence::check_vesicle;
 use step_subdivision::StepSubdivision;
+use threads::Threads;
 use warnings::NearWall;
 
 /// The error of the mesh is estimated every so many steps: it changes slowly.
@@ -134,6 +137,7 @@ pub struct Simulation {
     last_whole: Option<Box<LastWholeStep>>,
     /// When snapshots are due: chosen steps end there.
     schedule: Schedule,
+    threads: Threads,
 }
 
 /// How long steps are, and where a run stands in it.
@@ -234,6 +238,7 @@ impl Simulation {
             left: None,
             last_whole: None,
             schedule: Schedule::new(&scene.time, 1, 1),
+            threads: Threads::default(),
         };
         simulation.report.take(simulation.scheme.report());
         if let Some(place) = simulation.first_not_finite() {
@@ -254,6 +259,19 @@ impl Simulation {
         let mut values = values.chain(measures);
         let field = self.scheme.state().first_not_finite();
         field.or_else(|| Some(values.find(|(_, value)| !value.is_finite())?.0))
+    }
+
+    /// Has the steps be computed in so many threads; at first there is only the caller's. The numbers that come out are the
+    /// same.
+    pub fn set_threads(&mut self, count: usize) {
+        if count != self.threads.count() {
+            self.threads = Threads::new(count);
+        }
+    }
+
+    /// In how many threads the steps are computed.
+    pub fn threads(&self) -> usize {
+        self.threads.count()
     }
 
     /// Has chosen steps end at the times of this schedule's snapshots. A fixed grid takes no notice.
@@ -350,7 +368,7 @@ impl Simulation {
     fn grid_step(
         &mut self,
         left: Option<PartialStep>,
-        watch: &mut dyn FnMut(Phase),
+        watch: &mut (dyn FnMut(Phase) + Send),
         leave: &mut dyn FnMut(&StepProgress) -> bool,
     ) -> Result<StepOutcome, SimulationError> {
         let step = self.report.step + 1;
@@ -390,9 +408,12 @@ impl Simulation {
                 }));
             }
             let mut error = None;
-            let outcome = self.scheme.try_step(piece, watch).map(|estimate| {
-                error = estimate;
-                self.scheme.accept()
+            let (threads, scheme) = (&self.threads, &mut self.scheme);
+            let outcome = threads.run(|| {
+                scheme.try_step(piece, watch).map(|estimate| {
+                    error = estimate;
+                    scheme.accept()
+                })
             });
             match outcome {
                 Ok(solved) => {
@@ -450,7 +471,7 @@ impl Simulation {
         &mut self,
         mut controller: Controller,
         left: Option<PartialStep>,
-        watch: &mut dyn FnMut(Phase),
+        watch: &mut (dyn FnMut(Phase) + Send),
         leave: &mut dyn FnMut(&StepProgress) -> bool,
     ) -> Result<StepOutcome, SimulationError> {
         let (step, t) = (self.report.step + 1, self.report.t);
@@ -479,10 +500,11 @@ impl Simulation {
             }
             is_begun = true;
             let is_first = self.scheme.is_at_start();
-            let outcome = match is_first {
-                true => self.scheme.try_in_halves(attempt.dt, watch).map(Some),
-                false => self.scheme.try_step(attempt.dt, watch),
-            };
+            let (threads, scheme) = (&self.threads, &mut self.scheme);
+            let outcome = threads.run(|| match is_first {
+                true => scheme.try_in_halves(attempt.dt, watch).map(Some),
+                false => scheme.try_step(attempt.dt, watch),
+            });
             let (again, reason) = match outcome {
                 // The few after the first, of which nothing is known either, are as long as that one.
                 Ok(estimate)

@@ -2,7 +2,6 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use super::*;
-use crate::fem::{QuadratureRule, Space};
 use crate::physics::NamedValue;
 use crate::scene::{self, Anchoring, InitialDirector, NodalValues, Projection};
 use crate::scheme::StepError;
@@ -173,14 +172,13 @@ fn an_error_names_the_solvers_that_the_mesh_has() {
 
 /// The error of a step that cannot be made: its law begins with other energies.
 fn with_broken_law(mut simulation: Simulation) -> SimulationError {
-    let space = Space::new(simulation.mesh.clone(), QuadratureRule::Consistent);
     let anchoring = Anchoring {
         kind: AnchoringKind::Homeotropic,
         ..Anchoring::default()
     };
     // What Simulation::set_anchoring does, but for the energies.
     let scheme = &mut simulation.scheme;
-    scheme.effects_mut().set_anchoring(Some(&anchoring), &space);
+    scheme.effects_mut().set_anchoring(Some(&anchoring));
     scheme.forget();
     simulation.advance().unwrap_err()
 }

@@ -1,9 +1,7 @@
 //! The app and its runs at their beginning, and what is often looked up in them.
 
 use std::collections::VecDeque;
-use std::num::NonZero;
 use std::sync::Arc;
-use std::thread::available_parallelism;
 
 use super::frame_history::{self, FrameHistory};
 use super::history::History;
@@ -15,7 +13,7 @@ use super::state::{
 use super::throughput::Throughput;
 use super::update::SNAPSHOTS;
 use crate::scene::{AnchoringKind, Scene};
-use crate::simulation::{Report, RunId, RunSnapshot};
+use crate::simulation::{Report, RunId, RunSnapshot, cores};
 
 impl App {
     /// Asks whether to resume the runs of an earlier session, if there are any; no run starts before
@@ -60,7 +58,7 @@ impl App {
             remark: None,
             stale: true,
             next_run: RunId(1),
-            cores: available_parallelism().map_or(1, NonZero::get),
+            cores: cores(),
             clock: None,
             memory: frame_history::BUDGET,
             editing: None,

@@ -32,7 +32,7 @@ use super::{allocator, editing, estimates, job_control, opening, panel};
 use crate::record::{self, Settings};
 use crate::scene::Scene;
 use crate::simulation::{
-    Command, Continuity, RunId, RunSnapshot, Worker, WorkerConfig, free_memory, kept_free,
+    Command, Continuity, RunId, RunSnapshot, Worker, WorkerConfig, cores, free_memory, kept_free,
 };
 
 /// How long saving may hold up an end that was not asked for by a person.
@@ -56,6 +56,8 @@ pub struct Options {
     pub active: usize,
     /// Frames a second at most, for events of the solver.
     pub frames_per_second: u32,
+    /// Threads to compute in; `None`: as many as there are.
+    pub threads: Option<usize>,
     /// The colours to use, if not those of the environment.
     pub tier: Option<ColorTier>,
     /// How things are saved.
@@ -126,6 +128,7 @@ pub fn run(options: Options) -> Result<Outcome, AppError> {
         terminal::size(),
         options.frames_per_second,
     );
+    app.cores = options.threads.unwrap_or_else(cores);
     app.offer_to_go_on();
     app.remark = exit_summary::leftovers(&record::clean(Path::new(PARENT)))
         .into_iter()

@@ -10,7 +10,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use vesica::fem::{Patch, QuadratureRule, Space};
 use vesica::geometry::{Point, Vector};
-use vesica::physics::{DirectorForm, Effect, LedgerTerms, MembraneForce, PatchFields, PatchStep};
+use vesica::physics::{
+    DirectorForm, Effect, Interval, Kept, LedgerTerms, MembraneForce, PatchFields, PatchStep, Room,
+};
 
 use super::model::{Model, WeakForm};
 
@@ -146,42 +148,42 @@ impl Effect for Source {
         "source"
     }
 
-    fn integral(&mut self, _patch: &Patch<'_>, _at: &PatchFields) -> f64 {
+    fn integral(&self, _: &Patch<'_>, _: &PatchFields, _: &mut Room) -> f64 {
         0.0
     }
 
-    fn add_director_force(&mut self, step: &PatchStep<'_>, form: &mut DirectorForm) {
-        let patch = step.patch;
-        let (model, t) = (&self.model, self.clock.now());
-        let [x, y] = &mut self.director;
-        if patch.is_first() {
-            self.places
-                .fill([x, y], |place| model.director_excess(place, t));
-        }
-        for (i, table) in self.director.iter().enumerate() {
-            table.add_to(patch, &mut form.flux[i], &mut form.load[i]);
-        }
-    }
-
-    fn begin_membrane(&mut self, step: &PatchStep<'_>) {
-        let patch = step.patch;
-        if !patch.is_first() {
-            return;
-        }
+    /// The clock was set before the step.
+    fn set_interval(&mut self, _: Interval) -> bool {
         let (model, t) = (&self.model, self.clock.now());
         let tension = model.tension(t);
         self.places.fill([&mut self.membrane], |place| {
             [model.membrane_excess(place, t, tension)]
         });
+        let [x, y] = &mut self.director;
+        self.places
+            .fill([x, y], |place| model.director_excess(place, t));
+        false
     }
 
-    fn add_membrane_force(&mut self, step: &PatchStep<'_>, force: &mut MembraneForce) {
+    fn add_director_force(&self, step: &PatchStep<'_>, form: &mut DirectorForm, _: &mut Room) {
+        for (i, table) in self.director.iter().enumerate() {
+            table.add_to(step.patch, &mut form.flux[i], &mut form.load[i]);
+        }
+    }
+
+    fn add_membrane_force(&self, step: &PatchStep<'_>, _: &Kept, force: &mut MembraneForce) {
         let patch = step.patch;
         self.membrane
             .add_to(patch, &mut force.flux, &mut force.load);
     }
 
-    fn add_dissipation(&mut self, step: &PatchStep<'_>, terms: &mut LedgerTerms) {
+    fn add_dissipation(
+        &self,
+        step: &PatchStep<'_>,
+        _: &Kept,
+        terms: &mut LedgerTerms,
+        _: &mut Room,
+    ) {
         let (patch, old, new) = (step.patch, step.old, step.new);
         let mut work = self.membrane.work(
             patch,

@@ -8,10 +8,10 @@
 
 use std::sync::Arc;
 
-use vesica::fem::{Mesh, QuadratureRule, Space};
+use vesica::fem::{LoadEntries, MatrixEntries, Mesh, QuadratureRule, Space};
 use vesica::geometry::Point;
 use vesica::linalg::{ConjugateGradients, LinearOperator, SparseMatrix};
-use vesica::physics::{DirectorForm, Effect, Field, Nematic, PatchFields, PatchStep};
+use vesica::physics::{DirectorForm, Effect, Field, Nematic, PatchFields, PatchStep, Room};
 use vesica::scene;
 use vesica::scene::TimeScheme;
 
@@ -61,7 +61,7 @@ fn step(space: &Space, effects: &mut [Box<dyn Effect>], director: &mut [Vec<f64>
         scheme: TimeScheme::FirstOrder,
     };
     for effect in effects {
-        effect.add_director_force(&step, &mut form);
+        effect.add_director_force(&step, &mut form, &mut Room::default());
     }
     form.add_flux_of_stiffness(&step);
     let matrix = || SparseMatrix::zeros(space.assembly().pattern.clone());
@@ -72,26 +72,31 @@ fn step(space: &Space, effects: &mut [Box<dyn Effect>], director: &mut [Vec<f64>
             .mass()
             .add_to((MOBILITY * dt).recip(), diagonal, &mut block.values);
     }
-    let mut coupling = space.new_form();
     let tensors = form.has_tensor.then_some(&*form.tensor);
     let mut load = vec![0.0; 2 * nodes];
     for (axis, load) in load.chunks_mut(nodes).enumerate() {
-        patch.add_load(&form.load[axis], &form.flux[axis], load);
+        let mut entries = vec![LoadEntries::default(); space.groups()];
+        patch.load_entries(&form.load[axis], &form.flux[axis], &mut entries);
         if let Some(tensors) = tensors {
             for (other, component) in director.iter().enumerate() {
                 let row = tensors.iter().map(|tensor| tensor[(axis, other)]);
-                patch.add_element_product(row, component, load);
+                patch.add_product_entries(row, component, &mut entries);
             }
         }
+        space.collect_load(&entries, &form.load[axis], load);
         load.iter_mut().for_each(|entry| *entry = -*entry);
     }
-    let [x_block, y_block] = &mut blocks;
-    patch.add_coupled(
-        (&form.stiffness, &form.reaction),
-        tensors,
-        [&mut x_block.values, &mut y_block.values],
-        &mut coupling,
-    );
+    let [mut x_entries, mut y_entries, mut coupling] =
+        [(); 3].map(|()| vec![MatrixEntries::default(); space.groups()]);
+    let entries = [&mut x_entries[..], &mut y_entries, &mut coupling];
+    patch.coupled_entries((&form.stiffness, &form.reaction), tensors, entries);
+    let [x, y] = &mut blocks;
+    for block in [&mut *x, &mut *y] {
+        space.add_diagonal(&form.reaction, &mut block.values);
+    }
+    let entries = [&x_entries[..], &y_entries];
+    let values = [&mut x.values[..], &mut y.values];
+    space.assembly().collect_matrices(entries, values);
     let inverse: Vec<f64> = blocks
         .iter()
         .flat_map(|block| block.diagonal())
@@ -130,8 +135,8 @@ fn growth(space: &Space, susceptibility: f64, dt: f64) -> f64 {
         until: None,
     };
     let mut effects: Vec<Box<dyn Effect>> = vec![
-        Box::new(Nematic::new(&nematic, space)),
-        Box::new(Field::new(&field, space)),
+        Box::new(Nematic::new(&nematic)),
+        Box::new(Field::new(&field)),
     ];
     let places = space.mesh().nodes();
     let distortion = |at: &Point| 1e-4 * (std::f64::consts::PI * at.x).sin();

@@ -12,13 +12,12 @@ use self::nematic::Nematic;
 use self::noise::Booked;
 use self::well::{Secant, Well};
 use crate::common::{SMALL, TIGHT, energy_scale, named, scene, scheme};
-use vesica::fem::Space;
 use vesica::geometry::Vector;
 use vesica::physics::potentials::{
     double_well_derivative, double_well_secant, double_well_secant_derivative, unit_length_penalty,
     unit_length_penalty_derivative,
 };
-use vesica::physics::{Anchoring, Area, Bending, Effect, Effects, PatchFields, surface_area};
+use vesica::physics::{Anchoring, Area, Bending, Effect, Effects, PatchFields, Room, surface_area};
 use vesica::scene::Scene;
 use vesica::scheme::{Scheme, StepError};
 
@@ -50,10 +49,9 @@ pub fn with_well_that_goes_wrong(settings: &[&str]) -> Scheme {
 
 /// The effect of this file in the place of the library's, with the forces of first order in both schemes.
 pub fn with_own_nematic(settings: &[&str]) -> Scheme {
-    with_nematic(settings, |scene, space| {
+    with_nematic(settings, |scene| {
         Nematic::new(
             scene,
-            space,
             1.0,
             unit_length_penalty,
             unit_length_penalty_derivative,
@@ -107,7 +105,7 @@ fn a_wrong_secant_breaks_the_law() {
 }
 
 /// A scheme with |d⁰| = 3 where `nematic` takes the place of the library's effect.
-fn with_nematic(settings: &[&str], nematic: impl FnOnce(&Scene, &Space) -> Nematic) -> Scheme {
+fn with_nematic(settings: &[&str], nematic: impl FnOnce(&Scene) -> Nematic) -> Scheme {
     let long = ["nematic.initial=[1.8, 2.4]"];
     let scene = scene(SMALL, &[&TIGHT[..], settings, &long].concat());
     let mut scheme = scheme(&scene);
@@ -115,8 +113,8 @@ fn with_nematic(settings: &[&str], nematic: impl FnOnce(&Scene, &Space) -> Nemat
     let mut start = PatchFields::new(true);
     start.set_phi(&space.whole(), &state.phi);
     start.set_director(&space.whole(), state.director.as_ref().expect("a director"));
-    let mut nematic = nematic(&scene, space);
-    let energy = nematic.integral(&space.whole(), &start);
+    let mut nematic = nematic(&scene);
+    let energy = nematic.integral(&space.whole(), &start, &mut Room::default());
     nematic.offset = energy - named(&scheme.report().energies, "nematic");
     let mut effects = Effects::new(Bending::new(&scene.membrane, space));
     let width = scene.membrane.interface_width;
@@ -124,10 +122,9 @@ fn with_nematic(settings: &[&str], nematic: impl FnOnce(&Scene, &Space) -> Nemat
         &scene.area.expect("an area"),
         width,
         surface_area(space, &state.phi, width),
-        space,
     ));
     effects.add(nematic);
-    effects.add(Anchoring::new(&scene.anchoring.expect("anchoring"), space));
+    effects.add(Anchoring::new(&scene.anchoring.expect("anchoring")));
     *scheme.effects_mut() = effects;
     scheme.forget();
     scheme
@@ -180,10 +177,9 @@ fn the_control_is_the_librarys_effect_when_it_is_right() {
 fn a_smaller_constant_makes_the_penalty_feed_energy() {
     for quadrature in QUADRATURES {
         let penalty = |convexity| {
-            penalty_dissipation(with_nematic(&[quadrature], |scene, space| {
+            penalty_dissipation(with_nematic(&[quadrature], |scene| {
                 Nematic::new(
                     scene,
-                    space,
                     convexity,
                     unit_length_penalty,
                     unit_length_penalty_derivative,
@@ -204,8 +200,8 @@ fn a_smaller_constant_makes_the_penalty_feed_energy() {
 #[test]
 fn the_untruncated_potential_feeds_energy() {
     for quadrature in QUADRATURES {
-        let [greatest, _] = penalty_dissipation(with_nematic(&[quadrature], |scene, space| {
-            Nematic::new(scene, space, 1.0, untruncated, untruncated_slope)
+        let [greatest, _] = penalty_dissipation(with_nematic(&[quadrature], |scene| {
+            Nematic::new(scene, 1.0, untruncated, untruncated_slope)
         }));
         assert!(greatest < -1e-9, "{quadrature}: {greatest:e}");
     }

@@ -1,11 +1,11 @@
 //! The nematic energy once more, with what can be wrong in it as parameters.
 
-use vesica::fem::{Patch, Space};
+use vesica::fem::Patch;
 use vesica::geometry::Vector;
 use vesica::physics::potentials::{INDICATOR_CONVEXITY, indicator_secant_bound, phase_indicator};
 use vesica::physics::{
-    DirectorFields, DirectorForm, Effect, LedgerTerms, MembraneForce, MembraneJacobian,
-    PatchFields, PatchStep,
+    DirectorFields, DirectorForm, Effect, Kept, LedgerTerms, MembraneForce, MembraneJacobian,
+    PatchFields, PatchStep, Room,
 };
 use vesica::scene::{Iteration, Scene};
 
@@ -20,14 +20,11 @@ pub struct Nematic {
     slope: fn(Vector) -> Vector,
     /// What is subtracted from the energy.
     pub offset: f64,
-    /// λ_nem (½|∇d|² + P(d)) of the new director.
-    density: Vec<f64>,
 }
 
 impl Nematic {
     pub fn new(
         scene: &Scene,
-        space: &Space,
         convexity: f64,
         potential: fn(Vector) -> f64,
         slope: fn(Vector) -> Vector,
@@ -40,7 +37,6 @@ impl Nematic {
             potential,
             slope,
             offset: 0.0,
-            density: vec![0.0; space.points()],
         }
     }
 
@@ -83,7 +79,7 @@ impl Effect for Nematic {
         "nematic"
     }
 
-    fn integral(&mut self, patch: &Patch<'_>, at: &PatchFields) -> f64 {
+    fn integral(&self, patch: &Patch<'_>, at: &PatchFields, _: &mut Room) -> f64 {
         let mut density = self.density_of(patch, director(at));
         for (density, phi) in density.iter_mut().zip(&at.phi) {
             *density *= phase_indicator(*phi);
@@ -95,7 +91,7 @@ impl Effect for Nematic {
         integral - self.offset
     }
 
-    fn add_director_force(&mut self, step: &PatchStep<'_>, form: &mut DirectorForm) {
+    fn add_director_force(&self, step: &PatchStep<'_>, form: &mut DirectorForm, _: &mut Room) {
         let (patch, old) = (step.patch, step.old);
         let interior = self.interior(&old.phi);
         let mut means = vec![0.0; patch.elements()];
@@ -112,35 +108,37 @@ impl Effect for Nematic {
         }
     }
 
-    fn begin_membrane(&mut self, step: &PatchStep<'_>) {
-        let (patch, new) = (step.patch, step.new);
-        let density = self.density_of(patch, director(new));
-        self.density[patch.point_range()].copy_from_slice(&density);
+    fn begin_membrane(&self, step: &PatchStep<'_>, kept: &mut Kept, _: &mut Room) {
+        kept.points = self.density_of(step.patch, director(step.new));
     }
 
-    fn add_membrane_force(&mut self, step: &PatchStep<'_>, force: &mut MembraneForce) {
-        let (patch, old, new) = (step.patch, step.old, step.new);
-        let density = &self.density[patch.point_range()];
-        let values = density.iter().zip(new.phi.iter().zip(&old.phi));
+    fn add_membrane_force(&self, step: &PatchStep<'_>, kept: &Kept, force: &mut MembraneForce) {
+        let (old, new) = (step.old, step.new);
+        let values = kept.points.iter().zip(new.phi.iter().zip(&old.phi));
         for (load, (density, (new, old))) in force.load.iter_mut().zip(values) {
             *load += density * indicator_secant_bound(*new, *old);
         }
     }
 
     fn add_membrane_jacobian(
-        &mut self,
-        step: &PatchStep<'_>,
-        _iteration: Iteration,
+        &self,
+        _: &PatchStep<'_>,
+        kept: &Kept,
+        _: Iteration,
         jacobian: &mut MembraneJacobian,
     ) {
-        let patch = step.patch;
-        let density = &self.density[patch.point_range()];
-        for (reaction, density) in jacobian.reaction.iter_mut().zip(density) {
+        for (reaction, density) in jacobian.reaction.iter_mut().zip(&kept.points) {
             *reaction += INDICATOR_CONVEXITY * density;
         }
     }
 
-    fn add_dissipation(&mut self, step: &PatchStep<'_>, terms: &mut LedgerTerms) {
+    fn add_dissipation(
+        &self,
+        step: &PatchStep<'_>,
+        kept: &Kept,
+        terms: &mut LedgerTerms,
+        _: &mut Room,
+    ) {
         let (patch, old, new) = (step.patch, step.old, step.new);
         let (before, after) = (director(old), director(new));
         let interior = self.interior(&old.phi);
@@ -163,8 +161,7 @@ impl Effect for Nematic {
                 weight * self.stiffness * (work - (self.potential)(a) + (self.potential)(b))
             })
             .collect();
-        let density = &self.density[patch.point_range()];
-        let values = density.iter().zip(new.phi.iter().zip(&old.phi));
+        let values = kept.points.iter().zip(new.phi.iter().zip(&old.phi));
         let interpolation: Vec<f64> = values
             .map(|(density, (new, old))| {
                 let work = indicator_secant_bound(*new, *old) * (new - old);

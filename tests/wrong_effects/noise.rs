@@ -2,7 +2,8 @@
 
 use vesica::fem::Patch;
 use vesica::physics::{
-    DirectorCoupling, DirectorForm, Effect, Interval, LedgerTerms, Noise, PatchFields, PatchStep,
+    DirectorCoupling, DirectorForm, Effect, Interval, Kept, LedgerTerms, Noise, PatchFields,
+    PatchStep, Room,
 };
 use vesica::scene;
 
@@ -35,7 +36,7 @@ impl Effect for Booked {
         false
     }
 
-    fn integral(&mut self, _: &Patch<'_>, _: &PatchFields) -> f64 {
+    fn integral(&self, _: &Patch<'_>, _: &PatchFields, _: &mut Room) -> f64 {
         0.0
     }
 
@@ -47,19 +48,25 @@ impl Effect for Booked {
         self.noise.director_coupling()
     }
 
-    fn add_director_force(&mut self, step: &PatchStep<'_>, form: &mut DirectorForm) {
-        self.noise.add_director_force(step, form);
+    fn add_director_force(&self, step: &PatchStep<'_>, form: &mut DirectorForm, room: &mut Room) {
+        self.noise.add_director_force(step, form, room);
     }
 
     fn does_work(&self) -> bool {
         true
     }
 
-    fn work(&mut self, step: &PatchStep<'_>) -> f64 {
-        self.share * self.noise.work(step)
+    fn work(&self, step: &PatchStep<'_>, room: &mut Room) -> f64 {
+        self.share * self.noise.work(step, room)
     }
 
-    fn add_dissipation(&mut self, step: &PatchStep<'_>, terms: &mut LedgerTerms) {
-        terms.add("noise_work", -self.work(step));
+    fn add_dissipation(
+        &self,
+        step: &PatchStep<'_>,
+        _: &Kept,
+        terms: &mut LedgerTerms,
+        room: &mut Room,
+    ) {
+        terms.add("noise_work", -self.work(step, room));
     }
 }

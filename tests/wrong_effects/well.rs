@@ -2,7 +2,9 @@
 
 use vesica::fem::{Patch, Space};
 use vesica::physics::potentials::double_well;
-use vesica::physics::{Effect, MembraneForce, MembraneJacobian, PatchFields, PatchStep};
+use vesica::physics::{
+    Effect, Kept, MembraneForce, MembraneJacobian, PatchFields, PatchStep, Room,
+};
 use vesica::scene::{Iteration, TimeScheme};
 
 /// A function of the new and the old φ.
@@ -32,7 +34,7 @@ impl Well {
         };
         let mut start = PatchFields::default();
         start.set_phi(&space.whole(), phi);
-        well.at_start = well.integral(&space.whole(), &start);
+        well.at_start = well.integral(&space.whole(), &start, &mut Room::default());
         well
     }
 
@@ -49,7 +51,7 @@ impl Effect for Well {
         "well"
     }
 
-    fn integral(&mut self, patch: &Patch<'_>, at: &PatchFields) -> f64 {
+    fn integral(&self, patch: &Patch<'_>, at: &PatchFields, _: &mut Room) -> f64 {
         let density: Vec<f64> = at.phi.iter().map(|phi| double_well(*phi)).collect();
         self.weight * patch.integrate(&density)
     }
@@ -58,7 +60,7 @@ impl Effect for Well {
         integral - self.at_start
     }
 
-    fn add_membrane_force(&mut self, step: &PatchStep<'_>, force: &mut MembraneForce) {
+    fn add_membrane_force(&self, step: &PatchStep<'_>, _: &Kept, force: &mut MembraneForce) {
         let (old, new, scheme) = (step.old, step.new, step.scheme);
         let [secant, _] = self.secant(scheme);
         let values = new.phi.iter().zip(&old.phi);
@@ -68,9 +70,10 @@ impl Effect for Well {
     }
 
     fn add_membrane_jacobian(
-        &mut self,
+        &self,
         step: &PatchStep<'_>,
-        _iteration: Iteration,
+        _: &Kept,
+        _: Iteration,
         jacobian: &mut MembraneJacobian,
     ) {
         let (old, new, scheme) = (step.old, step.new, step.scheme);

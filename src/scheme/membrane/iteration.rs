@@ -313,12 +313,9 @@ impl MembraneStep {
     /// Tells every effect with a rank-one term what the correction makes of it.
     fn tell_correction(&self, context: &mut StepContext<'_>) {
         let increment = &self.linear.increment[..context.space.nodes()];
-        for effect in context.effects.iter_mut() {
-            let along = effect
-                .rank_one()
-                .map(|term| vector::dot(&term.row, increment));
-            if let Some(along) = along {
-                effect.newton_correction(along);
+        for term in &self.jacobian.rank_one {
+            if let Some(effect) = context.effects.iter_mut().nth(term.effect) {
+                effect.newton_correction(vector::dot(&term.row, increment));
             }
         }
     }

@@ -12,7 +12,9 @@
 use serde::{Deserialize, Serialize};
 
 use crate::fem::{MassForm, Space};
-use crate::linalg::{Ldlt, LinalgError, LinearOperator, Pattern, minimum_degree, vector};
+use crate::linalg::{
+    Block, Ldlt, LinalgError, LinearOperator, Pattern, minimum_degree, rows, vector,
+};
 
 use super::super::fault_injection::{self, Place};
 use super::super::jacobian::Jacobian;
@@ -314,41 +316,52 @@ impl LinearOperator for ThreeFieldOperator<'_> {
             vector::add_scaled(y2, along, &term.column);
         }
         let [s1, s2, s3] = self.row_scales;
-        // The matrices are too large for a near cache: all in one evaluate_energies.
-        let mut write = |row: usize, [k_mu, c_phi, a_omega, t_phi]: [f64; 4], mass: [f64; 3]| {
-            let inverse_root = self.root_weights[row].recip();
-            y1[row] = s1 * inverse_root * (mass[0] + self.step_mobility * k_mu);
-            y2[row] = if self.fixed[row] {
-                0.0
-            } else {
-                s2 * inverse_root * (y2[row] + c_phi + a_omega - mass[2])
-            };
-            y3[row] = s3 * inverse_root * self.width * (mass[1] - t_phi);
+        let (width, step_mobility) = (self.width, self.step_mobility);
+        let three = |[k_mu, c_phi, a_omega, t_phi]: [Block; 4],
+                     [mass_phi, mass_omega, mass_mu]: [Block; 3],
+                     root: Block,
+                     extra: Block| {
+            let scale = rows(|row| root[row].recip());
+            [
+                rows(|row| s1 * scale[row] * (mass_phi[row] + step_mobility * k_mu[row])),
+                rows(|row| {
+                    let second = extra[row] + c_phi[row] + a_omega[row] - mass_mu[row];
+                    s2 * scale[row] * second
+                }),
+                rows(|row| s3 * scale[row] * width * (mass_omega[row] - t_phi[row])),
+            ]
         };
-        let matrices = [
-            &self.space.stiffness().values[..],
-            &jacobian.local.values,
-            &jacobian.secant.values,
-            &jacobian.tangent.values,
-        ];
-        let vectors = [mu, phi, omega, phi];
+        let k = &self.space.stiffness().values[..];
+        let [c, a, t] =
+            [&jacobian.local, &jacobian.secant, &jacobian.tangent].map(|it| &it.values[..]);
         let pattern = &self.space.assembly().pattern;
+        let outputs = [y1, &mut *y2, y3];
+        // The matrices are too large for a near cache: all in one sweep.
         match self.space.mass() {
             MassForm::Sparse(mass) => {
-                let ([k, c, a, t], m) = (matrices, &mass.values[..]);
+                let m = &mass.values[..];
                 let vectors = [mu, phi, omega, phi, phi, omega, mu];
-                pattern.for_each_row([k, c, a, t, m, m, m], vectors, |row, products| {
-                    let [k_mu, c_phi, a_omega, t_phi, mass @ ..] = products;
-                    write(row, [k_mu, c_phi, a_omega, t_phi], mass);
+                let products = ([k, c, a, t, m, m, m], vectors);
+                let roots = [self.root_weights];
+                pattern.sweep(products, roots, outputs, |of, [root], [_, extra, _]| {
+                    let [k_mu, c_phi, a_omega, t_phi, mass @ ..] = of;
+                    three([k_mu, c_phi, a_omega, t_phi], mass, root, extra)
                 });
             }
             MassForm::Nodal(weights) => {
-                pattern.for_each_row(matrices, vectors, |row, products| {
-                    let mass = [phi, omega, mu].map(|field| weights[row] * field[row]);
-                    write(row, products, mass);
+                let products = ([k, c, a, t], [mu, phi, omega, phi]);
+                let inputs = [self.root_weights, weights, phi, omega, mu];
+                pattern.sweep(products, inputs, outputs, |of, inputs, [_, extra, _]| {
+                    let [root, weights, fields @ ..] = inputs;
+                    let mass = fields.map(|field| rows(|row| weights[row] * field[row]));
+                    three(of, mass, root, extra)
                 });
             }
         }
+        let fixed = self.fixed.iter().zip(y2);
+        fixed
+            .filter(|(fixed, _)| **fixed)
+            .for_each(|(_, y)| *y = 0.0);
         fault_injection::tap(Place::Product, y);
     }
 }
@@ -387,6 +400,7 @@ mod tests {
             fill(&mut jacobian.secant, 2.0);
             fill(&mut jacobian.tangent, 3.0);
             jacobian.rank_one.push(RankOne {
+                effect: 1,
                 scale: 0.5,
                 column: wave(4.0),
                 row: wave(5.0),

@@ -158,7 +158,7 @@ fn substep_1_leaves_out_what_does_not_matter() {
     ] {
         // Neighbours that differ: wherever anything acts there is something to do.
         let random = "nematic.initial={ kind = 'random', seed = 3, length = 1.2 }";
-        let mut scheme = scheme(&scene(&[quadrature, random]));
+        let scheme = scheme(&scene(&[quadrature, random]));
         let energy_scale = scheme.energy_scale(&scheme.report.energies);
         let options = SolveOptions {
             dt,
@@ -176,9 +176,8 @@ fn substep_1_leaves_out_what_does_not_matter() {
         let from = scheme.state.director.clone().expect("a director");
         let mut ends = [from.clone(), from.clone()];
         for (step, to) in [&mut part, &mut whole].into_iter().zip(&mut ends) {
-            let (effects, sample) = (&mut scheme.effects, &mut scheme.scratch);
             let start = (&scheme.state.phi[..], &from);
-            step.solve(&scheme.space, effects, sample, options, start, to)
+            step.solve(&scheme.space, &scheme.effects, options, start, to)
                 .expect("a solved substep");
         }
         let nodes = scheme.space.nodes();

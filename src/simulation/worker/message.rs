@@ -26,6 +26,8 @@ pub struct WorkerConfig {
     pub gathering: Duration,
     /// This many states, evenly from t = 0 to T, are sent as [`WorkerEvent::Snapshot`]: none is lost.
     pub snapshots: u64,
+    /// Its steps are computed in so many threads at most; in fewer where that does not pay.
+    pub threads: usize,
 }
 
 /// What can be asked of a worker. Commands are carried out between two steps, in the order in which they

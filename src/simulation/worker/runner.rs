@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 use super::super::claim::KeptFree;
 use super::super::{
     EventKind, Report, Schedule, Simulation, SimulationCheckpoint, SimulationError,
+    threads_that_pay,
 };
 use super::mailbox::{Mailbox, SnapshotOf, SnapshotPool};
 use super::{Command, Continuity, Failure, Message, RunId, Setting, WorkerConfig, WorkerEvent};
@@ -162,6 +163,7 @@ impl<Sink: Fn(Message)> Runner<Sink> {
         if let Some(checkpoint) = continuity.from {
             simulation.restore(&checkpoint)?;
         }
+        simulation.set_threads(threads_that_pay(nodes as usize, self.config.threads));
         self.kept = Kept {
             interval: continuity.keep,
             is_current: true,

@@ -25,6 +25,7 @@ fn config() -> WorkerConfig {
         horizon: None,
         gathering: Duration::ZERO,
         snapshots: 0,
+        threads: 1,
     }
 }
 

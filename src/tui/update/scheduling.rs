@@ -136,6 +136,11 @@ fn guide(
     horizon: Option<f64>,
     effects: &mut Vec<Effect>,
 ) {
+    let threads = match app.screen {
+        Screen::Run => app.cores,
+        // They share the cores.
+        Screen::Gallery => app.cores / app.cases().len().max(1),
+    };
     let slot = &mut app.slots[index];
     if let Some(run) = &mut slot.run {
         let commands = run.control.guide(going, horizon);
@@ -161,6 +166,7 @@ fn guide(
             horizon,
             gathering: GATHERING,
             snapshots: SNAPSHOTS,
+            threads,
         };
         effects.push(Effect::Start(orders, slot.scene.clone()));
         app.stale = true;
