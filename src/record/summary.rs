@@ -411,13 +411,14 @@ mod tests {
         let scene = super::super::scene_file::tests::scene("");
         let mut summary = RunSummary::new(&scene, Some(3));
         summary.largest_energy_rise = f64::NAN;
+        summary.threads = Some(2);
         summary.end(Ending::Failed("step 2 \"broke\"".into()));
         summary.write(&path).expect("it is written");
         let text = std::fs::read_to_string(&path).expect("it is there");
         let value: serde_json::Value = serde_json::from_str(&text).expect("it is JSON");
         assert_eq!(value["status"], "failed");
         assert_eq!(value["error"], "step 2 \"broke\"");
-        assert_eq!(value["threads"], 1);
+        assert_eq!(value["threads"], 2);
         assert_eq!(value["largest_energy_rise"], serde_json::Value::Null);
         let ended = value["ended"].as_str().expect("a date");
         assert!(humantime::parse_rfc3339(ended).is_ok(), "{ended}");

@@ -19,6 +19,7 @@ mod reference;
 mod rest;
 mod secant;
 mod symmetry;
+mod threads;
 mod unstructured;
 #[path = "../wrong_effects/mod.rs"]
 mod wrong_effects;
