@@ -35,6 +35,15 @@ pub(super) fn seconds(text: &str) -> Result<Duration, String> {
         .ok_or_else(|| "it must be a number of seconds from 0, such as 30".to_owned())
 }
 
+/// Seconds for which a run is shown; 0: as it comes.
+pub(super) fn pace(text: &str) -> Result<f64, String> {
+    let seconds = seconds(text).map(|seconds| seconds.as_secs_f64());
+    seconds
+        .ok()
+        .filter(|seconds| *seconds <= 1e6)
+        .ok_or_else(|| "it must be a number of seconds from 0 to 1000000, such as 8".to_owned())
+}
+
 /// Frames a second.
 pub(super) fn frames(text: &str) -> Result<u32, String> {
     let [least, most] = App::FRAME_RATES;
@@ -78,6 +87,10 @@ mod tests {
             assert!(time(text).is_err(), "{text}");
             assert!(text == "0" || seconds(text).is_err(), "{text}");
         }
+        for text in ["", "-1", "nan", "inf", "1e7", "slow"] {
+            assert!(pace(text).is_err(), "{text}");
+        }
+        assert_eq!([pace("0"), pace("2.5")], [Ok(0.0), Ok(2.5)]);
         assert_eq!(seconds("0"), Ok(Duration::ZERO));
         assert_eq!(seconds("0.05"), Ok(Duration::from_millis(50)));
     }

@@ -44,7 +44,9 @@ pub enum Message {
     FreeMemory(u64),
     /// Something to say in passing.
     Remark(String),
-    /// Time goes by.
+    /// This much time has passed, which counts only while [`time_counts`](super::update::time_counts).
+    Passed(Duration),
+    /// Nothing has happened: the app begins.
     Tick,
 }
 

@@ -3,6 +3,7 @@
 mod allocator;
 mod app;
 pub mod autosave;
+pub mod brake;
 pub mod canvas;
 pub mod colour_map;
 pub mod curve;
@@ -39,5 +40,5 @@ pub mod theme;
 pub mod throughput;
 pub mod update;
 
-pub use opening::{open, open_with_cases};
+pub use opening::{DEFAULT, open, open_with_cases};
 pub use session::{AppError, Failed, Options, Outcome, run};

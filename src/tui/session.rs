@@ -16,6 +16,7 @@ use signal_hook::consts::{SIGINT, SIGQUIT};
 
 use super::app::set_anchoring;
 use super::autosave::{self, Autosave, SharedAutosave};
+use super::brake::Brake;
 use super::canvas::Canvas;
 use super::event::{AppEvent, spawn};
 use super::exit_summary;
@@ -27,7 +28,7 @@ use super::signals::Watch;
 use super::state::{self, App, Ending, Overlay, Run, Slot};
 use super::terminal::{self, Terminal};
 use super::theme::{ColorTier, Theme};
-use super::update::{expectation_wanted, update};
+use super::update::{expectation_wanted, time_counts, update};
 use super::{allocator, editing, estimates, job_control, opening, panel};
 use crate::record::{self, Settings};
 use crate::scene::Scene;
@@ -44,6 +45,12 @@ const LAST_STEP: Duration = Duration::from_secs(3);
 /// How often it is asked how much memory there is.
 const MEMORY_ASKED: Duration = Duration::from_secs(1);
 
+/// How often the time that passes is counted, while it counts,
+const TICK: Duration = Duration::from_millis(50);
+
+/// and how much of it at most: a process that was stopped goes on where it was.
+const LONGEST_TICK: Duration = Duration::from_millis(250);
+
 /// How long the terminal may take to be put back at the end before it is helped.
 const RESTORED: Duration = Duration::from_millis(1300);
 
@@ -56,6 +63,8 @@ pub struct Options {
     pub active: usize,
     /// Frames a second at most, for events of the solver.
     pub frames_per_second: u32,
+    /// Seconds from t = 0 to T at least, for runs that are computed faster; 0: as fast as they are computed.
+    pub pace: f64,
     /// The colours to use, if not those of the environment.
     pub tier: Option<ColorTier>,
     /// How things are saved.
@@ -125,7 +134,9 @@ pub fn run(options: Options) -> Result<Outcome, AppError> {
         options.active,
         terminal::size(),
         options.frames_per_second,
-    );
+    )
+    .with_forms(opening::FORMS);
+    app.brake = Brake::new(options.pace);
     app.offer_to_go_on();
     app.remark = exit_summary::leftovers(&record::clean(Path::new(PARENT)))
         .into_iter()
@@ -148,6 +159,7 @@ pub fn run(options: Options) -> Result<Outcome, AppError> {
         pricing: None,
         expecting: None,
         memory_asked: None,
+        counted: None,
         quitting: false,
     };
     session.run()
@@ -175,6 +187,8 @@ struct Session {
     expecting: Option<Arc<AtomicBool>>,
     /// When it was asked last how much memory there is.
     memory_asked: Option<Instant>,
+    /// Up to when the time that passes was counted, while it counts.
+    counted: Option<Instant>,
     quitting: bool,
 }
 
@@ -184,7 +198,8 @@ impl Session {
         self.message(Message::Tick)?;
         self.draw();
         while !self.quitting {
-            let next = match self.wait() {
+            let waits = [self.wait(), self.wait_for_time()];
+            let next = match waits.into_iter().flatten().min() {
                 None => self.queue.recv().ok(),
                 Some(wait) => match self.queue.recv_timeout(wait) {
                     Ok(next) => Some(next),
@@ -201,6 +216,7 @@ impl Session {
                     self.take(next)?;
                 }
             }
+            self.let_time_pass()?;
             if self.wait() == Some(Duration::ZERO) {
                 self.look()?;
                 self.draw();
@@ -216,6 +232,30 @@ impl Session {
         self.terminal
             .is_free()
             .then(|| due.saturating_duration_since(Instant::now()))
+    }
+
+    /// How long to wait at most until the time that has passed is counted; `None`: it does not count.
+    fn wait_for_time(&self) -> Option<Duration> {
+        let counts = time_counts(&self.app) && !self.quitting;
+        counts.then(|| match self.counted {
+            None => Duration::ZERO,
+            Some(counted) => TICK.saturating_sub(counted.elapsed()),
+        })
+    }
+
+    /// Counts the time that has passed, if that is due.
+    fn let_time_pass(&mut self) -> Result<(), AppError> {
+        if self.quitting || !time_counts(&self.app) {
+            self.counted = None;
+            return Ok(());
+        }
+        let now = Instant::now();
+        let passed = now - *self.counted.get_or_insert(now);
+        if passed < TICK {
+            return Ok(());
+        }
+        self.counted = Some(now);
+        self.message(Message::Passed(passed.min(LONGEST_TICK)))
     }
 
     fn ask(&mut self, occasion: Occasion) {
@@ -263,10 +303,14 @@ impl Session {
             }
             _ => {}
         }
-        let is_news = matches!(message, Message::Solver(_));
+        let occasion = match message {
+            Message::Solver(_) => None,
+            Message::Passed(_) => Some(Occasion::WorkerEvent),
+            _ => Some(Occasion::Key),
+        };
         self.update(message)?;
-        if self.app.stale && !is_news {
-            self.ask(Occasion::Key);
+        if let Some(occasion) = occasion.filter(|_| self.app.stale) {
+            self.ask(occasion);
         }
         Ok(())
     }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::autosave::Kept;
+use super::brake::{Brake, Replay};
 use super::frame_history::FrameHistory;
 use super::run_control::RunControl;
 use crate::record::KeptAt;
@@ -18,9 +19,13 @@ pub use crate::figure::Director;
 /// The whole state of the app.
 #[derive(Debug)]
 pub struct App {
-    /// The four cases of Table 2 and every scene that was opened; a slot keeps its run while
-    /// another one is shown.
+    /// The four cases of Table 2, in each of their forms, and every scene that was opened; a slot keeps its
+    /// run while another one is shown.
     pub slots: Vec<Slot>,
+    /// Forms of the four cases that come first in the slots: quick, and as printed.
+    pub forms: usize,
+    /// The form of the cases that the keys and the gallery show.
+    pub form: usize,
     /// The slot that is shown.
     pub active: usize,
     /// What fills the screen.
@@ -49,6 +54,10 @@ pub struct App {
     pub stale: bool,
     /// The next run's number.
     pub next_run: RunId,
+    /// How fast runs are shown that are computed faster.
+    pub brake: Brake,
+    /// The stored past that is being played again.
+    pub replay: Option<Replay>,
     /// How many runs of the gallery compute at the same time, at most.
     pub cores: usize,
     /// The time that no run of the gallery goes beyond at present; `None` outside the gallery.
@@ -93,6 +102,8 @@ pub struct Slot {
     pub file: Option<PathBuf>,
     /// The folder of the run that it came from.
     pub folder: Option<PathBuf>,
+    /// The preset that the scene is, but for its anchoring.
+    pub preset: Option<&'static str>,
     /// What is reported when it is shown first.
     pub remark: Option<String>,
     /// The scene as loaded, with the anchoring in force: the one that the worker has confirmed.

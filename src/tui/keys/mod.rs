@@ -10,6 +10,7 @@ use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
 
 use super::state::{App, Overlay};
 
+pub use conditions::other_form;
 pub use table::BINDINGS;
 
 /// What a key does.
@@ -21,8 +22,14 @@ pub enum Action {
     Step,
     /// Restart the run.
     Restart,
-    /// Show a slot.
+    /// Show a case or an opened scene, by the number of its key less 1.
     Show(usize),
+    /// The active case quick, or as printed.
+    OtherForm,
+    /// Take the brake off, or put it on.
+    Brake,
+    /// Play the stored past, or stop that.
+    Play,
     /// Switch the anchoring.
     NextAnchoring,
     /// Into the gallery or out of it.

@@ -3,6 +3,7 @@
 mod actions;
 mod estimates;
 mod overlays;
+mod pacing;
 mod saving;
 mod scheduling;
 #[cfg(test)]
@@ -17,6 +18,7 @@ use super::state::{App, Ending};
 
 pub use estimates::wanted as expectation_wanted;
 pub use overlays::offered;
+pub use pacing::time_counts;
 pub(super) use scheduling::SNAPSHOTS;
 
 /// Takes a message into the state; the caller carries out the returned effects.
@@ -61,6 +63,7 @@ pub fn update(app: &mut App, message: Message) -> Vec<Effect> {
         Message::HungUp => leave(app, Ending::HungUp, &mut effects),
         Message::FreeMemory(free) => worker_events::find_room(app, free),
         Message::Remark(text) => remark(app, text),
+        Message::Passed(passed) => pacing::passed(app, passed),
         Message::Tick => {}
     }
     if app.ending.is_none() {

@@ -2,6 +2,7 @@
 
 mod gallery;
 mod overlays;
+mod pacing;
 mod random_walk;
 mod real_workers;
 mod rig;
