@@ -213,7 +213,7 @@ impl MeasuredRun {
             self.finer.words(),
             run(finer),
             run(between),
-            error_words(rows)
+            error_words(rows, &["E_total", "length", "waist"])
         );
         if rows.iter().any(|row| !row.is_asymptotic()) {
             text.push_str(

@@ -8,7 +8,8 @@
 
 use super::errors::Solution;
 use crate::fem::Mesh;
-use crate::record::{Columns, Number, push_cells};
+use crate::record::{Columns, ShortNumber, push_cells};
+use crate::scene::significant;
 use crate::scheme::State;
 use crate::simulation::{OutlineMeasure, Report};
 use std::fmt;
@@ -208,47 +209,66 @@ pub fn error_table(rows: &[ErrorRow]) -> String {
     table
 }
 
-/// The same for people: sizes with their uncertainties, those of scalars in per cent of the value.
-pub fn error_words(rows: &[ErrorRow]) -> String {
-    let mut lines = vec![
-        [
-            "t",
-            "order",
-            "phi in L2",
-            "membrane",
-            "E_total",
-            "length",
-            "waist",
-        ]
-        .map(str::to_owned)
-        .to_vec(),
-    ];
+/// The errors of φ and of these scalars for people, a row a time: sizes with their uncertainties, those of scalars in per
+/// cent of the value.
+pub fn error_words(rows: &[ErrorRow], scalars: &[&str]) -> String {
+    let first = ["t", "order", "phi in L2"].into_iter();
+    let heading = first.chain(scalars.iter().copied()).map(str::to_owned);
+    let mut lines = vec![heading.collect()];
     for row in rows {
         let order = row
             .order
             .map_or("-".to_owned(), |order| format!("{order:.1}"));
         let is_off = if row.is_asymptotic() { "" } else { " off" };
         let mut line = vec![
-            format!("{}", Number((1e9 * row.t).round() / 1e9)),
+            ShortNumber(row.t).to_string(),
             order + is_off,
             row.phase.to_string(),
-            row.membrane.map_or("-".to_owned(), |it| it.to_string()),
         ];
-        for name in ["E_total", "length", "waist"] {
+        line.extend(scalars.iter().map(|name| {
             let found = row.scalars.iter().find(|(known, ..)| known == name);
-            line.push(found.map_or("-".to_owned(), |(_, value, measured)| {
+            found.map_or("-".to_owned(), |(_, value, measured)| {
                 percent(*measured, *value)
-            }));
-        }
+            })
+        }));
         lines.push(line);
     }
+    aligned(&lines)
+}
+
+/// All errors at one time for people, a row a quantity.
+pub fn quantity_words(row: &ErrorRow) -> String {
+    let mut lines = vec![vec![
+        "phi in L2".to_owned(),
+        String::new(),
+        row.phase.to_string(),
+    ]];
+    if let Some(membrane) = row.membrane {
+        lines.push(vec![
+            "membrane".to_owned(),
+            String::new(),
+            membrane.to_string(),
+        ]);
+    }
+    for (name, value, measured) in &row.scalars {
+        lines.push(vec![
+            name.clone(),
+            significant(*value, 5),
+            percent(*measured, *value),
+        ]);
+    }
+    aligned(&lines)
+}
+
+/// Columns below each other.
+fn aligned(lines: &[Vec<String>]) -> String {
     let width = |column: usize| {
         let cells = lines.iter().map(|line| line[column].chars().count());
         cells.max().unwrap_or(0)
     };
     let widths: Vec<usize> = (0..lines[0].len()).map(width).collect();
     let mut text = String::new();
-    for line in &lines {
+    for line in lines {
         let cells = line.iter().zip(&widths);
         let cells: Vec<String> = cells
             .map(|(cell, width)| format!("{cell:width$}"))

@@ -31,7 +31,7 @@ pub use effects::{Cost, Plan, Price, Prices, Progress, prices};
 pub use error_size::ErrorSize;
 pub use errors::Errors;
 pub use finer_runs::{FinerNews, FinerRuns};
-pub use measured_error::{ErrorRow, Measured, Sample, error_table, error_words};
+pub use measured_error::{ErrorRow, Measured, Sample, error_table, error_words, quantity_words};
 pub use memory::CountingAllocator;
 pub use preset_figures::PresetFigures;
 pub use recommendation::Recommendation;

@@ -239,6 +239,8 @@ impl Run {
             history: History::default(),
             picture: None,
             past: FrameHistory::default(),
+            switches: Vec::new(),
+            measurement: None,
             snapshots: Vec::new(),
             pace: Throughput::default(),
             notices: VecDeque::new(),
@@ -270,6 +272,16 @@ impl Run {
         pictures.sort_by_key(|picture| picture.report.step);
         pictures.dedup_by_key(|picture| picture.report.step);
         pictures
+    }
+
+    /// Whether its error is being measured.
+    pub fn is_measured(&self) -> bool {
+        self.measurement.as_ref().is_some_and(|it| it.is_going)
+    }
+
+    /// T; `None` until the run is set up.
+    pub fn end(&self) -> Option<f64> {
+        Some(self.setting.as_ref()?.scene.time.end)
     }
 
     /// Whether T is reached.

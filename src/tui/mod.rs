@@ -21,6 +21,7 @@ mod input;
 mod job_control;
 pub mod keys;
 pub mod layout;
+pub mod measuring;
 pub mod message;
 mod modes;
 pub mod numbers;

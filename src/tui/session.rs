@@ -21,11 +21,12 @@ use super::canvas::Canvas;
 use super::event::{AppEvent, spawn};
 use super::exit_summary;
 use super::input::Input;
+use super::measuring::{self, MeasuringJob};
 use super::message::{Effect, Message};
 use super::redraw_scheduler::{Occasion, RedrawScheduler};
 use super::saving::{Job, PARENT, Save, Saver, What};
 use super::signals::Watch;
-use super::state::{self, App, Ending, Overlay, Run, Slot};
+use super::state::{self, App, Ending, MeasuringNews, Overlay, Run, Slot};
 use super::terminal::{self, Terminal};
 use super::theme::{ColorTier, Theme};
 use super::update::{expectation_wanted, time_counts, update};
@@ -33,7 +34,8 @@ use super::{allocator, editing, estimates, job_control, opening, panel};
 use crate::record::{self, Settings};
 use crate::scene::Scene;
 use crate::simulation::{
-    Command, Continuity, RunId, RunSnapshot, Worker, WorkerConfig, free_memory, kept_free,
+    Command, Continuity, RunId, RunSnapshot, Worker, WorkerConfig, WorkerEvent, free_memory,
+    kept_free,
 };
 
 /// How long saving may hold up an end that was not asked for by a person.
@@ -157,6 +159,7 @@ pub fn run(options: Options) -> Result<Outcome, AppError> {
         incoming,
         queue,
         pricing: None,
+        measuring: None,
         expecting: None,
         memory_asked: None,
         counted: None,
@@ -183,6 +186,8 @@ struct Session {
     queue: Receiver<AppEvent>,
     /// Ends the pricing of effects, while there is one.
     pricing: Option<Arc<AtomicBool>>,
+    /// The error of a run that is being measured.
+    measuring: Option<Measuring>,
     /// Ends the measurement of what a scene would take, while there is one.
     expecting: Option<Arc<AtomicBool>>,
     /// When it was asked last how much memory there is.
@@ -190,6 +195,20 @@ struct Session {
     /// Up to when the time that passes was counted, while it counts.
     counted: Option<Instant>,
     quitting: bool,
+}
+
+/// A measurement of the error of a run; it ends when this is dropped.
+struct Measuring {
+    run: RunId,
+    end: Arc<AtomicBool>,
+    /// Takes the states that the run reaches.
+    states: Sender<Arc<RunSnapshot>>,
+}
+
+impl Drop for Measuring {
+    fn drop(&mut self) {
+        self.end.store(true, Ordering::Relaxed);
+    }
 }
 
 impl Session {
@@ -296,7 +315,16 @@ impl Session {
             // What will be saved must be the latest.
             Message::Signal(_) | Message::HungUp => self.look()?,
             // Also where nothing of it shows: pictures are fetched when it is time.
-            Message::Solver(_) => self.ask(Occasion::WorkerEvent),
+            Message::Solver(message) => {
+                if let WorkerEvent::Snapshot(state) = &message.event
+                    && let Some(measuring) = self.measuring.as_ref()
+                    && measuring.run == message.run
+                {
+                    // If the measurement has ended, it does not want it.
+                    let _ = measuring.states.send(Arc::clone(state));
+                }
+                self.ask(Occasion::WorkerEvent);
+            }
             Message::Saved(saved) => {
                 self.saver.answered();
                 self.saved.extend(saved.iter().cloned());
@@ -321,6 +349,15 @@ impl Session {
         }
         if !matches!(self.app.overlay, Some(Overlay::Prices { .. })) {
             call_off(&mut self.pricing);
+        }
+        let is_measured = |run: RunId| {
+            let runs = self.app.slots.iter().filter_map(|slot| slot.run.as_ref());
+            runs.filter(|known| known.id == run).any(Run::is_measured)
+        };
+        if let Some(Measuring { run, .. }) = self.measuring
+            && !is_measured(run)
+        {
+            self.measuring = None;
         }
         if expectation_wanted(&self.app) != self.app.expectation.asked {
             call_off(&mut self.expecting);
@@ -398,6 +435,7 @@ impl Session {
                 })?;
             }
             Effect::Price(scene) => self.price(scene)?,
+            Effect::Measure(run, job) => self.measure(run, *job)?,
             Effect::Expect(name, scene) => self.expect(name, scene)?,
             Effect::Edit(slot) => return self.edit(slot),
             Effect::SaveView(picture, slot) => return self.save_view(picture, slot),
@@ -517,6 +555,22 @@ impl Session {
             let _ = incoming.send(AppEvent::Message(Message::Expected(name, words)));
         });
         thread.or_else(|words| self.message(Message::Expected(asked, Some(Err(words)))))
+    }
+
+    /// Measures the error of a run, until it is measured or the run says that it is not to be.
+    fn measure(&mut self, run: RunId, job: MeasuringJob) -> Result<(), AppError> {
+        let end = Arc::new(AtomicBool::new(false));
+        let (states, received) = mpsc::channel();
+        let incoming = self.incoming.clone();
+        let is_ended = Arc::clone(&end);
+        self.measuring = Some(Measuring { run, end, states });
+        let thread = self.aside("measuring", move || {
+            measuring::measure(&job, &is_ended, &received, &mut |news| {
+                // If the loop has ended, nobody wants it.
+                let _ = incoming.send(AppEvent::Message(Message::Measured(run, news)));
+            });
+        });
+        thread.or_else(|words| self.message(Message::Measured(run, MeasuringNews::Failed(words))))
     }
 
     fn save_view(&mut self, picture: Arc<RunSnapshot>, slot: usize) -> Result<(), AppError> {

@@ -74,6 +74,14 @@ pub(super) fn brake(app: &App) -> &'static str {
     }
 }
 
+pub(super) fn measure(app: &App) -> &'static str {
+    match app.active_run().and_then(|run| run.measurement.as_ref()) {
+        Some(measurement) if !measurement.rows.is_empty() => "errors",
+        Some(measurement) if measurement.is_going => "measure no more",
+        _ => "measure error",
+    }
+}
+
 pub(super) fn play(app: &App) -> &'static str {
     match app.replay {
         Some(_) => "stop",

@@ -66,6 +66,8 @@ pub enum Action {
     Edit,
     /// Offer a run that is more accurate or cheaper.
     Improve,
+    /// Measure the error of the run, or show it.
+    Measure,
     /// Show what each effect costs.
     Prices,
     /// Open another scene.
@@ -123,7 +125,9 @@ impl Place {
             Some(Overlay::Help { .. }) => Self::Help,
             Some(Overlay::Confirm(_)) => Self::Confirm,
             Some(Overlay::Open { .. }) => Self::Open,
-            Some(Overlay::Message { .. } | Overlay::Prices { .. }) => Self::Message,
+            Some(Overlay::Message { .. } | Overlay::Prices { .. } | Overlay::Measured) => {
+                Self::Message
+            }
         }
     }
 }

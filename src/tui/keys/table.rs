@@ -3,7 +3,7 @@
 use crossterm::event::KeyCode;
 
 use super::conditions::{
-    always, at_present_with_director, brake, gallery, in_gallery, next_panel, on_a_case,
+    always, at_present_with_director, brake, gallery, in_gallery, measure, next_panel, on_a_case,
     on_one_run, other_form, pause_or_resume, play, when_a_step_is_left, when_not_over, with_a_past,
     with_director, with_notices, with_opened_scenes, with_picture,
 };
@@ -274,6 +274,15 @@ pub static BINDINGS: &[Binding] = &[
         plain_label: "p",
         brief: |_| "prices",
         words: "what each effect costs; measured while you look at it",
+        when: on_one_run,
+    },
+    Binding {
+        place: Place::Main,
+        keys: &[key('m', Action::Measure)],
+        label: "m",
+        plain_label: "m",
+        brief: measure,
+        words: "measure the error: the same scene twice as fine beside the run; again: show the errors",
         when: on_one_run,
     },
     Binding {

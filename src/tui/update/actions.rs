@@ -8,7 +8,7 @@ use super::super::state::{
     App, Beyond, Director, Ending, Field, Keeping, Notice, Overlay, Panel, Question, Run, Save,
     Screen, Slot, Status,
 };
-use super::{leave, overlays, pacing, remark, saving};
+use super::{leave, measuring, overlays, pacing, remark, saving};
 use crate::record::ShortNumber;
 use crate::simulation::{Command, RunId, step_count};
 use crate::study::Recommendation;
@@ -60,6 +60,7 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
             }
         }
         Action::Improve => improve(app),
+        Action::Measure => measuring::press(app, effects),
         Action::Notices => show_notices(app),
         Action::Help => app.overlay = Some(Overlay::Help { scroll: 0 }),
         Action::Suspend => effects.push(Effect::Suspend),

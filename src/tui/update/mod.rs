@@ -2,6 +2,7 @@
 
 mod actions;
 mod estimates;
+mod measuring;
 mod overlays;
 mod pacing;
 mod saving;
@@ -62,6 +63,7 @@ pub fn update(app: &mut App, message: Message) -> Vec<Effect> {
         Message::Signal(number) => leave(app, Ending::Signal(number), &mut effects),
         Message::HungUp => leave(app, Ending::HungUp, &mut effects),
         Message::FreeMemory(free) => worker_events::find_room(app, free),
+        Message::Measured(run, news) => measuring::measured(app, run, news),
         Message::Remark(text) => remark(app, text),
         Message::Passed(passed) => pacing::passed(app, passed),
         Message::Tick => {}
