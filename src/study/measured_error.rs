@@ -289,3 +289,115 @@ fn percent(measured: Measured, value: f64) -> String {
     let [least, most] = measured.bounds().map(|it| 1e2 * it / value.abs());
     format!("{least:.2} to {most:.2} %")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A run whose φ and energy miss x and 10 by these sizes.
+    fn sample(missed: f64) -> Sample {
+        let mesh = Arc::new(Mesh::structured(8, 0.0, 1).expect("a mesh"));
+        let phi = |x: f64| 2.0 * x - 1.0 + missed * (1.0 + x);
+        let state = State {
+            phi: mesh.nodes().iter().map(|node| phi(node.x)).collect(),
+            omega: Vec::new(),
+            mu: Vec::new(),
+            director: None,
+        };
+        let scalars = vec![("E_total".to_owned(), 10.0 - 3.0 * missed)];
+        Sample::with(&mesh, &state, scalars)
+    }
+
+    /// Runs with edges h, h/√f and h/f and errors of this order.
+    fn row(factor: f64, order: f64) -> ErrorRow {
+        let error = |factor: f64| 1e-2 * factor.powf(-order);
+        let [run, between, finer] = [1.0, factor.sqrt(), factor].map(|it| sample(error(it)));
+        ErrorRow::new(1e-3, factor, &run, &between, &finer).expect("one domain")
+    }
+
+    /// ‖missed·(1 + x)‖ = missed·√(7/3).
+    const TRUE_ERROR: f64 = 1.527_525_231_651_947 * 1e-2;
+
+    #[test]
+    fn the_order_is_observed_and_the_truth_is_within_the_uncertainty() {
+        for factor in [1.5, 2.0, 3.0] {
+            for order in [1.0, 1.6, 2.0, 2.4, 3.0] {
+                let row = row(factor, order);
+                let observed = row.order.expect("an order");
+                assert!((observed - order).abs() < 1e-3, "{observed} {order}");
+                assert_eq!(row.is_asymptotic(), (order - 2.0).abs() <= 0.5);
+                let [least, most] = row.phase.bounds();
+                assert!(
+                    least < TRUE_ERROR && TRUE_ERROR < most,
+                    "{factor} {order}: {least} {most}"
+                );
+                let (name, value, energy) = &row.scalars[0];
+                assert_eq!((name.as_str(), *value), ("E_total", 10.0 - 3e-2));
+                assert!(energy.error < 0.0, "the run's energy is too small");
+                let [least, most] = energy.bounds();
+                assert!(least < 3e-2 && 3e-2 < most, "{least} {most}");
+            }
+        }
+        // The uncertainty is worth something.
+        let row = row(3.0, 2.0);
+        assert!(row.phase.uncertainty < 0.2 * TRUE_ERROR);
+    }
+
+    #[test]
+    fn a_wrong_factor_shows_in_the_order() {
+        let [run, between, finer] = [1e-2, 5e-3, 2.5e-3].map(sample);
+        let order = |factor: f64| {
+            let row = ErrorRow::new(1e-3, factor, &run, &between, &finer);
+            row.and_then(|row| row.order).expect("an order")
+        };
+        assert!((order(2.0) - 2.0).abs() < 1e-3);
+        assert!(order(4.0) < 1.01);
+    }
+
+    #[test]
+    fn a_scalar_that_happens_to_agree_is_no_more_certain_than_the_field() {
+        let [run, mut between, finer] = [1e-2, 5e-3, 2.5e-3].map(sample);
+        between.scalars.clone_from(&finer.scalars);
+        let row = ErrorRow::new(1e-3, 2.0, &run, &between, &finer).expect("one domain");
+        let (_, _, energy) = &row.scalars[0];
+        let part = energy.uncertainty / energy.error.abs();
+        assert!(part > 0.2, "{part}");
+    }
+
+    #[test]
+    fn what_is_no_number_is_not_compared() {
+        let [run, between, finer] = [1e-2, 5e-3, f64::NAN].map(sample);
+        assert_eq!(ErrorRow::new(1e-3, 2.0, &run, &between, &finer), None);
+        // Three times the same: no order, and no error.
+        let same = [0.0; 3].map(sample);
+        let row = ErrorRow::new(1e-3, 2.0, &same[0], &same[1], &same[2]).expect("one domain");
+        assert_eq!(
+            (row.order, row.phase.error, row.phase.uncertainty),
+            (None, 0.0, 0.0)
+        );
+    }
+
+    #[test]
+    fn the_table_has_a_row_a_time_and_three_columns_a_scalar() {
+        let table = error_table(&[row(2.0, 2.0), row(2.0, 3.0)]);
+        let lines: Vec<Vec<&str>> = table
+            .lines()
+            .map(|line| line.split(',').collect())
+            .collect();
+        assert_eq!(lines[0][..3], ["t", "observed_order", "phi_error"]);
+        assert_eq!(
+            lines[0][6..],
+            ["E_total", "E_total_error", "E_total_uncertainty"]
+        );
+        assert!(
+            lines.len() == 3 && lines.iter().all(|line| line.len() == 9),
+            "{table}"
+        );
+        assert_eq!(lines[1][6].parse(), Ok(9.97));
+        let words = error_words(&[row(2.0, 2.0), row(2.0, 3.0)], &["E_total", "waist"]);
+        assert!(
+            words.contains("2.0 ") && words.contains("3.0 off"),
+            "{words}"
+        );
+    }
+}

@@ -1,7 +1,6 @@
 //! What a step costs, how hard it was to solve, and how well it was solved.
 //!
-//! Below, where there is room: the estimated errors of the steps, the mesh and the solver, side by side, with the
-//! largest named.
+//! Below, where there is room: the measured error, or as long as there is none the estimates that can be trusted.
 
 use std::time::Duration;
 
@@ -127,7 +126,9 @@ fn budget<'a>(
     // Nothing is known of it yet.
     report.budget.largest()?;
     let budget = report.budget.trusted(shown.scene());
-    let largest = budget.largest().map(|(part, _)| part);
+    let Some((largest, _)) = budget.largest() else {
+        return Some(Line::styled(" error not known", theme.muted()));
+    };
     let parts = [
         (ErrorPart::Time, "steps", budget.time),
         (ErrorPart::Space, "mesh", budget.space),
@@ -136,7 +137,7 @@ fn budget<'a>(
     for (part, name, error) in parts {
         spans.push(Span::styled(format!(" {name} "), theme.muted()));
         let value = error.map_or("not known".to_owned(), |error| brief(error, 2));
-        spans.push(match largest == Some(part) {
+        spans.push(match largest == part {
             true => Span::styled(value, theme.style(Role::Warning)),
             false => Span::raw(value),
         });

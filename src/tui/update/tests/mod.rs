@@ -1,6 +1,7 @@
 //! The app without a terminal and without threads: small scripts of what happens to it.
 
 mod gallery;
+mod measuring;
 mod overlays;
 mod pacing;
 mod random_walk;
