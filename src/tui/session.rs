@@ -4,10 +4,12 @@
 //! The loop waits for nothing but its channel. Keys, signals, output, saving, loading and the runs
 //! have their own threads, which send to it. While nothing happens nothing runs: no tick, no draw.
 
+mod jobs;
+
 use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -18,25 +20,26 @@ use super::app::set_anchoring;
 use super::autosave::{self, Autosave, SharedAutosave};
 use super::brake::Brake;
 use super::canvas::Canvas;
-use super::event::{AppEvent, spawn};
+use super::event::AppEvent;
 use super::exit_summary;
 use super::input::Input;
-use super::measuring::{self, MeasuringJob};
 use super::message::{Effect, Message};
 use super::redraw_scheduler::{Occasion, RedrawScheduler};
 use super::saving::{Job, PARENT, Save, Saver, What};
 use super::signals::Watch;
-use super::state::{self, App, Ending, MeasuringNews, Overlay, Run, Slot};
+use super::state::{self, App, Ending, Overlay, Run, Slot};
 use super::terminal::{self, Terminal};
 use super::theme::{ColorTier, Theme};
 use super::update::{expectation_wanted, time_counts, update};
-use super::{allocator, editing, estimates, job_control, opening, panel};
+use super::{allocator, editing, job_control, opening, panel};
 use crate::record::{self, Settings};
 use crate::scene::Scene;
 use crate::simulation::{
     Command, Continuity, RunId, RunSnapshot, Worker, WorkerConfig, WorkerEvent, free_memory,
     kept_free,
 };
+
+use jobs::{Measuring, call_off};
 
 /// How long saving may hold up an end that was not asked for by a person.
 const LAST_SAVE: Duration = Duration::from_millis(1200);
@@ -197,20 +200,6 @@ struct Session {
     quitting: bool,
 }
 
-/// A measurement of the error of a run; it ends when this is dropped.
-struct Measuring {
-    run: RunId,
-    end: Arc<AtomicBool>,
-    /// Takes the states that the run reaches.
-    states: Sender<Arc<RunSnapshot>>,
-}
-
-impl Drop for Measuring {
-    fn drop(&mut self) {
-        self.end.store(true, Ordering::Relaxed);
-    }
-}
-
 impl Session {
     fn run(mut self) -> Result<Outcome, AppError> {
         // The first message starts the run, whatever it is.
@@ -314,14 +303,13 @@ impl Session {
             Message::Signal(SIGINT | SIGQUIT) if self.input.is_none() => return Ok(()),
             // What will be saved must be the latest.
             Message::Signal(_) | Message::HungUp => self.look()?,
-            // Also where nothing of it shows: pictures are fetched when it is time.
+            // Also where nothing of it shows.
             Message::Solver(message) => {
                 if let WorkerEvent::Snapshot(state) = &message.event
                     && let Some(measuring) = self.measuring.as_ref()
                     && measuring.run == message.run
                 {
-                    // If the measurement has ended, it does not want it.
-                    let _ = measuring.states.send(Arc::clone(state));
+                    measuring.take(state);
                 }
                 self.ask(Occasion::WorkerEvent);
             }
@@ -336,7 +324,15 @@ impl Session {
             Message::Passed(_) => Some(Occasion::WorkerEvent),
             _ => Some(Occasion::Key),
         };
+        let has_steps = matches!(
+            &message,
+            Message::Solver(message) if matches!(message.event, WorkerEvent::Reports(_))
+        );
         self.update(message)?;
+        // More often than the screen is drawn: a run that is over in a second is to leave a past that can be played.
+        if has_steps {
+            self.look()?;
+        }
         if let Some(occasion) = occasion.filter(|_| self.app.stale) {
             self.ask(occasion);
         }
@@ -491,86 +487,6 @@ impl Session {
             }
         });
         self.workers.insert(run, worker);
-    }
-
-    /// Does something that may take long, on a thread of its own.
-    ///
-    /// # Errors
-    /// In words: the system starts no thread for it.
-    fn aside(&self, name: &str, work: impl FnOnce() + Send + 'static) -> Result<(), String> {
-        let thread = spawn(name, self.incoming.clone(), work);
-        thread
-            .map(drop)
-            .map_err(|reason| format!("the system starts no thread for it now: {reason}"))
-    }
-
-    fn load(
-        &mut self,
-        open: impl FnOnce() -> Result<Slot, crate::record::LoadError> + Send + 'static,
-    ) -> Result<(), AppError> {
-        let incoming = self.incoming.clone();
-        let thread = self.aside("loading", move || {
-            let loaded = open().map(|mut slot| {
-                autosave::look_for(&mut slot);
-                Box::new(slot)
-            });
-            let loaded = loaded.map_err(|error| error.to_string());
-            // If the loop has ended, nobody wants it.
-            let _ = incoming.send(AppEvent::Message(Message::Loaded(loaded)));
-        });
-        thread.or_else(|words| self.message(Message::Loaded(Err(words))))
-    }
-
-    /// Prices the effects of a scene, until it is done or nobody looks any more.
-    fn price(&mut self, scene: Arc<Scene>) -> Result<(), AppError> {
-        call_off(&mut self.pricing);
-        let end = Arc::new(AtomicBool::new(false));
-        self.pricing = Some(Arc::clone(&end));
-        let incoming = self.incoming.clone();
-        let thread = self.aside("pricing", move || {
-            // If the loop has ended, nobody wants it.
-            estimates::measure(&scene, &end, &mut |text| {
-                let _ = incoming.send(AppEvent::Message(Message::Prices(text)));
-            });
-        });
-        thread.or_else(|words| self.message(Message::Prices(words)))
-    }
-
-    /// Measures what a scene would take, until it is done or nobody looks any more.
-    fn expect(&mut self, name: String, scene: Option<Arc<Scene>>) -> Result<(), AppError> {
-        let end = Arc::new(AtomicBool::new(false));
-        self.expecting = Some(Arc::clone(&end));
-        let incoming = self.incoming.clone();
-        let home = std::env::var_os("HOME").map(PathBuf::from);
-        let asked = name.clone();
-        let thread = self.aside("expectation", move || {
-            let load = || {
-                let source = opening::typed_path(&name, home);
-                let slot = opening::open(source.as_os_str(), &[]);
-                slot.map(|slot| slot.scene)
-                    .map_err(|error| error.to_string())
-            };
-            let words = estimates::expected(scene, load, &end);
-            // If the loop has ended, nobody wants it.
-            let _ = incoming.send(AppEvent::Message(Message::Expected(name, words)));
-        });
-        thread.or_else(|words| self.message(Message::Expected(asked, Some(Err(words)))))
-    }
-
-    /// Measures the error of a run, until it is measured or the run says that it is not to be.
-    fn measure(&mut self, run: RunId, job: MeasuringJob) -> Result<(), AppError> {
-        let end = Arc::new(AtomicBool::new(false));
-        let (states, received) = mpsc::channel();
-        let incoming = self.incoming.clone();
-        let is_ended = Arc::clone(&end);
-        self.measuring = Some(Measuring { run, end, states });
-        let thread = self.aside("measuring", move || {
-            measuring::measure(&job, &is_ended, &received, &mut |news| {
-                // If the loop has ended, nobody wants it.
-                let _ = incoming.send(AppEvent::Message(Message::Measured(run, news)));
-            });
-        });
-        thread.or_else(|words| self.message(Message::Measured(run, MeasuringNews::Failed(words))))
     }
 
     fn save_view(&mut self, picture: Arc<RunSnapshot>, slot: usize) -> Result<(), AppError> {
@@ -763,13 +679,6 @@ impl Session {
         } else {
             Err(AppError::NotKept { words })
         }
-    }
-}
-
-/// Ends what is being measured, if anything is.
-fn call_off(measuring: &mut Option<Arc<AtomicBool>>) {
-    if let Some(end) = measuring.take() {
-        end.store(true, Ordering::Relaxed);
     }
 }
 

@@ -29,6 +29,15 @@ type Change = (&'static str, fn(&mut App));
 const CHANGES: &[Change] = &[
     ("running", |_| {}),
     ("paused", |app| made_up::run(app).status = Status::Paused),
+    ("measuring", |app| made_up::measure(app, false)),
+    ("measured", |app| {
+        made_up::measure(app, true);
+        app.focus = Panel::Cost;
+    }),
+    ("errors", |app| {
+        made_up::measure(app, true);
+        app.overlay = Some(Overlay::Measured);
+    }),
     ("quick", |app| {
         let slots = std::mem::take(&mut app.slots).into_iter();
         let quick = |mut slot: Slot| {
