@@ -2,6 +2,7 @@
 
 use super::error::CliError;
 use super::numbers;
+use crate::tui::brake;
 use crate::tui::figures::save_figures;
 use crate::tui::theme::ColorTier;
 use crate::tui::{self, Failed, Options};
@@ -14,7 +15,7 @@ use std::io::{self, IsTerminal};
 #[group(id = "app")]
 pub(super) struct Arguments {
     /// The scene that the terminal app opens: a preset's name, a TOML file or a run's folder
-    /// [default: case3]
+    /// [default: case3-quick]
     pub scene: Option<OsString>,
 
     /// Override a value of the scene, such as anchoring.kind=parallel
@@ -29,6 +30,11 @@ pub(super) struct Arguments {
     /// Compute in N threads, of which the runs of the gallery have a share each [default: as many as there are and pay]
     #[arg(long, value_name = "N", value_parser = numbers::threads, allow_negative_numbers = true)]
     threads: Option<usize>,
+
+    /// Show a run that is computed faster for so many seconds from 0 to its end; 0: as fast as it is computed
+    #[arg(long, value_name = "SECONDS", default_value_t = brake::DEFAULT_SECONDS,
+          value_parser = numbers::pace, allow_negative_numbers = true)]
+    pace: f64,
 
     /// Colours of the terminal; auto: what it says of itself
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = Color::Auto)]
@@ -99,7 +105,7 @@ impl Color {
 /// Opens the app on a scene. A wrong scene and a missing terminal are reported before the terminal is
 /// touched.
 pub(super) fn open(arguments: Arguments) -> Result<(), CliError> {
-    let scene = arguments.scene.unwrap_or("case3".into());
+    let scene = arguments.scene.unwrap_or(tui::DEFAULT.into());
     let (slots, active) = tui::open_with_cases(&scene, &arguments.set)?;
     super::run::some_step(&slots[active].scene.time)?;
     for (stream, is_terminal) in [
@@ -119,6 +125,7 @@ pub(super) fn open(arguments: Arguments) -> Result<(), CliError> {
         active,
         frames_per_second: arguments.fps,
         threads: arguments.threads,
+        pace: arguments.pace,
         tier: arguments.color.tier(),
         save: save_figures,
     })?;

@@ -41,6 +41,28 @@ pub(super) enum CliError {
         /// Δt.
         step: f64,
     },
+    /// The run that the error is to be measured against cannot be had.
+    #[error("the error cannot be measured: the same scene {words}: {error}")]
+    FinerRun {
+        /// How much finer.
+        words: String,
+        /// Why.
+        #[source]
+        error: SimulationError,
+    },
+    /// The finer runs were ended; the run itself is done.
+    #[error(
+        "{signal}: the run is complete in {0}, but its error is not measured: the finer runs are not kept. \
+         `vesica run {0} --resume --measure-error` begins them again", folder.display()
+    )]
+    MeasurementInterrupted {
+        /// What ended them.
+        signal: &'static str,
+        /// Its number.
+        number: i32,
+        /// The run's folder.
+        folder: PathBuf,
+    },
     /// The number of chosen steps cannot be given.
     #[error(
         "--steps needs steps of one length, but the scene has them chosen by time.tolerance; give \
@@ -285,6 +307,7 @@ impl CliError {
                 CliError::USAGE
             }
             CliError::SetUp(_)
+            | CliError::FinerRun { .. }
             | CliError::Study(_)
             | CliError::Undecided { .. }
             | CliError::Run { .. }
@@ -305,6 +328,7 @@ impl CliError {
             | CliError::FiguresInterrupted { number, .. }
             | CliError::AccuracyInterrupted { number, .. }
             | CliError::StudyEnded { number, .. }
+            | CliError::MeasurementInterrupted { number, .. }
             | CliError::AppEnded { number } => 128_u8.saturating_add(*number as u8),
         }
     }

@@ -10,6 +10,7 @@ mod check;
 mod effects;
 mod error;
 mod figures;
+mod measure_error;
 mod numbers;
 mod output;
 mod presets;

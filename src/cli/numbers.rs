@@ -1,6 +1,6 @@
 //! Numbers among the arguments, with errors that say what is allowed.
 
-use crate::study::Budget;
+use crate::study::{Budget, FinerRuns};
 use crate::tui::state::App;
 use std::time::Duration;
 
@@ -42,6 +42,24 @@ pub(super) fn seconds(text: &str) -> Result<Duration, String> {
         .ok()
         .and_then(|seconds: f64| Duration::try_from_secs_f64(seconds).ok())
         .ok_or_else(|| "it must be a number of seconds from 0, such as 30".to_owned())
+}
+
+/// Seconds for which a run is shown; 0: as it comes.
+pub(super) fn pace(text: &str) -> Result<f64, String> {
+    let seconds = seconds(text).map(|seconds| seconds.as_secs_f64());
+    seconds
+        .ok()
+        .filter(|seconds| *seconds <= 1e6)
+        .ok_or_else(|| "it must be a number of seconds from 0 to 1000000, such as 8".to_owned())
+}
+
+/// How many times finer a run is that the error is measured against.
+pub(super) fn factor(text: &str) -> Result<f64, String> {
+    let [least, most] = FinerRuns::FACTORS;
+    text.parse()
+        .ok()
+        .filter(|factor| (least..=most).contains(factor))
+        .ok_or_else(|| format!("it must be a number from {least} to {most}, such as 2"))
 }
 
 /// Frames a second.
@@ -87,6 +105,14 @@ mod tests {
             assert!(time(text).is_err(), "{text}");
             assert!(text == "0" || seconds(text).is_err(), "{text}");
         }
+        for text in ["", "-1", "nan", "inf", "1e7", "slow"] {
+            assert!(pace(text).is_err(), "{text}");
+        }
+        for text in ["", "1", "9", "nan", "two"] {
+            assert!(factor(text).is_err(), "{text}");
+        }
+        assert_eq!([factor("1.5"), factor("3")], [Ok(1.5), Ok(3.0)]);
+        assert_eq!([pace("0"), pace("2.5")], [Ok(0.0), Ok(2.5)]);
         assert_eq!(seconds("0"), Ok(Duration::ZERO));
         assert_eq!(seconds("0.05"), Ok(Duration::from_millis(50)));
     }

@@ -1,6 +1,7 @@
 //! `vesica run SCENE`: simulate a scene and record it in a folder.
 
 use super::error::CliError;
+use super::measure_error::{self, MeasuredRun};
 use super::numbers;
 use super::output;
 use super::progress::Progress;
@@ -70,6 +71,12 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "N", value_parser = numbers::threads, allow_negative_numbers = true)]
     threads: Option<usize>,
 
+    /// Measure the error: compute the same scene beside it FACTOR times finer, in mesh and steps, on another core, and
+    /// compare at every snapshot. With --resume also of a finished run
+    #[arg(long, value_name = "FACTOR", num_args = 0..=1, require_equals = true,
+          default_missing_value = "2", value_parser = numbers::factor)]
+    measure_error: Option<f64>,
+
     /// Replace the run that the folder holds
     #[arg(long, conflicts_with = "resume")]
     force: bool,
@@ -108,6 +115,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     check_memory(&scene).map_err(CliError::SetUp)?;
     // Before a folder is made.
     check_outlines(&scene).map_err(CliError::SetUp)?;
+    if let Some(factor) = arguments.measure_error {
+        measure_error::check(&scene, factor)?;
+    }
     let signal = EndSignal::listen()?;
     let found = if arguments.resume {
         find(arguments, &scene, &name)?
@@ -142,7 +152,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     if !arguments.quiet {
         simulation.warnings().iter().for_each(output::warning);
     }
-    record(simulation, recorder, &signal, arguments.quiet)
+    record(simulation, recorder, &signal, arguments)
 }
 
 /// Takes a run up again.
@@ -192,6 +202,8 @@ fn reopen(
         Some(Status::Failed | Status::Interrupted) => is_over && !is_beyond,
         Some(Status::Done) => false,
     };
+    // A finished run is measured as it is.
+    let is_to_end = is_to_end || (is_over && !is_beyond && arguments.measure_error.is_some());
     if is_over && (is_beyond || !is_to_end) {
         let left = if is_to_end {
             "its record is ended there"
@@ -231,7 +243,7 @@ fn reopen(
         report.step,
         ShortNumber(report.t)
     ));
-    record(simulation, recorder, signal, arguments.quiet)
+    record(simulation, recorder, signal, arguments)
 }
 
 fn ended_in_set_up(EndingSignal { name, number, .. }: EndingSignal, folder: PathBuf) -> CliError {
@@ -247,10 +259,15 @@ fn record(
     mut simulation: Simulation,
     mut recorder: Recorder,
     signal: &EndSignal,
-    quiet: bool,
+    arguments: &Arguments,
 ) -> Result<(), CliError> {
+    let quiet = arguments.quiet;
     let path = recorder.folder().to_owned();
     simulation.follow(recorder.schedule());
+    let measured = arguments
+        .measure_error
+        .map(|factor| MeasuredRun::begin(simulation.scene(), recorder.schedule(), factor, signal));
+    let measured = measured.transpose()?;
     let steps = recorder.schedule().steps;
     let progress = Progress::new(recorder.schedule(), quiet);
     let stop = simulate(&mut simulation, &mut recorder, signal, progress, quiet);
@@ -283,10 +300,13 @@ fn record(
         }
         Stop::Done => {
             let summary = finished.map_err(unrecorded)?;
-            if quiet {
-                return Ok(());
+            if !quiet {
+                output::line(result_line(&summary, &path))?;
             }
-            output::line(result_line(&summary, &path))
+            match measured {
+                Some(measured) => measured.finish(&path, summary, signal, quiet),
+                None => Ok(()),
+            }
         }
     }
 }

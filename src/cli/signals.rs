@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Remembers that a signal came, for a loop to look at. A second one of a person or of a system that shuts
 /// down ends the process at once.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct EndSignal {
     /// Those that are listened to.
     signals: Vec<EndingSignal>,

@@ -1,7 +1,7 @@
 //! The folder of a run.
 
 use super::RecordError;
-use super::atomic::{clean, folder_beside, try_to_write};
+use super::atomic::{clean, folder_beside, try_to_write, write_whole};
 use super::scene_file::{INPUTS, MESH_NAME};
 use crate::scene::NodalKey;
 use std::ffi::{OsStr, OsString};
@@ -19,6 +19,9 @@ pub(super) const SERIES: &str = "fields.pvd";
 /// The fields at the end.
 pub(super) const FINAL: &str = "final.vtu";
 
+/// What the run was measured to miss, if that was asked for.
+const MEASURED_ERROR: &str = "measured-error.csv";
+
 /// The newest checkpoint, and the one before.
 pub(super) const NEWEST: &str = "checkpoint.bin";
 pub(super) const OLDER: &str = "checkpoint-older.bin";
@@ -30,12 +33,13 @@ pub(super) const SUMMARY: &str = "run.json";
 pub(super) const SCENE: &str = "scene.toml";
 
 /// The files of a run beside those in folders; where one of them stands, no run is put.
-const FILES: [&str; 8] = [
+const FILES: [&str; 9] = [
     SUMMARY,
     SCENE,
     "history.csv",
     "ledger.csv",
     "shape.csv",
+    MEASURED_ERROR,
     FINAL,
     NEWEST,
     OLDER,
@@ -225,6 +229,17 @@ impl RunFolder {
             _ => Ok(path),
         }
     }
+}
+
+/// Writes the table of the measured errors of a run into its folder; gives the file's name.
+///
+/// # Errors
+/// [`RecordError::Write`].
+pub fn write_error_table(folder: &Path, table: &str) -> Result<&'static str, RecordError> {
+    write_whole(&folder.join(MEASURED_ERROR), |file| {
+        file.write_all(table.as_bytes())
+    })?;
+    Ok(MEASURED_ERROR)
 }
 
 /// The name of the folder of a number: that of 1 has none.

@@ -53,7 +53,7 @@ pub(crate) use atomic::{clean, write_new, write_whole};
 pub use checkpoint::{CheckpointError, Problem};
 pub use error::RecordError;
 pub(crate) use folder::make as make_folder;
-pub use folder::{IfOccupied, RunFolder, Whereabouts};
+pub use folder::{IfOccupied, RunFolder, Whereabouts, write_error_table};
 pub use history::HISTORY_COLUMNS;
 pub(crate) use number::push_cells;
 pub use number::{Number, ShortNumber};
@@ -66,5 +66,7 @@ pub use crate::simulation::{Schedule, step_count};
 pub use load_scene::{LoadError, LoadedScene, load_run_scene, load_scene};
 pub use scene_file::same_run;
 pub use snapshots::{write_state, write_states};
-pub use summary::{Ending, EventRecord, OutlineChange, RunSummary, Status};
+pub use summary::{
+    Ending, EventRecord, FinerRun, MeasuredErrorRecord, OutlineChange, RunSummary, Status,
+};
 pub use vtu::{write_fields, write_series};

@@ -2,6 +2,7 @@
 
 use super::RecordError;
 use super::atomic::write_whole;
+use super::folder::SUMMARY;
 use crate::scene::Scene;
 use crate::simulation::{
     Costs, ErrorEstimates, ErrorPart, Event, OutlineMeasure, Phase, Report, Simulation,
@@ -100,6 +101,9 @@ pub struct RunSummary {
     pub largest_phase_drift: f64,
     /// The vesicle's outline at the start and at the end.
     pub outline: OutlineChange,
+    /// Against which runs its error was measured, and what came out at the last time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub measured_error: Option<MeasuredErrorRecord>,
     /// What is allowed in the scene but probably not meant.
     pub warnings: Vec<String>,
     /// What happened.
@@ -108,6 +112,42 @@ pub struct RunSummary {
     initial_phase_integral: f64,
     #[serde(skip)]
     costs: Costs,
+}
+
+/// Where the measured error of a run comes from.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MeasuredErrorRecord {
+    /// The table, in the run's folder.
+    pub table: &'static str,
+    /// Edges of the finer run are shorter by this factor f, and the error of its steps smaller by f².
+    pub factor: f64,
+    /// Why its mesh is the same; `null`: it is finer.
+    pub same_mesh: Option<String>,
+    /// The run half way between, and the finer one.
+    pub runs: [FinerRun; 2],
+    /// The last time at which it was measured.
+    pub t: Option<f64>,
+    /// There.
+    pub observed_order: Option<f64>,
+    /// There, in L2.
+    pub phi_error: Option<f64>,
+    /// Of that error.
+    pub phi_uncertainty: Option<f64>,
+}
+
+/// What a finer run was.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct FinerRun {
+    /// Edges are shorter by this factor.
+    pub factor: f64,
+    /// Nodes of its mesh.
+    pub nodes: usize,
+    /// By which its steps are chosen.
+    pub tolerance: Option<f64>,
+    /// Steps to the last time.
+    pub steps: u64,
+    /// Of the processor.
+    pub seconds: f64,
 }
 
 /// Milliseconds by the phases of a step.
@@ -310,6 +350,14 @@ impl RunSummary {
             Ending::Interrupted => (Status::Interrupted, None),
             Ending::Failed(error) => (Status::Failed, Some(error)),
         };
+    }
+
+    /// Writes it again, into the folder of its run.
+    ///
+    /// # Errors
+    /// [`RecordError::Write`].
+    pub fn write_in(&self, folder: &Path) -> Result<(), RecordError> {
+        self.write(&folder.join(SUMMARY))
     }
 
     /// Writes it to the file `path`.

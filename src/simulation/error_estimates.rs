@@ -1,7 +1,11 @@
 //! Estimated errors of φ, in L2, side by side, so that one sees which is being overpaid.
 
+use crate::scene::Scene;
 use crate::scheme::Phase;
 use serde::{Deserialize, Serialize};
+
+/// The estimate of the mesh's error is trusted where ε is at least so many edges at the membrane.
+pub const RESOLVED: f64 = 2.0;
 
 /// Where an error comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -55,6 +59,21 @@ impl ErrorEstimates {
             *self.time.get_or_insert(0.0) += time;
         }
         *self.algebra.get_or_insert(0.0) += algebra;
+    }
+
+    /// The estimates that are within a factor of three of the error (see [`RESOLVED`]); the others are not
+    /// known. That of the iterations is a bound, and never among them.
+    pub fn trusted(&self, scene: &Scene) -> Self {
+        let edges = scene
+            .mesh
+            .edge_at_membrane()
+            .map(|edge| scene.membrane.interface_width / edge);
+        let is_resolved = edges.is_some_and(|edges| edges >= RESOLVED);
+        Self {
+            time: None,
+            space: self.space.filter(|_| is_resolved),
+            algebra: None,
+        }
     }
 
     /// The largest of those that are known and finite.

@@ -80,6 +80,29 @@ impl Schedule {
         k <= intervals && (2 * k * steps + intervals) / (2 * intervals) == step
     }
 
+    /// The times of the snapshots of a run whose fixed grid, if it has one, has this step.
+    pub fn snapshot_times(&self, step: f64) -> Vec<f64> {
+        if self.snapshots == 0 {
+            return Vec::new();
+        }
+        let intervals = self.snapshots.max(2) - 1;
+        let first = if self.snapshots == 1 { intervals } else { 0 };
+        let mut times: Vec<f64> = match self.steps {
+            None => (first..=intervals).map(|k| self.landing(k)).collect(),
+            Some(steps) => {
+                // With more snapshots than steps there is one at every step.
+                let intervals = intervals.min(steps.max(1));
+                let [steps, intervals] = [steps, intervals].map(u128::from);
+                let due = |k: u128| (2 * k * steps + intervals) / (2 * intervals);
+                (u128::from(first).min(intervals)..=intervals)
+                    .map(|k| due(k) as f64 * step)
+                    .collect()
+            }
+        };
+        times.dedup();
+        times
+    }
+
     /// The next time after t at which a run with chosen steps must be: that of the next snapshot, or T;
     /// infinite from T on.
     pub fn landing_after(&self, t: f64) -> f64 {
@@ -151,6 +174,29 @@ mod tests {
         assert_eq!(due(7, 2), [0, 7]);
         assert!(due(7, 0).is_empty());
         assert_eq!(due(0, 5), [0]);
+    }
+
+    #[test]
+    fn the_times_are_those_of_the_snapshots_that_are_due() {
+        for (steps, snapshots) in [
+            (10_000, 5),
+            (10, 5),
+            (3, 5),
+            (7, 1),
+            (7, 2),
+            (7, 0),
+            (350, 5),
+        ] {
+            let times = fixed(steps, 1, snapshots).snapshot_times(0.5);
+            let due: Vec<f64> = due(steps, snapshots)
+                .iter()
+                .map(|n| 0.5 * *n as f64)
+                .collect();
+            assert_eq!(times, due, "{steps} {snapshots}");
+        }
+        let quarters = [0.0, 2.5e-4, 5e-4, 7.5e-4, 1e-3];
+        assert_eq!(chosen(1e-3, 5).snapshot_times(0.0), quarters);
+        assert_eq!(chosen(1e-3, 1).snapshot_times(0.0), [1e-3]);
     }
 
     #[test]

@@ -57,6 +57,14 @@ impl MeshKind {
         }
     }
 
+    /// 1/h of a generated mesh.
+    fn cells(self) -> Option<usize> {
+        match self {
+            Self::Generated { cells, .. } => Some(cells),
+            Self::Structured | Self::File { .. } => None,
+        }
+    }
+
     /// How fine the mesh with so many cells (1/h) is, in words.
     pub fn words(self, cells: usize) -> String {
         match self {
@@ -111,17 +119,12 @@ impl Discretisation {
         let mut scene = scene.clone();
         match &mut scene.mesh {
             Mesh::Structured { cells, .. } => *cells = self.cells,
-            Mesh::Delaunay { size, refine, .. } => {
-                let own = cells_of(*size);
+            mesh => {
+                let own = self.mesh.cells().unwrap_or(self.cells);
                 if self.cells != own {
-                    let factor = own as f64 / self.cells as f64;
-                    *size *= factor;
-                    if let Some(refinement) = refine {
-                        refinement.size *= factor;
-                    }
+                    scale_mesh(mesh, own as f64 / self.cells as f64);
                 }
             }
-            Mesh::File(_) => {}
         }
         let end = scene.time.end;
         let scheme = match scene.time.tolerance {
@@ -146,6 +149,22 @@ impl Discretisation {
         scene.solver.quadrature = self.quadrature;
         scene.solver.iteration = self.iteration;
         scene
+    }
+}
+
+/// Makes the edges of a mesh longer by this factor, everywhere; a grid gets the nearest number of cells. That of a file stays.
+pub(super) fn scale_mesh(mesh: &mut Mesh, factor: f64) {
+    match mesh {
+        Mesh::Structured { cells, .. } => {
+            *cells = (*cells as f64 / factor).round().max(1.0) as usize;
+        }
+        Mesh::Delaunay { size, refine, .. } => {
+            *size *= factor;
+            if let Some(refinement) = refine {
+                refinement.size *= factor;
+            }
+        }
+        Mesh::File(_) => {}
     }
 }
 

@@ -74,6 +74,11 @@ impl Solution {
         }
     }
 
+    /// Whether every value of φ is a number.
+    pub(super) fn is_finite(&self) -> bool {
+        self.phase.iter().all(|value| value.is_finite())
+    }
+
     /// How far it is from the reference.
     pub(super) fn errors(&self, reference: &Self) -> Errors {
         let relative = |value: f64, reference: f64| {

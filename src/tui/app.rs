@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use super::brake::Brake;
 use super::frame_history::{self, FrameHistory};
 use super::history::History;
 use super::run_control::RunControl;
@@ -14,6 +15,7 @@ use super::throughput::Throughput;
 use super::update::SNAPSHOTS;
 use crate::scene::{AnchoringKind, Scene};
 use crate::simulation::{Report, RunId, RunSnapshot, cores};
+use crate::study::PresetFigures;
 
 impl App {
     /// Asks whether to resume the runs of an earlier session, if there are any; no run starts before
@@ -27,7 +29,7 @@ impl App {
         }
     }
 
-    /// The slots of the four cases come first; those of opened scenes are behind them.
+    /// The slots of the four cases come first, in each of their forms; those of opened scenes are behind them.
     pub const CASES: usize = 4;
     /// The least and the greatest number of redraws a second.
     pub const FRAME_RATES: [u32; 2] = [1, 30];
@@ -40,6 +42,8 @@ impl App {
         Self {
             active: active.min(slots.len().saturating_sub(1)),
             slots,
+            forms: 1,
+            form: 0,
             screen: Screen::Run,
             overlay: None,
             view: View {
@@ -58,6 +62,8 @@ impl App {
             remark: None,
             stale: true,
             next_run: RunId(1),
+            brake: Brake::default(),
+            replay: None,
             cores: cores(),
             clock: None,
             memory: frame_history::BUDGET,
@@ -67,6 +73,41 @@ impl App {
             expectation: Expectation::default(),
             ending: None,
         }
+    }
+
+    /// The same, where the cases come in so many forms.
+    pub fn with_forms(mut self, forms: usize) -> Self {
+        self.forms = forms;
+        self.follow_form();
+        self
+    }
+
+    /// The keys and the gallery show the cases of the form that is looked at.
+    pub(super) fn follow_form(&mut self) {
+        if self.active < self.opened() {
+            self.form = self.active / Self::CASES;
+        }
+    }
+
+    /// The slot of the first scene that was opened, or would be.
+    pub fn opened(&self) -> usize {
+        Self::CASES * self.forms
+    }
+
+    /// The slot of a key's number, counted from 0: the cases of the form that is looked at, then what was opened.
+    pub fn slot_of_key(&self, number: usize) -> usize {
+        match number.checked_sub(Self::CASES) {
+            None => self.cases().start + number,
+            Some(number) => self.opened() + number,
+        }
+    }
+
+    /// The slot of the active case in its other form.
+    pub fn other_form(&self) -> Option<usize> {
+        if self.forms < 2 || self.active >= self.opened() {
+            return None;
+        }
+        Some((self.active + Self::CASES) % self.opened())
     }
 
     /// The slot that is shown.
@@ -100,7 +141,8 @@ impl App {
 
     /// The slots of the gallery.
     pub fn cases(&self) -> std::ops::Range<usize> {
-        0..Self::CASES.min(self.slots.len())
+        let first = Self::CASES * self.form;
+        first.min(self.slots.len())..(first + Self::CASES).min(self.slots.len())
     }
 
     /// Whether the space key pauses: the shown run should run, or any of the gallery's.
@@ -140,6 +182,7 @@ impl Slot {
             name: name.into(),
             file,
             folder: None,
+            preset: None,
             remark: None,
             loaded: scene.clone(),
             scene,
@@ -157,6 +200,15 @@ impl Slot {
 
     pub(super) fn set_anchoring(&mut self, kind: AnchoringKind) {
         set_anchoring(Arc::make_mut(&mut self.scene), kind);
+    }
+
+    /// The error and the time of its preset; `None` where they were not measured, or are not those of this run any
+    /// more.
+    pub fn figures(&self) -> Option<PresetFigures> {
+        let run = self.run.as_ref();
+        let is_as_built_in = self.scene.time.end == self.loaded.time.end
+            && run.is_none_or(|run| run.history.marks.is_empty());
+        PresetFigures::of(self.preset?, self.anchoring()?).filter(|_| is_as_built_in)
     }
 }
 
@@ -185,6 +237,8 @@ impl Run {
             history: History::default(),
             picture: None,
             past: FrameHistory::default(),
+            switches: Vec::new(),
+            measurement: None,
             snapshots: Vec::new(),
             pace: Throughput::default(),
             notices: VecDeque::new(),
@@ -216,6 +270,16 @@ impl Run {
         pictures.sort_by_key(|picture| picture.report.step);
         pictures.dedup_by_key(|picture| picture.report.step);
         pictures
+    }
+
+    /// Whether its error is being measured.
+    pub fn is_measured(&self) -> bool {
+        self.measurement.as_ref().is_some_and(|it| it.is_going)
+    }
+
+    /// T; `None` until the run is set up.
+    pub fn end(&self) -> Option<f64> {
+        Some(self.setting.as_ref()?.scene.time.end)
     }
 
     /// Whether T is reached.

@@ -88,6 +88,7 @@ pub(super) fn look_for(slot: &mut Slot) {
             others: search.others,
         })
     });
+    words.splice(0..0, slot.remark.take());
     if !words.is_empty() {
         slot.remark = Some(words.join("\n"));
     }

@@ -71,6 +71,12 @@ impl FrameHistory {
         (around.iter()).min_by(|one, other| distance(one).total_cmp(&distance(other)))
     }
 
+    /// The index of the first picture at this time or later; that of the newest where there is none.
+    pub fn first_from(&self, t: f64) -> usize {
+        let index = self.pictures.partition_point(|it| it.report.t < t);
+        index.min(self.pictures.len().saturating_sub(1))
+    }
+
     /// The index of the picture of a step, if it is stored.
     pub fn position(&self, step: u64) -> Option<usize> {
         self.pictures

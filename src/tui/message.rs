@@ -7,7 +7,8 @@ use std::time::Duration;
 use crossterm::event::KeyEvent;
 
 use super::autosave::Kept;
-use super::state::{Keeping, Slot};
+use super::measuring::MeasuringJob;
+use super::state::{Keeping, MeasuringNews, Slot};
 use crate::scene::Scene;
 use crate::simulation::{Command, Message as WorkerMessage, RunId, RunSnapshot, WorkerConfig};
 
@@ -34,6 +35,8 @@ pub enum Message {
     Prices(String),
     /// What a scene of this name would take, in words, or why it cannot be run.
     Expected(String, Option<Result<String, String>>),
+    /// Something about the measured error of a run.
+    Measured(RunId, MeasuringNews),
     /// What was to be saved is saved, or why not.
     Saved(Result<PathBuf, String>),
     /// A signal asks the process to end.
@@ -44,7 +47,9 @@ pub enum Message {
     FreeMemory(u64),
     /// Something to say in passing.
     Remark(String),
-    /// Time goes by.
+    /// This much time has passed, which counts only while [`time_counts`](super::update::time_counts).
+    Passed(Duration),
+    /// Nothing has happened: the app begins.
     Tick,
 }
 
@@ -67,6 +72,8 @@ pub enum Effect {
     Price(Arc<Scene>),
     /// Measure what a scene would take on this machine: a given one, or that of the name; in the background.
     Expect(String, Option<Arc<Scene>>),
+    /// Measure the error of a run, in the background, until it is measured or the run says that it is not to be.
+    Measure(RunId, Box<MeasuringJob>),
     /// Edit the scene of the slot in $EDITOR and load it again. A preset is written to a file first.
     Edit(usize),
     /// Save one view: PNG, SVG, CSV, VTU.

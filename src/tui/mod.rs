@@ -3,6 +3,7 @@
 mod allocator;
 mod app;
 pub mod autosave;
+pub mod brake;
 pub mod canvas;
 pub mod colour_map;
 pub mod curve;
@@ -20,6 +21,7 @@ mod input;
 mod job_control;
 pub mod keys;
 pub mod layout;
+pub mod measuring;
 pub mod message;
 mod modes;
 pub mod numbers;
@@ -39,5 +41,5 @@ pub mod theme;
 pub mod throughput;
 pub mod update;
 
-pub use opening::{open, open_with_cases};
+pub use opening::{DEFAULT, open, open_with_cases};
 pub use session::{AppError, Failed, Options, Outcome, run};

@@ -3,18 +3,30 @@
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
+use super::app::set_anchoring;
 use super::state::{App, Slot};
 use crate::record::{LoadError, RunFolder, load_run_scene, load_scene};
+use crate::scene::{Scene, preset_names};
 
 /// The scene in a run's folder.
 const SCENE_FILE: &str = "scene.toml";
 
-/// The four cases of the paper's Table 2, each of them a preset.
-const CASES: [&str; App::CASES] = ["case1", "case2", "case3", "case4"];
+/// The four cases of the paper's Table 2, each of them a preset: quick, and as Table 1 has them.
+const CASES: [[&str; App::CASES]; 2] = [
+    ["case1-quick", "case2-quick", "case3-quick", "case4-quick"],
+    ["case1", "case2", "case3", "case4"],
+];
 
-/// The slots that the app begins with, and which of them is shown: the four cases, and the
+/// How many forms each of them has.
+pub(super) const FORMS: usize = CASES.len();
+
+/// What the app opens without a scene.
+pub const DEFAULT: &str = "case3-quick";
+
+/// The slots that the app begins with, and which of them is shown: the four quick cases, the four as printed, and the
 /// scene behind them where it is none of them. Overrides hold for the scene, and where it is a case
-/// for the other cases too: they are there to be compared.
+/// for the other cases too: they are there to be compared. A case of the other form that cannot have them is opened
+/// without them, and says so.
 ///
 /// # Errors
 /// Those of [`open`], and [`LoadError::InUse`].
@@ -22,19 +34,40 @@ pub fn open_with_cases(
     source: &OsStr,
     overrides: &[String],
 ) -> Result<(Vec<Slot>, usize), LoadError> {
-    let place = CASES.iter().position(|case| source == OsStr::new(case));
-    let cases = if place.is_some() { overrides } else { &[] };
-    let mut slots = CASES
-        .iter()
-        .map(|case| open(OsStr::new(case), cases))
-        .collect::<Result<Vec<Slot>, LoadError>>()?;
+    let all = CASES.as_flattened();
+    let place = all.iter().position(|case| source == OsStr::new(case));
+    let form = place.map(|place| place / App::CASES);
+    let mut slots = Vec::new();
+    for (index, cases) in CASES.iter().enumerate() {
+        for case in cases {
+            let case = OsStr::new(case);
+            slots.push(match form {
+                None => open(case, &[])?,
+                Some(form) if form == index => open(case, overrides)?,
+                Some(_) => open_in_other_form(case, overrides)?,
+            });
+        }
+    }
     if let Some(place) = place {
         return Ok((slots, place));
     }
     let slot = open(source, overrides)?;
     check_free(&slot)?;
     slots.push(slot);
-    Ok((slots, App::CASES))
+    Ok((slots, all.len()))
+}
+
+/// Opens a case with overrides that were meant for its other form.
+fn open_in_other_form(case: &OsStr, overrides: &[String]) -> Result<Slot, LoadError> {
+    open(case, overrides).or_else(|_| {
+        let mut slot = open(case, &[])?;
+        slot.remark = Some(format!(
+            "{} is as built in: {} cannot be set there",
+            slot.name,
+            overrides.join(", ")
+        ));
+        Ok(slot)
+    })
 }
 
 /// Opens a scene, with overrides (`KEY=VALUE`).
@@ -61,9 +94,21 @@ pub fn open(source: &OsStr, overrides: &[String]) -> Result<Slot, LoadError> {
         return Ok(slot);
     }
     if is_preset {
-        return slot(source, None, overrides);
+        let mut slot = slot(source, None, overrides)?;
+        slot.preset = preset_of(source, &slot.scene);
+        return Ok(slot);
     }
     open_file(path, overrides)
+}
+
+/// The preset that a scene is, but for its anchoring; `None` where more was overridden.
+fn preset_of(name: &OsStr, scene: &Scene) -> Option<&'static str> {
+    let name = preset_names().find(|known| name == OsStr::new(known))?;
+    let mut preset = load_scene(OsStr::new(name), &[]).ok()?.scene;
+    if let Some(anchoring) = scene.anchoring {
+        set_anchoring(&mut preset, anchoring.kind);
+    }
+    (preset == *scene).then_some(name)
 }
 
 /// Checks that no other process computes the run whose folder was opened: a user who names it means that run and not
@@ -133,13 +178,37 @@ mod tests {
         let overrides = ["time.end=5e-4".to_owned()];
         let (slots, active) = open_with_cases(OsStr::new("case3"), &overrides).unwrap();
         let names: Vec<&str> = slots.iter().map(|slot| slot.name.as_str()).collect();
-        assert_eq!((names, active), (CASES.to_vec(), 2));
+        assert_eq!((names, active), (CASES.as_flattened().to_vec(), 6));
         assert!(slots.iter().all(|slot| slot.scene.time.end == 5e-4));
+        assert!(slots.iter().all(|slot| slot.preset.is_none()));
 
         let (slots, active) = open_with_cases(OsStr::new("circle"), &overrides).unwrap();
-        assert_eq!((slots.len(), active), (5, 4));
-        assert_eq!(slots[4].scene.time.end, 5e-4);
+        assert_eq!((slots.len(), active), (9, 8));
+        assert_eq!(slots[8].scene.time.end, 5e-4);
         assert_eq!(slots[2].scene.time.end, 1e-3);
+        assert_eq!(slots[2].preset, Some("case3-quick"));
+    }
+
+    #[test]
+    fn an_override_that_the_other_form_cannot_have_is_left_out_there_and_said() {
+        let overrides = ["mesh.cells=20".to_owned()];
+        let (slots, active) = open_with_cases(OsStr::new("case3"), &overrides).unwrap();
+        assert_eq!((active, slots[2].preset), (6, Some("case3-quick")));
+        let remark = slots[2].remark.as_deref().expect("a remark");
+        assert!(remark.contains("case3-quick is as built in: mesh.cells=20"));
+        assert_eq!((&slots[6].remark, slots[6].preset), (&None, None));
+        assert!(open_with_cases(OsStr::new("case3-quick"), &overrides).is_err());
+    }
+
+    #[test]
+    fn a_preset_with_another_anchoring_is_still_that_preset() {
+        let overrides = ["anchoring.kind=parallel".to_owned()];
+        let (slots, active) = open_with_cases(OsStr::new(DEFAULT), &overrides).unwrap();
+        assert_eq!((active, slots[2].preset), (2, Some("case3-quick")));
+        assert_eq!(
+            slots[7].anchoring(),
+            Some(crate::scene::AnchoringKind::Parallel)
+        );
     }
 
     #[test]

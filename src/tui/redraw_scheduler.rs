@@ -24,7 +24,7 @@ pub(super) struct RedrawScheduler {
 pub(super) enum Occasion {
     /// A key, or what else a person waits for.
     Key,
-    /// WorkerEvent of a solver.
+    /// An event of a solver, or time that has passed.
     WorkerEvent,
     /// The terminal has another size.
     Size,

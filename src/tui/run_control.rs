@@ -118,8 +118,9 @@ impl RunControl {
     }
 
     /// How this shows; `None` for a run that is over, which its status says already. `waits`: a
-    /// run that is paused waits for the others of the gallery.
-    pub fn status(&self, waits: bool) -> Option<Status> {
+    /// run that is paused waits for the others of the gallery. `braked`: one at its horizon goes on as soon as the
+    /// brake lets it, and is not said to wait.
+    pub fn status(&self, waits: bool, braked: bool) -> Option<Status> {
         let asked = self.unanswered > 0;
         Some(match self.stand {
             WorkerState::Over => return None,
@@ -127,6 +128,7 @@ impl RunControl {
             WorkerState::SettingUp | WorkerState::Computing if asked => Status::Pausing,
             WorkerState::SettingUp => Status::Starting,
             WorkerState::Computing => Status::Running,
+            WorkerState::AtHorizon if braked && !asked => Status::Running,
             WorkerState::Paused | WorkerState::AtHorizon if waits => Status::Waiting,
             WorkerState::Paused => Status::Paused,
             WorkerState::AtHorizon if asked => Status::Paused,
@@ -142,21 +144,21 @@ mod tests {
     #[test]
     fn a_pause_shows_as_pausing_until_it_is_answered() {
         let mut control = RunControl::new(None);
-        assert_eq!(control.status(false), Some(Status::Starting));
+        assert_eq!(control.status(false, false), Some(Status::Starting));
         control.hear(WorkerState::Computing);
-        assert_eq!(control.status(false), Some(Status::Running));
+        assert_eq!(control.status(false, false), Some(Status::Running));
         assert_eq!(control.guide(false, None), [Command::Pause]);
-        assert_eq!(control.status(false), Some(Status::Pausing));
+        assert_eq!(control.status(false, false), Some(Status::Pausing));
         assert!(control.is_busy());
         assert_eq!(control.guide(false, None), []);
         control.hear(WorkerState::Paused);
-        assert_eq!(control.status(false), Some(Status::Paused));
+        assert_eq!(control.status(false, false), Some(Status::Paused));
         assert!(!control.is_busy());
         assert_eq!(control.guide(true, None), [Command::Resume]);
-        assert_eq!(control.status(false), Some(Status::Paused));
+        assert_eq!(control.status(false, false), Some(Status::Paused));
         assert!(control.is_busy());
         control.hear(WorkerState::Computing);
-        assert_eq!(control.status(false), Some(Status::Running));
+        assert_eq!(control.status(false, false), Some(Status::Running));
     }
 
     #[test]
@@ -169,9 +171,9 @@ mod tests {
         // The answers to both pauses, with the resumption between them.
         control.hear(WorkerState::Paused);
         control.hear(WorkerState::Computing);
-        assert_eq!(control.status(false), Some(Status::Pausing));
+        assert_eq!(control.status(false, false), Some(Status::Pausing));
         control.hear(WorkerState::Paused);
-        assert_eq!(control.status(false), Some(Status::Paused));
+        assert_eq!(control.status(false, false), Some(Status::Paused));
     }
 
     #[test]
@@ -183,9 +185,9 @@ mod tests {
         assert_eq!([control.step(), control.step()], [Command::Step; 2]);
         assert!(control.is_busy() && !control.wanted);
         control.hear(WorkerState::Paused);
-        assert_eq!(control.status(false), Some(Status::Pausing));
+        assert_eq!(control.status(false, false), Some(Status::Pausing));
         control.hear(WorkerState::Paused);
-        assert_eq!(control.status(false), Some(Status::Paused));
+        assert_eq!(control.status(false, false), Some(Status::Paused));
     }
 
     #[test]
@@ -193,11 +195,12 @@ mod tests {
         let mut control = RunControl::new(Some(1.0));
         control.hear(WorkerState::Computing);
         control.hear(WorkerState::AtHorizon);
-        assert_eq!(control.status(true), Some(Status::Waiting));
+        assert_eq!(control.status(true, false), Some(Status::Waiting));
+        assert_eq!(control.status(true, true), Some(Status::Running));
         let commands = control.guide(false, Some(2.0));
         assert_eq!(commands, [Command::Pause, Command::Horizon(Some(2.0))]);
         control.hear(WorkerState::Paused);
-        assert_eq!(control.status(true), Some(Status::Waiting));
+        assert_eq!(control.status(true, false), Some(Status::Waiting));
         let commands = control.guide(true, None);
         assert_eq!(commands, [Command::Horizon(None), Command::Resume]);
     }
@@ -210,7 +213,7 @@ mod tests {
         control.hear(WorkerState::Paused);
         assert_eq!(control.stand, WorkerState::Over);
         assert_eq!(control.guide(true, Some(1.0)), []);
-        assert_eq!(control.status(false), None);
+        assert_eq!(control.status(false, false), None);
         assert!(!control.is_busy());
     }
 }

@@ -4,10 +4,12 @@
 //! The loop waits for nothing but its channel. Keys, signals, output, saving, loading and the runs
 //! have their own threads, which send to it. While nothing happens nothing runs: no tick, no draw.
 
+mod jobs;
+
 use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -16,8 +18,9 @@ use signal_hook::consts::{SIGINT, SIGQUIT};
 
 use super::app::set_anchoring;
 use super::autosave::{self, Autosave, SharedAutosave};
+use super::brake::Brake;
 use super::canvas::Canvas;
-use super::event::{AppEvent, spawn};
+use super::event::AppEvent;
 use super::exit_summary;
 use super::input::Input;
 use super::message::{Effect, Message};
@@ -27,13 +30,16 @@ use super::signals::Watch;
 use super::state::{self, App, Ending, Overlay, Run, Slot};
 use super::terminal::{self, Terminal};
 use super::theme::{ColorTier, Theme};
-use super::update::{expectation_wanted, update};
-use super::{allocator, editing, estimates, job_control, opening, panel};
+use super::update::{expectation_wanted, time_counts, update};
+use super::{allocator, editing, job_control, opening, panel};
 use crate::record::{self, Settings};
 use crate::scene::Scene;
 use crate::simulation::{
-    Command, Continuity, RunId, RunSnapshot, Worker, WorkerConfig, cores, free_memory, kept_free,
+    Command, Continuity, RunId, RunSnapshot, Worker, WorkerConfig, WorkerEvent, cores, free_memory,
+    kept_free,
 };
+
+use jobs::{Measuring, call_off};
 
 /// How long saving may hold up an end that was not asked for by a person.
 const LAST_SAVE: Duration = Duration::from_millis(1200);
@@ -43,6 +49,12 @@ const LAST_STEP: Duration = Duration::from_secs(3);
 
 /// How often it is asked how much memory there is.
 const MEMORY_ASKED: Duration = Duration::from_secs(1);
+
+/// How often the time that passes is counted, while it counts,
+const TICK: Duration = Duration::from_millis(50);
+
+/// and how much of it at most: a process that was stopped goes on where it was.
+const LONGEST_TICK: Duration = Duration::from_millis(250);
 
 /// How long the terminal may take to be put back at the end before it is helped.
 const RESTORED: Duration = Duration::from_millis(1300);
@@ -58,6 +70,8 @@ pub struct Options {
     pub frames_per_second: u32,
     /// Threads to compute in; `None`: as many as there are.
     pub threads: Option<usize>,
+    /// Seconds from t = 0 to T at least, for runs that are computed faster; 0: as fast as they are computed.
+    pub pace: f64,
     /// The colours to use, if not those of the environment.
     pub tier: Option<ColorTier>,
     /// How things are saved.
@@ -127,8 +141,10 @@ pub fn run(options: Options) -> Result<Outcome, AppError> {
         options.active,
         terminal::size(),
         options.frames_per_second,
-    );
+    )
+    .with_forms(opening::FORMS);
     app.cores = options.threads.unwrap_or_else(cores);
+    app.brake = Brake::new(options.pace);
     app.offer_to_go_on();
     app.remark = exit_summary::leftovers(&record::clean(Path::new(PARENT)))
         .into_iter()
@@ -149,8 +165,10 @@ pub fn run(options: Options) -> Result<Outcome, AppError> {
         incoming,
         queue,
         pricing: None,
+        measuring: None,
         expecting: None,
         memory_asked: None,
+        counted: None,
         quitting: false,
     };
     session.run()
@@ -174,10 +192,14 @@ struct Session {
     queue: Receiver<AppEvent>,
     /// Ends the pricing of effects, while there is one.
     pricing: Option<Arc<AtomicBool>>,
+    /// The error of a run that is being measured.
+    measuring: Option<Measuring>,
     /// Ends the measurement of what a scene would take, while there is one.
     expecting: Option<Arc<AtomicBool>>,
     /// When it was asked last how much memory there is.
     memory_asked: Option<Instant>,
+    /// Up to when the time that passes was counted, while it counts.
+    counted: Option<Instant>,
     quitting: bool,
 }
 
@@ -187,7 +209,8 @@ impl Session {
         self.message(Message::Tick)?;
         self.draw();
         while !self.quitting {
-            let next = match self.wait() {
+            let waits = [self.wait(), self.wait_for_time()];
+            let next = match waits.into_iter().flatten().min() {
                 None => self.queue.recv().ok(),
                 Some(wait) => match self.queue.recv_timeout(wait) {
                     Ok(next) => Some(next),
@@ -204,6 +227,7 @@ impl Session {
                     self.take(next)?;
                 }
             }
+            self.let_time_pass()?;
             if self.wait() == Some(Duration::ZERO) {
                 self.look()?;
                 self.draw();
@@ -219,6 +243,30 @@ impl Session {
         self.terminal
             .is_free()
             .then(|| due.saturating_duration_since(Instant::now()))
+    }
+
+    /// How long to wait at most until the time that has passed is counted; `None`: it does not count.
+    fn wait_for_time(&self) -> Option<Duration> {
+        let counts = time_counts(&self.app) && !self.quitting;
+        counts.then(|| match self.counted {
+            None => Duration::ZERO,
+            Some(counted) => TICK.saturating_sub(counted.elapsed()),
+        })
+    }
+
+    /// Counts the time that has passed, if that is due.
+    fn let_time_pass(&mut self) -> Result<(), AppError> {
+        if self.quitting || !time_counts(&self.app) {
+            self.counted = None;
+            return Ok(());
+        }
+        let now = Instant::now();
+        let passed = now - *self.counted.get_or_insert(now);
+        if passed < TICK {
+            return Ok(());
+        }
+        self.counted = Some(now);
+        self.message(Message::Passed(passed.min(LONGEST_TICK)))
     }
 
     fn ask(&mut self, occasion: Occasion) {
@@ -258,18 +306,38 @@ impl Session {
             Message::Signal(SIGINT | SIGQUIT) if self.input.is_none() => return Ok(()),
             // What will be saved must be the latest.
             Message::Signal(_) | Message::HungUp => self.look()?,
-            // Also where nothing of it shows: pictures are fetched when it is time.
-            Message::Solver(_) => self.ask(Occasion::WorkerEvent),
+            // Also where nothing of it shows.
+            Message::Solver(message) => {
+                if let WorkerEvent::Snapshot(state) = &message.event
+                    && let Some(measuring) = self.measuring.as_ref()
+                    && measuring.run == message.run
+                {
+                    measuring.take(state);
+                }
+                self.ask(Occasion::WorkerEvent);
+            }
             Message::Saved(saved) => {
                 self.saver.answered();
                 self.saved.extend(saved.iter().cloned());
             }
             _ => {}
         }
-        let is_news = matches!(message, Message::Solver(_));
+        let occasion = match message {
+            Message::Solver(_) => None,
+            Message::Passed(_) => Some(Occasion::WorkerEvent),
+            _ => Some(Occasion::Key),
+        };
+        let has_steps = matches!(
+            &message,
+            Message::Solver(message) if matches!(message.event, WorkerEvent::Reports(_))
+        );
         self.update(message)?;
-        if self.app.stale && !is_news {
-            self.ask(Occasion::Key);
+        // More often than the screen is drawn: a run that is over in a second is to leave a past that can be played.
+        if has_steps {
+            self.look()?;
+        }
+        if let Some(occasion) = occasion.filter(|_| self.app.stale) {
+            self.ask(occasion);
         }
         Ok(())
     }
@@ -280,6 +348,15 @@ impl Session {
         }
         if !matches!(self.app.overlay, Some(Overlay::Prices { .. })) {
             call_off(&mut self.pricing);
+        }
+        let is_measured = |run: RunId| {
+            let runs = self.app.slots.iter().filter_map(|slot| slot.run.as_ref());
+            runs.filter(|known| known.id == run).any(Run::is_measured)
+        };
+        if let Some(Measuring { run, .. }) = self.measuring
+            && !is_measured(run)
+        {
+            self.measuring = None;
         }
         if expectation_wanted(&self.app) != self.app.expectation.asked {
             call_off(&mut self.expecting);
@@ -357,6 +434,7 @@ impl Session {
                 })?;
             }
             Effect::Price(scene) => self.price(scene)?,
+            Effect::Measure(run, job) => self.measure(run, *job)?,
             Effect::Expect(name, scene) => self.expect(name, scene)?,
             Effect::Edit(slot) => return self.edit(slot),
             Effect::SaveView(picture, slot) => return self.save_view(picture, slot),
@@ -412,70 +490,6 @@ impl Session {
             }
         });
         self.workers.insert(run, worker);
-    }
-
-    /// Does something that may take long, on a thread of its own.
-    ///
-    /// # Errors
-    /// In words: the system starts no thread for it.
-    fn aside(&self, name: &str, work: impl FnOnce() + Send + 'static) -> Result<(), String> {
-        let thread = spawn(name, self.incoming.clone(), work);
-        thread
-            .map(drop)
-            .map_err(|reason| format!("the system starts no thread for it now: {reason}"))
-    }
-
-    fn load(
-        &mut self,
-        open: impl FnOnce() -> Result<Slot, crate::record::LoadError> + Send + 'static,
-    ) -> Result<(), AppError> {
-        let incoming = self.incoming.clone();
-        let thread = self.aside("loading", move || {
-            let loaded = open().map(|mut slot| {
-                autosave::look_for(&mut slot);
-                Box::new(slot)
-            });
-            let loaded = loaded.map_err(|error| error.to_string());
-            // If the loop has ended, nobody wants it.
-            let _ = incoming.send(AppEvent::Message(Message::Loaded(loaded)));
-        });
-        thread.or_else(|words| self.message(Message::Loaded(Err(words))))
-    }
-
-    /// Prices the effects of a scene, until it is done or nobody looks any more.
-    fn price(&mut self, scene: Arc<Scene>) -> Result<(), AppError> {
-        call_off(&mut self.pricing);
-        let end = Arc::new(AtomicBool::new(false));
-        self.pricing = Some(Arc::clone(&end));
-        let incoming = self.incoming.clone();
-        let thread = self.aside("pricing", move || {
-            // If the loop has ended, nobody wants it.
-            estimates::measure(&scene, &end, &mut |text| {
-                let _ = incoming.send(AppEvent::Message(Message::Prices(text)));
-            });
-        });
-        thread.or_else(|words| self.message(Message::Prices(words)))
-    }
-
-    /// Measures what a scene would take, until it is done or nobody looks any more.
-    fn expect(&mut self, name: String, scene: Option<Arc<Scene>>) -> Result<(), AppError> {
-        let end = Arc::new(AtomicBool::new(false));
-        self.expecting = Some(Arc::clone(&end));
-        let incoming = self.incoming.clone();
-        let home = std::env::var_os("HOME").map(PathBuf::from);
-        let asked = name.clone();
-        let thread = self.aside("expectation", move || {
-            let load = || {
-                let source = opening::typed_path(&name, home);
-                let slot = opening::open(source.as_os_str(), &[]);
-                slot.map(|slot| slot.scene)
-                    .map_err(|error| error.to_string())
-            };
-            let words = estimates::expected(scene, load, &end);
-            // If the loop has ended, nobody wants it.
-            let _ = incoming.send(AppEvent::Message(Message::Expected(name, words)));
-        });
-        thread.or_else(|words| self.message(Message::Expected(asked, Some(Err(words)))))
     }
 
     fn save_view(&mut self, picture: Arc<RunSnapshot>, slot: usize) -> Result<(), AppError> {
@@ -668,13 +682,6 @@ impl Session {
         } else {
             Err(AppError::NotKept { words })
         }
-    }
-}
-
-/// Ends what is being measured, if anything is.
-fn call_off(measuring: &mut Option<Arc<AtomicBool>>) {
-    if let Some(end) = measuring.take() {
-        end.store(true, Ordering::Relaxed);
     }
 }
 

@@ -5,11 +5,13 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::autosave::Kept;
+use super::brake::{Brake, Replay};
 use super::frame_history::FrameHistory;
 use super::run_control::RunControl;
 use crate::record::KeptAt;
 use crate::scene::{AnchoringKind, Scene};
 use crate::simulation::{Report, RunId, RunSnapshot, SetUp, Setting, StepProgress};
+use crate::study::ErrorRow;
 
 pub use super::history::History;
 pub use super::throughput::Throughput;
@@ -18,9 +20,13 @@ pub use crate::figure::Director;
 /// The whole state of the app.
 #[derive(Debug)]
 pub struct App {
-    /// The four cases of Table 2 and every scene that was opened; a slot keeps its run while
-    /// another one is shown.
+    /// The four cases of Table 2, in each of their forms, and every scene that was opened; a slot keeps its
+    /// run while another one is shown.
     pub slots: Vec<Slot>,
+    /// Forms of the four cases that come first in the slots: quick, and as printed.
+    pub forms: usize,
+    /// The form of the cases that the keys and the gallery show.
+    pub form: usize,
     /// The slot that is shown.
     pub active: usize,
     /// What fills the screen.
@@ -49,6 +55,10 @@ pub struct App {
     pub stale: bool,
     /// The next run's number.
     pub next_run: RunId,
+    /// How fast runs are shown that are computed faster.
+    pub brake: Brake,
+    /// The stored past that is being played again.
+    pub replay: Option<Replay>,
     /// How many runs of the gallery compute at the same time, at most.
     pub cores: usize,
     /// The time that no run of the gallery goes beyond at present; `None` outside the gallery.
@@ -93,6 +103,8 @@ pub struct Slot {
     pub file: Option<PathBuf>,
     /// The folder of the run that it came from.
     pub folder: Option<PathBuf>,
+    /// The preset that the scene is, but for its anchoring.
+    pub preset: Option<&'static str>,
     /// What is reported when it is shown first.
     pub remark: Option<String>,
     /// The scene as loaded, with the anchoring in force: the one that the worker has confirmed.
@@ -130,6 +142,10 @@ pub struct Run {
     pub picture: Option<Arc<RunSnapshot>>,
     /// Older fields, within a budget of memory.
     pub past: FrameHistory,
+    /// When the anchoring was switched since the run was started or resumed: the time, and to what.
+    pub switches: Vec<(f64, AnchoringKind)>,
+    /// Its measured error, once that was asked for.
+    pub measurement: Option<Measurement>,
     /// Fields at the report's times, none lost: what `S` draws.
     pub snapshots: Vec<Arc<RunSnapshot>>,
     /// Steps a second and time left.
@@ -144,6 +160,57 @@ pub struct Run {
     pub keeping: Keeping,
     /// Whether the energy rose in the last step: said once, when it begins.
     pub rising: bool,
+}
+
+/// The measured error of a run, as far as it is measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measurement {
+    /// Whether it is still being measured.
+    pub is_going: bool,
+    /// How much of the finer runs is done, from 0 to 1.
+    pub share: f64,
+    /// The errors, in the order of time.
+    pub rows: Vec<ErrorRow>,
+    /// How often the anchoring had been switched when it began, and the end of the run.
+    switches: usize,
+    end: Option<f64>,
+}
+
+impl Measurement {
+    /// One of this run that begins now.
+    pub fn of(run: &Run) -> Self {
+        Self {
+            is_going: true,
+            share: 0.0,
+            rows: Vec::new(),
+            switches: run.switches.len(),
+            end: run.end(),
+        }
+    }
+
+    /// Whether it is of the run as it is now: it has got no other anchoring since, and no later end.
+    pub fn is_of(&self, run: &Run) -> bool {
+        self.switches == run.switches.len() && self.end == run.end()
+    }
+
+    /// The errors at the last measured time that is not after this one.
+    pub fn at(&self, t: f64) -> Option<&ErrorRow> {
+        let last = |row: &&ErrorRow| row.t <= t * (1.0 + 1e-9);
+        self.rows.iter().rev().find(last)
+    }
+}
+
+/// What a measurement reports.
+#[derive(Debug, Clone, PartialEq)]
+pub enum MeasuringNews {
+    /// How much of the finer runs is done, from 0 to 1.
+    Share(f64),
+    /// The errors at a time.
+    Row(ErrorRow),
+    /// There is no more to measure.
+    Done,
+    /// It cannot be measured: why, in words.
+    Failed(String),
 }
 
 /// Whether the state of a run is kept for another time.
@@ -238,6 +305,8 @@ pub enum Overlay {
         /// As it is shown, line by line.
         text: String,
     },
+    /// The measured error of the run that is shown.
+    Measured,
     /// A long text to read: an error of a scene with its lines.
     Message {
         /// The heading.

@@ -389,7 +389,7 @@ fn without_a_terminal_the_app_points_to_the_command_that_needs_none() {
             .expect("it starts");
         let told = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{told}");
-        let scene = arguments.first().unwrap_or(&"case3");
+        let scene = arguments.first().unwrap_or(&"case3-quick");
         assert!(told.contains(&format!("vesica run {scene}")), "{told}");
         assert!(told.contains("output is not a terminal"), "{told}");
         assert!(output.stdout.is_empty() && !told.contains('\x1b'), "{told}");

@@ -6,4 +6,5 @@ mod ignored;
 mod accuracy;
 mod cli;
 mod figures;
+mod measured;
 mod resume;

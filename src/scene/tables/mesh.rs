@@ -72,6 +72,17 @@ impl Default for Mesh {
 }
 
 impl Mesh {
+    /// The wanted length of an edge at the membrane; not known of a mesh from a file.
+    pub fn edge_at_membrane(&self) -> Option<f64> {
+        match self {
+            Self::Structured { cells, .. } => Some((*cells as f64).recip()),
+            Self::Delaunay { size, refine, .. } => {
+                Some(refine.map_or(*size, |refinement| refinement.size.min(*size)))
+            }
+            Self::File(_) => None,
+        }
+    }
+
     /// Squares along a side of the structured mesh.
     pub fn cells(&self) -> Option<usize> {
         match self {

@@ -42,6 +42,53 @@ pub(super) fn with_a_past(app: &App) -> Result<(), &'static str> {
     }
 }
 
+pub(super) fn at_present_with_director(app: &App) -> Result<(), &'static str> {
+    with_director(app)?;
+    match app.looking_back {
+        None => Ok(()),
+        Some(_) => {
+            Err("this is the past: End shows the present, where the anchoring can be changed")
+        }
+    }
+}
+
+pub(super) fn on_a_case(app: &App) -> Result<(), &'static str> {
+    match app.other_form() {
+        Some(_) => Ok(()),
+        None => Err("only for the four cases: 1 to 4 show them"),
+    }
+}
+
+/// The other form of the cases, in a word or two.
+pub fn other_form(app: &App) -> &'static str {
+    match app.form {
+        0 => "as printed",
+        _ => "quick",
+    }
+}
+
+pub(super) fn brake(app: &App) -> &'static str {
+    match app.brake.on {
+        true => "brake off",
+        false => "brake on",
+    }
+}
+
+pub(super) fn measure(app: &App) -> &'static str {
+    match app.active_run().and_then(|run| run.measurement.as_ref()) {
+        Some(measurement) if !measurement.rows.is_empty() => "errors",
+        Some(measurement) if measurement.is_going => "measure no more",
+        _ => "measure error",
+    }
+}
+
+pub(super) fn play(app: &App) -> &'static str {
+    match app.replay {
+        Some(_) => "stop",
+        None => "play again",
+    }
+}
+
 pub(super) fn with_director(app: &App) -> Result<(), &'static str> {
     match app.active_slot() {
         Some(slot) if slot.scene.nematic.is_none() => {
@@ -67,7 +114,7 @@ pub(super) fn with_picture(app: &App) -> Result<(), &'static str> {
 }
 
 pub(super) fn with_opened_scenes(app: &App) -> Result<(), &'static str> {
-    if app.slots.len() > App::CASES {
+    if app.slots.len() > app.opened() {
         Ok(())
     } else {
         Err("no other scene is open: o opens one")

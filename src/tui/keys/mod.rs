@@ -10,6 +10,7 @@ use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
 
 use super::state::{App, Overlay};
 
+pub use conditions::other_form;
 pub use table::BINDINGS;
 
 /// What a key does.
@@ -21,8 +22,14 @@ pub enum Action {
     Step,
     /// Restart the run.
     Restart,
-    /// Show a slot.
+    /// Show a case or an opened scene, by the number of its key less 1.
     Show(usize),
+    /// The active case quick, or as printed.
+    OtherForm,
+    /// Take the brake off, or put it on.
+    Brake,
+    /// Play the stored past, or stop that.
+    Play,
     /// Switch the anchoring.
     NextAnchoring,
     /// Into the gallery or out of it.
@@ -59,6 +66,8 @@ pub enum Action {
     Edit,
     /// Offer a run that is more accurate or cheaper.
     Improve,
+    /// Measure the error of the run, or show it.
+    Measure,
     /// Show what each effect costs.
     Prices,
     /// Open another scene.
@@ -116,7 +125,9 @@ impl Place {
             Some(Overlay::Help { .. }) => Self::Help,
             Some(Overlay::Confirm(_)) => Self::Confirm,
             Some(Overlay::Open { .. }) => Self::Open,
-            Some(Overlay::Message { .. } | Overlay::Prices { .. }) => Self::Message,
+            Some(Overlay::Message { .. } | Overlay::Prices { .. } | Overlay::Measured) => {
+                Self::Message
+            }
         }
     }
 }

@@ -3,8 +3,9 @@
 use crossterm::event::KeyCode;
 
 use super::conditions::{
-    always, gallery, in_gallery, next_panel, on_one_run, pause_or_resume, when_a_step_is_left,
-    when_not_over, with_a_past, with_director, with_notices, with_opened_scenes, with_picture,
+    always, at_present_with_director, brake, gallery, in_gallery, measure, next_panel, on_a_case,
+    on_one_run, other_form, pause_or_resume, play, when_a_step_is_left, when_not_over, with_a_past,
+    with_director, with_notices, with_opened_scenes, with_picture,
 };
 use super::{Action, Binding, Key, Place};
 
@@ -70,12 +71,21 @@ pub static BINDINGS: &[Binding] = &[
     },
     Binding {
         place: Place::Main,
+        keys: &[key('t', Action::OtherForm)],
+        label: "t",
+        plain_label: "t",
+        brief: other_form,
+        words: "the case as Table 1 of the paper has it, or quick; also what 1 to 4 and g show from then on",
+        when: on_a_case,
+    },
+    Binding {
+        place: Place::Main,
         keys: &[key('a', Action::NextAnchoring)],
         label: "a",
         plain_label: "a",
         brief: |_| "anchoring",
         words: "next anchoring (homeotropic, parallel, none), for the state as it is",
-        when: with_director,
+        when: at_present_with_director,
     },
     Binding {
         place: Place::Main,
@@ -106,6 +116,24 @@ pub static BINDINGS: &[Binding] = &[
         brief: |_| "past",
         words: "go through the stored past; the run goes on meanwhile",
         when: with_a_past,
+    },
+    Binding {
+        place: Place::Main,
+        keys: &[key('P', Action::Play)],
+        label: "P",
+        plain_label: "P",
+        brief: play,
+        words: "play the stored past again, from the start or the picture that is shown; again: stop",
+        when: with_a_past,
+    },
+    Binding {
+        place: Place::Main,
+        keys: &[key('b', Action::Brake)],
+        label: "b",
+        plain_label: "b",
+        brief: brake,
+        words: "the brake on runs that are over in a second: off, or on again (--pace SECONDS)",
+        when: always,
     },
     Binding {
         place: Place::Main,
@@ -246,6 +274,15 @@ pub static BINDINGS: &[Binding] = &[
         plain_label: "p",
         brief: |_| "prices",
         words: "what each effect costs; measured while you look at it",
+        when: on_one_run,
+    },
+    Binding {
+        place: Place::Main,
+        keys: &[key('m', Action::Measure)],
+        label: "m",
+        plain_label: "m",
+        brief: measure,
+        words: "measure the error: the same scene twice as fine beside the run; again: show the errors",
         when: on_one_run,
     },
     Binding {

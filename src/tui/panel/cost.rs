@@ -1,7 +1,6 @@
 //! What a step costs, how hard it was to solve, and how well it was solved.
 //!
-//! Below, where there is room: the estimated errors of the steps, the mesh and the solver, side by side, with the
-//! largest named.
+//! Below, where there is room: the measured error, or as long as there is none the estimates that can be trusted.
 
 use std::time::Duration;
 
@@ -10,6 +9,7 @@ use ratatui::layout::Rect;
 use ratatui::text::{Line, Span};
 
 use super::Look;
+use super::measured;
 use super::rows::{self, Row, Widths};
 use super::shown::Shown;
 use super::text;
@@ -25,7 +25,7 @@ use crate::tui::theme::{Role, Theme};
 pub fn wish(_: Step) -> Wish {
     Wish {
         least: 4,
-        full: 6 + Phase::ALL.len() as u16,
+        full: 7 + Phase::ALL.len() as u16,
     }
 }
 
@@ -89,22 +89,22 @@ pub fn draw(shown: &Shown<'_>, look: Look, theme: &Theme, area: Rect, buffer: &m
     );
     let law = law_line(shown, report, theme);
     let used = law.width() as u16;
-    if area.height > 3 + parts
-        && let Some(budget) = budget(report, &costs, area.width, theme)
-    {
-        text::line(buffer, area, 3 + parts, budget);
-    }
-    if area.height > 4 + parts
-        && let Some(suggestion) = Recommendation::of(shown.scene(), &report.budget)
-    {
-        let words = Line::from(vec![
+    // A measured error is worth more than any estimate.
+    let errors = measured::phase_line(shown, theme)
+        .or_else(|| budget(shown, report, &costs, area.width, theme));
+    let key = Some(measured::key_line(run, theme));
+    let suggestion = Recommendation::of(shown.scene(), &report.budget).map(|suggestion| {
+        Line::from(vec![
             Span::styled(
                 format!(" {} ", keys::label(Action::Improve)),
                 theme.style(Role::Accent),
             ),
             Span::styled(suggestion.what().to_owned(), theme.muted()),
-        ]);
-        text::line(buffer, area, 4 + parts, words);
+        ])
+    });
+    let further = [errors, key, suggestion].into_iter().flatten();
+    for (row, line) in (3 + parts..area.height).zip(further) {
+        text::line(buffer, area, row, line);
     }
     text::line(buffer, area, 2 + parts, law);
     let beside = widths.beside(at(2 + parts));
@@ -114,28 +114,30 @@ pub fn draw(shown: &Shown<'_>, look: Look, theme: &Theme, area: Rect, buffer: &m
     }
 }
 
-/// The estimated errors of φ, the largest in colour, with what is spent on them where there is room.
-fn budget<'a>(report: &Report, costs: &Costs, width: u16, theme: &Theme) -> Option<Line<'a>> {
-    let budget = report.budget;
-    let (largest, _) = budget.largest()?;
-    let mut parts = vec![
-        (ErrorPart::Time, "time", budget.time),
+/// The estimated errors of φ, as far as they can be trusted, the largest in colour, with what is spent on them where there
+/// is room.
+fn budget<'a>(
+    shown: &Shown<'_>,
+    report: &Report,
+    costs: &Costs,
+    width: u16,
+    theme: &Theme,
+) -> Option<Line<'a>> {
+    // Nothing is known of it yet.
+    report.budget.largest()?;
+    let budget = report.budget.trusted(shown.scene());
+    let Some((largest, _)) = budget.largest() else {
+        return Some(Line::styled(" error not known", theme.muted()));
+    };
+    let parts = [
+        (ErrorPart::Time, "steps", budget.time),
         (ErrorPart::Space, "mesh", budget.space),
-        (ErrorPart::Algebra, "solver", budget.algebra),
     ];
-    // For all three there is no room: the smallest is that which matters least.
-    if width < 46 {
-        let size = |index: &usize| parts[*index].2.unwrap_or(0.0);
-        let smallest = (0..parts.len()).min_by(|a, b| size(a).total_cmp(&size(b)));
-        if let Some(index) = smallest {
-            parts.remove(index);
-        }
-    }
-    let mut spans = vec![Span::styled(" error", theme.muted())];
+    let mut spans = vec![Span::styled(" estimate", theme.muted())];
     for (part, name, error) in parts {
         spans.push(Span::styled(format!(" {name} "), theme.muted()));
-        let value = error.map_or("-".to_owned(), |error| brief(error, 2));
-        spans.push(match part == largest {
+        let value = error.map_or("not known".to_owned(), |error| brief(error, 2));
+        spans.push(match largest == part {
             true => Span::styled(value, theme.style(Role::Warning)),
             false => Span::raw(value),
         });

@@ -285,13 +285,12 @@ pub fn open(
 }
 
 /// Draws what effects cost: lines unchanged, because they are a table.
-pub fn prices(words: &str, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
+pub fn table(title: &str, words: &str, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
     let lines: Vec<&str> = words.lines().collect();
     let longest = lines.iter().map(|line| line.chars().count()).max();
     let width = (longest.unwrap_or(0).max(40) as u16 + 4).min(screen.width);
     let height = (lines.len() as u16 + 2).min(screen.height.saturating_sub(2));
     let area = centred(screen, width, height);
-    let title = "What each effect costs";
     let inside = text::frame(buffer, area, theme, title, theme.style(Role::Accent));
     for (row, line) in lines.into_iter().enumerate() {
         if row < usize::from(inside.height) {

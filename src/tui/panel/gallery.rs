@@ -26,7 +26,7 @@ pub fn draw(app: &App, theme: &Theme, canvas: &mut Canvas, area: Rect, buffer: &
     }
     let common = reached(slots);
     for (index, tile) in tiles(area, slots.len()).into_iter().enumerate() {
-        let focused = index == app.active;
+        let focused = app.cases().start + index == app.active;
         if let Some(slot) = slots.get(index) {
             let shown = Shown::at(slot, common);
             draw_tile(app, &shown, focused, theme, canvas, tile, buffer);

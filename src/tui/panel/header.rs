@@ -6,6 +6,8 @@ use ratatui::text::{Line, Span};
 
 use super::shown::Shown;
 use super::text;
+use crate::study::PresetFigures;
+use crate::tui::keys::{self, Action};
 use crate::tui::numbers::{brief, duration, significant};
 use crate::tui::theme::{Role, Theme};
 
@@ -27,29 +29,66 @@ pub fn draw(shown: &Shown<'_>, theme: &Theme, area: Rect, buffer: &mut Buffer) {
         ..area
     };
     text::line_right(buffer, area, 0, state);
-    text::line(buffer, left, 0, scene(shown, theme));
+    text::line(buffer, left, 0, scene(shown, theme, left.width));
     progress(shown, theme, area, buffer);
 }
 
-/// Which scene it is.
-fn scene<'a>(shown: &'a Shown<'_>, theme: &Theme) -> Line<'a> {
+/// Which scene it is, and where it is a case in one of its forms, how accurate that is, and the other one. Words and
+/// parts that there is no room for are left out.
+fn scene<'a>(shown: &'a Shown<'_>, theme: &Theme, room: u16) -> Line<'a> {
+    let whole = scene_parts(shown, theme, true);
+    match whole.width() <= usize::from(room) {
+        true => whole,
+        false => scene_parts(shown, theme, false),
+    }
+}
+
+fn scene_parts<'a>(shown: &'a Shown<'_>, theme: &Theme, with_all_words: bool) -> Line<'a> {
     let dot = || Span::styled(format!(" {} ", theme.glyphs().dot), theme.muted());
+    let muted = |words: &'static str| Span::styled(words, theme.muted());
     let mut spans = vec![
         Span::styled(" vesica ", theme.style(Role::Accent)),
         Span::styled(shown.slot.name.as_str(), theme.strong()),
     ];
+    let figures = shown.slot.figures();
     let title = shown.scene().name.trim();
-    if !title.is_empty() && title != shown.slot.name {
+    if let Some(figures) = figures {
+        spans.push(muted(if with_all_words { " error " } else { " " }));
+        spans.push(Span::raw(accuracy(figures, with_all_words)));
+    } else if !title.is_empty() && title != shown.slot.name {
         spans.push(dot());
         spans.push(Span::raw(title));
     }
     if shown.scene().nematic.is_some() {
         spans.push(dot());
         let anchoring = shown.anchoring.map_or("none", |kind| kind.name());
-        spans.push(Span::styled("anchoring ", theme.muted()));
+        if with_all_words {
+            spans.push(muted("anchoring "));
+        }
         spans.push(Span::raw(anchoring));
     }
+    if let Some((other, word)) = shown.other_form {
+        spans.push(dot());
+        let key = keys::label(Action::OtherForm);
+        spans.push(Span::styled(key, theme.style(Role::Accent)));
+        let word = if with_all_words { word } else { &other.name };
+        spans.push(Span::styled(format!(" {word}"), theme.muted()));
+        if let Some(figures) = other.figures() {
+            spans.push(muted(if with_all_words { ": error " } else { " " }));
+            spans.push(Span::raw(accuracy(figures, with_all_words)));
+        }
+    }
     Line::from(spans)
+}
+
+/// An error of φ and a time.
+fn accuracy(figures: PresetFigures, with_all_words: bool) -> String {
+    let between = if with_all_words { "in " } else { "" };
+    format!(
+        "{:.1e} {between}{} s",
+        figures.error,
+        brief(figures.seconds, 2)
+    )
 }
 
 /// How far it is: parts that there is no room for are left out, the least important first.
@@ -77,7 +116,11 @@ fn progress(shown: &Shown<'_>, theme: &Theme, area: Rect, buffer: &mut Buffer) {
     }
     // Rates are those of the present, whatever is shown.
     let pace = &run.pace;
-    if let Some(left) = pace.left.filter(|_| shown.back.is_none()) {
+    // The brake may take longer than computing.
+    let left = pace
+        .left
+        .map(|left| left.max(shown.braked.unwrap_or_default()));
+    if let Some(left) = left.filter(|_| shown.back.is_none()) {
         parts.push(Line::from(vec![Span::raw(duration(left)), muted(" left")]));
     }
     if pace.steps_per_second > 0.0 {

@@ -11,6 +11,7 @@ mod footer;
 mod gallery;
 mod header;
 mod help;
+mod measured;
 mod plot;
 mod rows;
 mod shown;
@@ -123,7 +124,13 @@ fn overlay(app: &App, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
             let typed = (text.as_str(), *chosen, error.as_deref());
             dialog::open(app, typed, theme, screen, buffer);
         }
-        Some(Overlay::Prices { text }) => dialog::prices(text, theme, screen, buffer),
+        Some(Overlay::Prices { text }) => {
+            dialog::table("What each effect costs", text, theme, screen, buffer);
+        }
+        Some(Overlay::Measured) => {
+            let words = measured::words(app);
+            dialog::table("Measured error", &words, theme, screen, buffer);
+        }
         Some(Overlay::Message { title, text }) => {
             dialog::message(title, text, theme, screen, buffer);
         }

@@ -1,8 +1,11 @@
 //! What is shown: a run as it is now, or as it was.
 
+use std::time::Duration;
+
 use crate::scene::{AnchoringKind, Scene};
 use crate::simulation::{Report, RunSnapshot, Schedule, SetUp, Setting};
 use crate::tui::curve;
+use crate::tui::keys;
 use crate::tui::state::{App, Run, Slot, Status};
 use crate::tui::theme::Role;
 
@@ -23,6 +26,10 @@ pub struct Shown<'a> {
     pub anchoring: Option<AnchoringKind>,
     /// Which of the stored pictures is shown, and how many there are; `None`: live.
     pub back: Option<(usize, usize)>,
+    /// The slot of the same case in its other form, and a word for that.
+    pub other_form: Option<(&'a Slot, &'static str)>,
+    /// What the brake leaves of the run to be watched, while it is on.
+    pub braked: Option<Duration>,
 }
 
 impl<'a> Shown<'a> {
@@ -39,6 +46,8 @@ impl<'a> Shown<'a> {
             report: run.filter(|_| setting.is_some()).map(|run| &run.report),
             anchoring: slot.anchoring(),
             back: None,
+            other_form: None,
+            braked: None,
         }
     }
 
@@ -65,7 +74,16 @@ impl<'a> Shown<'a> {
 
     /// The active run, at the time that is shown.
     pub fn active(app: &'a App) -> Option<Self> {
-        let live = Self::live(app.slots.get(app.active)?);
+        let slot = app.slots.get(app.active)?;
+        let other_form = app.other_form().and_then(|index| app.slots.get(index));
+        let live = Self {
+            other_form: other_form.map(|other| (other, keys::other_form(app))),
+            braked: app
+                .brake
+                .on
+                .then(|| app.brake.left(slot.scene.time.end, slot.loaded.time.end)),
+            ..Self::live(slot)
+        };
         let stored = app.looking_back.zip(live.run).and_then(|(index, run)| {
             let picture = run.past.get(index)?;
             Some((index, run.past.len(), picture.as_ref()))

@@ -8,7 +8,7 @@ use super::super::state::{
     App, Beyond, Director, Ending, Field, Keeping, Notice, Overlay, Panel, Question, Run, Save,
     Screen, Slot, Status,
 };
-use super::{leave, overlays, remark, saving};
+use super::{leave, measuring, overlays, pacing, remark, saving};
 use crate::record::ShortNumber;
 use crate::simulation::{Command, RunId, step_count};
 use crate::study::Recommendation;
@@ -21,7 +21,10 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
         Action::PauseOrResume => pause_or_resume(app, effects),
         Action::Step => step(app, effects),
         Action::Restart => ask(app, Question::Restart, effects),
-        Action::Show(index) => look_at(app, index),
+        Action::Show(number) => look_at(app, app.slot_of_key(number)),
+        Action::OtherForm => show_other_form(app),
+        Action::Brake => pacing::turn_brake(app),
+        Action::Play => pacing::play_or_stop(app),
         Action::NextAnchoring => next_anchoring(app, effects),
         Action::Gallery => gallery(app),
         Action::Older(pictures) => scrub(app, |index, _| index.saturating_sub(pictures)),
@@ -57,6 +60,7 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
             }
         }
         Action::Improve => improve(app),
+        Action::Measure => measuring::press(app, effects),
         Action::Notices => show_notices(app),
         Action::Help => app.overlay = Some(Overlay::Help { scroll: 0 }),
         Action::Suspend => effects.push(Effect::Suspend),
@@ -196,7 +200,8 @@ fn begin_anew(app: &mut App, index: usize) -> Option<RunId> {
 /// Shows the run of a slot alone.
 pub(super) fn look_at(app: &mut App, index: usize) {
     if index >= app.slots.len() {
-        let last = app.slots.len();
+        let opened = app.slots.len().saturating_sub(app.opened());
+        let last = app.cases().len() + opened;
         remark(app, format!("there are {last} scenes; o opens another"));
         return;
     }
@@ -209,6 +214,7 @@ fn choose(app: &mut App, index: usize) {
     if index != app.active {
         look_back(app, None);
         app.active = index;
+        app.follow_form();
         if let Some(words) = app.slots[index].remark.take() {
             remark(app, words);
         }
@@ -224,10 +230,17 @@ fn gallery(app: &mut App) {
             look_back(app, None);
             app.screen = Screen::Gallery;
             if !app.cases().contains(&app.active) && !app.slots.is_empty() {
-                choose(app, 0);
+                choose(app, app.cases().start);
             }
         }
         Screen::Gallery => look_at(app, app.active),
+    }
+}
+
+/// Shows the active case in its other form: quick, or as printed; in the gallery all cases.
+fn show_other_form(app: &mut App) {
+    if let Some(index) = app.other_form() {
+        choose(app, index);
     }
 }
 
@@ -271,6 +284,10 @@ fn is_done(app: &App) -> bool {
 }
 
 fn pause_or_resume(app: &mut App, effects: &mut Vec<Effect>) {
+    // What is shown is what is to stand still.
+    if app.replay.take().is_some() {
+        return;
+    }
     if app.screen == Screen::Run && is_done(app) {
         ask(app, Question::GoBeyond(Beyond::Run), effects);
         return;
@@ -340,8 +357,9 @@ fn scrub(app: &mut App, target: impl FnOnce(usize, usize) -> usize) {
     look_back(app, (index < last).then_some(index));
 }
 
-/// Shows a stored picture of the active run, or the present.
+/// Shows a stored picture of the active run, or the present; nothing is played any more.
 pub(super) fn look_back(app: &mut App, index: Option<usize>) {
+    app.replay = None;
     app.looking_back = index;
     if let Some(run) = app.active_run_mut() {
         let picture = index.and_then(|index| run.past.get(index));
@@ -410,8 +428,9 @@ fn next(app: &mut App, by: isize) {
             app.focus = panels[move_by(present.unwrap_or(0), panels.len())];
         }
         Screen::Gallery => {
-            let index = move_by(app.active, app.cases().len());
-            choose(app, index);
+            let cases = app.cases();
+            let index = move_by(app.active.saturating_sub(cases.start), cases.len());
+            choose(app, cases.start + index);
         }
     }
 }

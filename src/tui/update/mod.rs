@@ -2,7 +2,9 @@
 
 mod actions;
 mod estimates;
+mod measuring;
 mod overlays;
+mod pacing;
 mod saving;
 mod scheduling;
 #[cfg(test)]
@@ -17,6 +19,7 @@ use super::state::{App, Ending};
 
 pub use estimates::wanted as expectation_wanted;
 pub use overlays::offered;
+pub use pacing::time_counts;
 pub(super) use scheduling::SNAPSHOTS;
 
 /// Takes a message into the state; the caller carries out the returned effects.
@@ -60,7 +63,9 @@ pub fn update(app: &mut App, message: Message) -> Vec<Effect> {
         Message::Signal(number) => leave(app, Ending::Signal(number), &mut effects),
         Message::HungUp => leave(app, Ending::HungUp, &mut effects),
         Message::FreeMemory(free) => worker_events::find_room(app, free),
+        Message::Measured(run, news) => measuring::measured(app, run, news),
         Message::Remark(text) => remark(app, text),
+        Message::Passed(passed) => pacing::passed(app, passed),
         Message::Tick => {}
     }
     if app.ending.is_none() {

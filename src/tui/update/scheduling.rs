@@ -6,6 +6,7 @@ use std::time::Duration;
 use super::super::message::Effect;
 use super::super::run_control::WorkerState;
 use super::super::state::{App, Overlay, Question, Run, Screen, Slot};
+use super::pacing;
 use crate::simulation::{RunId, WorkerConfig};
 
 /// Reports are gathered for this long: shorter than the 50 ms in which a key must be answered.
@@ -22,18 +23,20 @@ pub(super) fn direct(app: &mut App, effects: &mut Vec<Effect>) {
     if app.overlay == Some(Overlay::Confirm(Question::GoOn)) {
         return;
     }
+    pacing::follow_run(app);
     match app.screen {
         Screen::Run => {
             app.clock = None;
             for index in 0..app.slots.len() {
-                let active = index == app.active;
-                let wanted = wants(&app.slots[index]);
-                guide(app, index, active && wanted, None, effects);
+                let slot = &app.slots[index];
+                let going = index == app.active && wants(slot);
+                let horizon = pacing::horizon(app, slot).filter(|_| going);
+                guide(app, index, going, horizon, effects);
             }
         }
         Screen::Gallery => {
             let cases = app.cases();
-            for index in cases.end..app.slots.len() {
+            for index in (0..app.slots.len()).filter(|index| !cases.contains(index)) {
                 guide(app, index, false, None, effects);
             }
             direct_gallery(app, effects);
@@ -46,7 +49,7 @@ pub(super) fn direct(app: &mut App, effects: &mut Vec<Effect>) {
 /// until it has come up to it. When all have, the clock moves on.
 fn direct_gallery(app: &mut App, effects: &mut Vec<Effect>) {
     let cases = app.cases();
-    let clock = clock(&app.slots[cases.clone()], app.clock);
+    let clock = clock(app, &app.slots[cases.clone()], app.clock);
     app.clock = Some(clock);
     let behind = |slot: &Slot| wants(slot) && is_behind(slot, clock);
     let mut turns: Vec<usize> = cases
@@ -93,14 +96,15 @@ fn direct_gallery(app: &mut App, effects: &mut Vec<Effect>) {
 
 /// The common clock: unchanged until every run that computes has reached it, then its next tick
 /// after the last of them.
-fn clock(cases: &[Slot], present: Option<f64>) -> f64 {
+fn clock(app: &App, cases: &[Slot], present: Option<f64>) -> f64 {
     let times = || cases.iter().filter(|slot| wants(slot));
     let last = times()
         .map(|slot| time(slot.run.as_ref()))
         .fold(f64::INFINITY, f64::min);
     // At first all come up to where the last one is: those that have no run are set up.
     let present = present.unwrap_or(if last.is_finite() { last } else { 0.0 });
-    if !last.is_finite() || times().any(|slot| is_behind(slot, present)) {
+    let is_to_stay = !last.is_finite() || times().any(|slot| is_behind(slot, present));
+    if is_to_stay || !pacing::lets_clock_pass(app, last) {
         return present;
     }
     let end = cases
@@ -179,10 +183,11 @@ fn tell_statuses(app: &mut App) {
         Screen::Run => 0..0,
         Screen::Gallery => app.cases(),
     };
+    let braked = app.brake.on;
     for (index, slot) in app.slots.iter_mut().enumerate() {
         let Some(run) = &mut slot.run else { continue };
         let waits = cases.contains(&index) && run.control.wanted;
-        if let Some(status) = run.control.status(waits)
+        if let Some(status) = run.control.status(waits, braked)
             && run.status != status
         {
             run.status = status;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::super::frame_history;
 use super::super::run_control::WorkerState;
 use super::super::state::{App, Notice, Run, Screen, Severity, Status};
+use super::measuring;
 use crate::scene::{AnchoringKind, Warning};
 use crate::simulation::{
     EventKind, Message as WorkerMessage, Report, RunId, RunSnapshot, WorkerEvent,
@@ -195,6 +196,7 @@ fn take(run: &mut Run, report: Report, law_tolerance: f64) {
 /// Takes a switch of the anchoring: the energy has jumped, not risen.
 fn anchored(run: &mut Run, kind: AnchoringKind, report: Report) {
     run.history.switch(kind, &report);
+    measuring::switched(run, report.t, kind);
     run.rising = false;
     run.unsaved |= report.step > 0;
     run.report = report;

@@ -10,7 +10,8 @@ use crate::physics::NamedValue;
 use crate::scene::{AnchoringKind, Scene, find_preset};
 use crate::scheme::{Phase, State};
 use crate::simulation::{Costs, Report, RunId, RunSnapshot, Setting};
-use crate::tui::state::{App, Notice, Run, Severity, Slot, Status};
+use crate::study::{ErrorRow, Measured};
+use crate::tui::state::{App, Measurement, Notice, Run, Severity, Slot, Status};
 
 /// Steps of the made-up run, of 10,000.
 pub const STEPS: u64 = 400;
@@ -144,6 +145,31 @@ pub fn app() -> App {
 pub fn run(app: &mut App) -> &mut Run {
     let slot = &mut app.slots[app.active];
     slot.run.as_mut().expect("it was started")
+}
+
+/// The error of the run that is shown is being measured, or is measured at two times, the first of which is off.
+pub fn measure(app: &mut App, is_done: bool) {
+    let run = run(app);
+    run.report.budget.time = Some(1e-3);
+    let mut measurement = Measurement::of(run);
+    measurement.share = 0.43;
+    let measured = |error: f64, uncertainty: f64| Measured { error, uncertainty };
+    let row = |t: f64, order: f64| ErrorRow {
+        t,
+        order: Some(order),
+        phase: measured(7.3e-3, 2e-3),
+        membrane: Some(measured(4e-5, 3e-5)),
+        scalars: vec![
+            ("E_total".to_owned(), 155.0, measured(2.1, 0.4)),
+            ("length".to_owned(), 0.65, measured(-1e-3, 1e-3)),
+            ("waist".to_owned(), 0.11, measured(-2e-3, 4e-4)),
+        ],
+    };
+    if is_done {
+        measurement.is_going = false;
+        measurement.rows = vec![row(0.0, 3.3), row(2.5e-5, 1.9)];
+    }
+    run.measurement = Some(measurement);
 }
 
 /// A notice of step 120.

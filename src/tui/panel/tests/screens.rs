@@ -12,10 +12,11 @@ use crate::geometry::{Point, length};
 use crate::record::KeptAt;
 use crate::scene::AnchoringKind;
 use crate::simulation::RunSnapshot;
+use crate::tui::brake::Brake;
 use crate::tui::colour_map::COLOUR_MAPS;
 use crate::tui::layout::divide;
 use crate::tui::state::{
-    App, Director, Field, Keeping, Overlay, Panel, Question, Saving, Screen, Severity, Status,
+    App, Director, Field, Keeping, Overlay, Panel, Question, Saving, Screen, Severity, Slot, Status,
 };
 use crate::tui::theme::{ColorTier, Theme};
 
@@ -28,6 +29,36 @@ type Change = (&'static str, fn(&mut App));
 const CHANGES: &[Change] = &[
     ("running", |_| {}),
     ("paused", |app| made_up::run(app).status = Status::Paused),
+    ("measuring", |app| made_up::measure(app, false)),
+    ("measured", |app| {
+        made_up::measure(app, true);
+        app.focus = Panel::Cost;
+    }),
+    ("errors", |app| {
+        made_up::measure(app, true);
+        app.overlay = Some(Overlay::Measured);
+    }),
+    ("quick", |app| {
+        let slots = std::mem::take(&mut app.slots).into_iter();
+        let quick = |mut slot: Slot| {
+            slot.name = format!("{}-quick", slot.name);
+            slot.preset = Some("case3-quick");
+            slot.run
+                .iter_mut()
+                .for_each(|run| run.history.marks.clear());
+            slot
+        };
+        let printed = |name: &'static str| {
+            let mut slot = Slot::new(name, None, made_up::scene(name));
+            slot.preset = Some(name);
+            slot
+        };
+        app.slots = slots.map(quick).collect();
+        app.slots
+            .extend(["case1", "case2", "case3", "case4"].map(printed));
+        app.forms = 2;
+        app.brake = Brake::new(8.0);
+    }),
     ("starting", |app| {
         let run = made_up::run(app);
         run.status = Status::Starting;
