@@ -2,7 +2,7 @@
 //!
 //! Nodes are scattered at random, no two nearer to each other than the size allows (Bridson's
 //! algorithm with a radius that varies), and then moved towards the centroids of the triangles about
-//! them, while the triangulation follows (spade): edges become nearly equal. What angle is too small
+//! them, while the triangulation (spade) follows: edges become nearly equal. What angle is too small
 //! after that is refined away. The same seed gives the same mesh, bit for bit.
 
 use rand::RngExt;
@@ -15,6 +15,7 @@ use spade::{
 
 use super::hilbert::along_curve;
 use super::mesh::sort_by_nodes;
+use super::moving_triangulation::MovingTriangulation;
 use super::quadtree::Quadtree;
 use super::{FemError, Mesh};
 use crate::geometry::{Point, Vector, doubled_area, length};
@@ -80,10 +81,13 @@ fn moved(
     rounds: usize,
     leave: &mut dyn FnMut() -> bool,
 ) -> Result<Mesh, FemError> {
+    let mut triangulation = triangulate(&nodes)?;
     for _ in 0..rounds {
         go_on(leave)?;
-        let triangles = triangulate(&nodes)?;
-        relax(table, &triangles, &mut nodes, fixed);
+        relax(table, triangulation.triangles(), &mut nodes, fixed);
+        if !triangulation.restore(&nodes) {
+            triangulation = triangulate(&nodes)?;
+        }
     }
     go_on(leave)?;
     let (nodes, triangles) = refined(nodes, fixed)?;
@@ -300,15 +304,14 @@ fn points(nodes: &[Point]) -> Vec<spade::Point2<f64>> {
         .collect()
 }
 
-/// The Delaunay triangles of nodes, counter-clockwise.
-fn triangulate(nodes: &[Point]) -> Result<Vec<[usize; 3]>, FemError> {
+/// The Delaunay triangulation of nodes.
+fn triangulate(nodes: &[Point]) -> Result<MovingTriangulation, FemError> {
     let triangulation =
         DelaunayTriangulation::<spade::Point2<f64>>::bulk_load_stable(points(nodes))
             .map_err(|error| refused(nodes.len(), &error))?;
     let faces = triangulation.inner_faces();
-    Ok(faces
-        .map(|face| face.vertices().map(|vertex| vertex.fix().index()))
-        .collect())
+    let corners = faces.map(|face| face.vertices().map(|vertex| vertex.fix().index() as u32));
+    Ok(MovingTriangulation::new(corners.collect()))
 }
 
 fn refused(nodes: usize, error: &dyn std::fmt::Display) -> FemError {
@@ -320,15 +323,15 @@ fn refused(nodes: usize, error: &dyn std::fmt::Display) -> FemError {
 
 /// Moves each node to the centroid of the triangles about it, those weighted more where edges are to be
 /// shorter.
-fn relax(table: &Table, triangles: &[[usize; 3]], nodes: &mut [Point], fixed: usize) {
+fn relax(table: &Table, triangles: &[[u32; 3]], nodes: &mut [Point], fixed: usize) {
     let mut sums = vec![(Vector::zeros(), 0.0); nodes.len()];
     for triangle in triangles {
-        let [a, b, c] = triangle.map(|node| nodes[node]);
+        let [a, b, c] = triangle.map(|node| nodes[node as usize]);
         let middle = (a.coords + b.coords + c.coords) / 3.0;
         // The density whose centroidal cells have the wanted size, in the plane.
         let weight = doubled_area([a, b, c]) / table.at(middle.into()).powi(4);
         for &node in triangle {
-            let (moment, mass) = &mut sums[node];
+            let (moment, mass) = &mut sums[node as usize];
             *moment += weight * middle;
             *mass += weight;
         }

@@ -4,8 +4,8 @@ use super::Mesh;
 use super::raster::Place;
 use crate::geometry::{BoundingBox, Point};
 
-/// The triangles of a mesh, sorted into the cells of a grid over it: about two cells a triangle and an equal number of
-/// triangles a cell where they are of one size.
+/// The triangles of a mesh, sorted into the cells of a grid over it: four cells a triangle, so that cells have few
+/// triangles also where those are small.
 #[derive(Debug)]
 pub struct Locator<'a> {
     mesh: &'a Mesh,
@@ -20,7 +20,7 @@ pub struct Locator<'a> {
 impl<'a> Locator<'a> {
     /// Of a mesh.
     pub fn new(mesh: &'a Mesh) -> Self {
-        let cells = (mesh.triangles().len() as f64).sqrt().ceil().max(1.0) as usize;
+        let cells = (4.0 * mesh.triangles().len() as f64).sqrt().ceil() as usize;
         let mut locator = Self {
             mesh,
             region: mesh.bounding_box(),

@@ -14,6 +14,7 @@ mod mass;
 mod mesh;
 mod mesh_from_scene;
 mod mesh_quality;
+mod moving_triangulation;
 mod patch;
 mod pieces;
 mod projection;

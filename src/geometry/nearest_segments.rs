@@ -1,6 +1,6 @@
 //! The distance from a set of segments in the unit square, for many places.
 
-use super::{Point, Segment, segment_distance};
+use super::{Point, Segment, segment_offset};
 
 /// Cells along a side of the grid.
 const CELLS: usize = 128;
@@ -23,7 +23,8 @@ impl NearestSegments {
             segments: segments.to_vec(),
             nearest: vec![NONE; (CELLS + 1) * (CELLS + 1)],
         };
-        let mut distances = vec![f64::INFINITY; nearest.nearest.len()];
+        // Of the distances.
+        let mut squares = vec![f64::INFINITY; nearest.nearest.len()];
         for (number, [a, b]) in segments.iter().enumerate() {
             let range = |axis: usize| {
                 let (low, high) = (a[axis].min(b[axis]), a[axis].max(b[axis]));
@@ -32,7 +33,7 @@ impl NearestSegments {
             };
             for row in range(1) {
                 for column in range(0) {
-                    nearest.offer(&mut distances, [column, row], number as u32);
+                    nearest.offer(&mut squares, [column, row], number as u32);
                 }
             }
         }
@@ -41,36 +42,36 @@ impl NearestSegments {
         let forward = || 0..=CELLS;
         for _ in 0..2 {
             for (row, column) in forward().flat_map(|row| forward().map(move |it| (row, it))) {
-                nearest.take_over(&mut distances, [column, row], [-1, -1]);
+                nearest.take_over(&mut squares, [column, row], [-1, -1]);
             }
             for (row, column) in
                 (forward().rev()).flat_map(|row| forward().rev().map(move |it| (row, it)))
             {
-                nearest.take_over(&mut distances, [column, row], [1, 1]);
+                nearest.take_over(&mut squares, [column, row], [1, 1]);
             }
             for (row, column) in forward().flat_map(|row| forward().rev().map(move |it| (row, it)))
             {
-                nearest.take_over(&mut distances, [column, row], [1, -1]);
+                nearest.take_over(&mut squares, [column, row], [1, -1]);
             }
             for (row, column) in
                 (forward().rev()).flat_map(|row| forward().map(move |it| (row, it)))
             {
-                nearest.take_over(&mut distances, [column, row], [-1, 1]);
+                nearest.take_over(&mut squares, [column, row], [-1, 1]);
             }
         }
         nearest
     }
 
     /// Takes the segment for a corner, if it is nearer than the one that is known.
-    fn offer(&mut self, distances: &mut [f64], [column, row]: [usize; 2], segment: u32) {
+    fn offer(&mut self, squares: &mut [f64], [column, row]: [usize; 2], segment: u32) {
         let corner = row * (CELLS + 1) + column;
         if self.nearest[corner] == segment {
             return;
         }
         let place = Point::new(column as f64, row as f64) / CELLS as f64;
-        let distance = segment_distance(place, self.segments[segment as usize]);
-        if distance < distances[corner] {
-            distances[corner] = distance;
+        let square = segment_offset(place, self.segments[segment as usize]).norm_squared();
+        if square < squares[corner] {
+            squares[corner] = square;
             self.nearest[corner] = segment;
         }
     }
@@ -78,7 +79,7 @@ impl NearestSegments {
     /// Offers a corner the segments of its neighbours on two sides.
     fn take_over(
         &mut self,
-        distances: &mut [f64],
+        squares: &mut [f64],
         [column, row]: [usize; 2],
         [across, up]: [isize; 2],
     ) {
@@ -97,7 +98,7 @@ impl NearestSegments {
         ] {
             let segment = neighbour.map_or(NONE, |corner| self.nearest[corner]);
             if segment != NONE {
-                self.offer(distances, [column, row], segment);
+                self.offer(squares, [column, row], segment);
             }
         }
     }
@@ -111,19 +112,21 @@ impl NearestSegments {
         let mut known = [0, 1, CELLS + 1, CELLS + 2].map(|offset| self.nearest[corner + offset]);
         known.sort_unstable();
         let mut last = NONE;
-        let mut distance = f64::INFINITY;
+        let mut square = f64::INFINITY;
         for segment in known {
             if segment != NONE && segment != last {
-                distance = segment_distance(place, self.segments[segment as usize]).min(distance);
+                let offset = segment_offset(place, self.segments[segment as usize]);
+                square = offset.norm_squared().min(square);
             }
             last = segment;
         }
-        distance
+        square.sqrt()
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::segment_distance;
     use super::*;
 
     #[test]
