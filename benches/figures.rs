@@ -31,15 +31,17 @@ fn run(name: &str) -> RunData {
         });
     }
     let state = Arc::new(simulation.state().clone());
+    let mesh = Arc::new(Mesh::structured(120, 0.0, 1).expect("a fair mesh"));
     let snapshots = (0..5).map(|quarter| Snapshot {
         step: 2500 * quarter,
         t: 2.5e-4 * quarter as f64,
+        mesh: mesh.clone(),
         state: state.clone(),
     });
     RunData {
         name: name.to_owned(),
         scene: Arc::new(scene),
-        mesh: Arc::new(Mesh::structured(120, 0.0, 1).expect("a fair mesh")),
+        mesh_changes: Vec::new(),
         history,
         switches: Vec::new(),
         snapshots: snapshots.collect(),
@@ -62,7 +64,7 @@ fn figures(criterion: &mut Criterion) {
     let view = View {
         name: &runs[2].name,
         scene: &runs[2].scene,
-        mesh: &runs[2].mesh,
+        mesh: &runs[2].snapshots[0].mesh,
         state: &runs[2].snapshots[0].state,
         report: &report,
         field: Field::Phase,

@@ -38,13 +38,13 @@ fn slot(name: &str) -> Slot {
         run: run.id,
         anchoring: None,
         report: report.clone(),
+        mesh: Arc::clone(simulation.mesh()),
         state: Arc::new(simulation.state().clone()),
     }));
     run.report = report;
     run.status = Status::Running;
     run.setting = Some(Arc::new(Setting {
         scene: scene.clone(),
-        mesh: Arc::clone(simulation.mesh()),
         steps: Some(10_000),
         warnings: Vec::new(),
     }));

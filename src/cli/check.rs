@@ -128,7 +128,7 @@ fn examine(source: &OsStr, overrides: &[String]) -> Result<(Scene, Found), CliEr
         }
     } else {
         simulation::check_outlines(&scene).map_err(CliError::SetUp)?;
-        let is_estimate = matches!(scene.mesh, Mesh::Delaunay { .. });
+        let is_estimate = matches!(scene.mesh, Mesh::Delaunay { .. } | Mesh::Adaptive { .. });
         Found {
             warnings: scene::warnings(&scene, None),
             nodes: format!(
@@ -156,7 +156,7 @@ fn triangles(scene: &Scene, found: &Found) -> Option<String> {
     let quality = found.quality?;
     let turned = match &scene.mesh {
         Mesh::Structured { .. } => return None,
-        Mesh::Delaunay { .. } => 0,
+        Mesh::Delaunay { .. } | Mesh::Adaptive { .. } => 0,
         Mesh::File(file) => file.triangulation.turned,
     };
     let [shortest, mean, longest] = quality.edges;

@@ -393,10 +393,10 @@ fn compute_one(
 
 /// What is drawn of a run; nothing, if no fields were saved.
 fn data((name, run): (String, RecordedRun), command: &str) -> Option<RunData> {
-    Some(RunData {
+    (!run.fields.is_empty()).then(|| RunData {
         name,
         scene: Arc::new(run.scene),
-        mesh: run.mesh?,
+        mesh_changes: run.mesh_changes,
         history: run.history,
         snapshots: run.fields,
         command: command.to_owned(),

@@ -184,13 +184,10 @@ impl MeasuredRun {
 
     /// The errors at all times of which the run has a snapshot.
     fn compare(&self, run: &RecordedRun, computed: &Computed) -> Vec<ErrorRow> {
-        let Some(mesh) = &run.mesh else {
-            return Vec::new();
-        };
         let rows = self.times.iter().enumerate().filter_map(|(index, &t)| {
             let is_there = |known: f64| (known - t).abs() <= 1e-9 * self.end;
             let fields = run.fields.iter().find(|fields| is_there(fields.t))?;
-            let own = Sample::recorded(mesh, &fields.state, fields.step, &run.history);
+            let own = Sample::recorded(&fields.mesh, &fields.state, fields.step, &run.history);
             let [between, finer] = &computed.samples;
             let factor = self.finer.factor();
             ErrorRow::new(t, factor, &own, between.get(index)?, finer.get(index)?)

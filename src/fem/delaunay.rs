@@ -2,7 +2,7 @@
 //!
 //! Nodes are scattered at random, no two nearer to each other than the size allows (Bridson's
 //! algorithm with a radius that varies), and then moved towards the centroids of the triangles about
-//! them, while the triangulation follows (spade): edges become nearly equal. What angle is too small
+//! them, while the triangulation (spade) follows: edges become nearly equal. What angle is too small
 //! after that is refined away. The same seed gives the same mesh, bit for bit.
 
 use rand::RngExt;
@@ -15,9 +15,10 @@ use spade::{
 
 use super::hilbert::along_curve;
 use super::mesh::sort_by_nodes;
+use super::moving_triangulation::MovingTriangulation;
 use super::quadtree::Quadtree;
 use super::{FemError, Mesh};
-use crate::geometry::{Point, Vector, doubled_area};
+use crate::geometry::{Point, Vector, doubled_area, length};
 use crate::scene::MeshSize;
 
 /// The radius of the scattered nodes over the wanted length of an edge: with it the mean length comes
@@ -32,6 +33,17 @@ const FROM_WALL: f64 = 0.6;
 
 /// Rounds of moving.
 const ROUNDS: usize = 24;
+
+/// Rounds of moving after a mesh was adapted.
+const ADAPTING_ROUNDS: usize = 6;
+
+/// Where edges are shorter than wanted by this factor nodes are thinned out, as densely as they would be scattered;
+/// elsewhere only where two are nearer than this, over the wanted length.
+const DENSER: f64 = 0.85;
+const NEAREST: f64 = 0.55;
+
+/// Where edges are longer than wanted by this factor, nodes are scattered.
+const SPARSER: f64 = 1.2;
 
 /// Angles below this, in degrees, are refined away.
 const LEAST_ANGLE: f64 = 28.0;
@@ -55,16 +67,87 @@ pub(super) fn delaunay(
     let table = Table::new(size);
     let mut nodes = wall(&table);
     let fixed = nodes.len();
-    scatter(&table, seed, &mut nodes, leave)?;
-    for _ in 0..ROUNDS {
+    let mut sites = Sites::new(&nodes);
+    sites.active.extend(0..fixed as u32);
+    scatter(&table, seed, &mut nodes, sites, leave)?;
+    moved(&table, nodes, fixed, ROUNDS, leave)
+}
+
+/// The mesh of these nodes, after so many rounds of moving.
+fn moved(
+    table: &Table,
+    mut nodes: Vec<Point>,
+    fixed: usize,
+    rounds: usize,
+    leave: &mut dyn FnMut() -> bool,
+) -> Result<Mesh, FemError> {
+    let mut triangulation = triangulate(&nodes)?;
+    for _ in 0..rounds {
         go_on(leave)?;
-        let triangles = triangulate(&nodes)?;
-        relax(&table, &triangles, &mut nodes, fixed);
+        relax(table, triangulation.triangles(), &mut nodes, fixed);
+        if !triangulation.restore(&nodes) {
+            triangulation = triangulate(&nodes)?;
+        }
     }
     go_on(leave)?;
     let (nodes, triangles) = refined(nodes, fixed)?;
     go_on(leave)?;
     numbered(&nodes, &triangles)
+}
+
+/// A mesh of another size, made from one whose size was another: nodes stay where they are as dense as wanted, others go
+/// or come, and all are moved, which takes a fifth of the time of a new mesh.
+///
+/// # Errors
+/// `Triangulation` where the library refuses, which it should not.
+pub(super) fn adapted(before: &Mesh, size: &MeshSize, seed: u64) -> Result<Mesh, FemError> {
+    let table = Table::new(size);
+    let mut nodes = wall(&table);
+    let fixed = nodes.len();
+    let mut sites = Sites::new(&nodes);
+    let edges = mean_edges(before);
+    for ((at, edge), on_wall) in before.nodes().iter().zip(edges).zip(before.on_boundary()) {
+        if *on_wall {
+            continue;
+        }
+        let wanted = table.at(*at);
+        let radius = if edge < DENSER * wanted {
+            RADIUS
+        } else {
+            NEAREST
+        };
+        if is_inside(*at, wanted) && !sites.tree.is_near(*at, radius * wanted) {
+            if edge > SPARSER * wanted {
+                sites.active.push(nodes.len() as u32);
+            }
+            sites.tree.insert(*at);
+            nodes.push(*at);
+        }
+    }
+    scatter(&table, seed, &mut nodes, sites, &mut || false)?;
+    moved(&table, nodes, fixed, ADAPTING_ROUNDS, &mut || false)
+}
+
+/// The mean length of the edges at each node.
+fn mean_edges(mesh: &Mesh) -> Vec<f64> {
+    let mut sums = vec![(0.0, 0.0); mesh.nodes().len()];
+    for &[a, b, c] in mesh.triangles() {
+        for [from, to] in [[a, b], [b, c], [c, a]] {
+            let edge = length(mesh.nodes()[to as usize] - mesh.nodes()[from as usize]);
+            for node in [from, to] {
+                let (sum, count) = &mut sums[node as usize];
+                *sum += edge;
+                *count += 1.0;
+            }
+        }
+    }
+    sums.iter().map(|(sum, count)| sum / count).collect()
+}
+
+/// Whether an inner node may be at a place.
+fn is_inside(at: Point, wanted: f64) -> bool {
+    let margin = FROM_WALL * wanted;
+    at.iter().all(|x| (margin..=1.0 - margin).contains(x))
 }
 
 fn go_on(leave: &mut dyn FnMut() -> bool) -> Result<(), FemError> {
@@ -151,17 +234,35 @@ fn wall(table: &Table) -> Vec<Point> {
     nodes
 }
 
-/// Scatters nodes between those of the wall.
+/// Nodes, found by place, and the numbers of those about which there may be room for others.
+struct Sites {
+    tree: Quadtree,
+    active: Vec<u32>,
+}
+
+impl Sites {
+    fn new(nodes: &[Point]) -> Self {
+        let mut tree = Quadtree::new();
+        nodes.iter().for_each(|node| tree.insert(*node));
+        Self {
+            tree,
+            active: Vec::new(),
+        }
+    }
+}
+
+/// Scatters nodes about those that are there.
 fn scatter(
     table: &Table,
     seed: u64,
     nodes: &mut Vec<Point>,
+    Sites {
+        mut tree,
+        mut active,
+    }: Sites,
     leave: &mut dyn FnMut() -> bool,
 ) -> Result<(), FemError> {
     let mut generator = ChaCha8Rng::seed_from_u64(seed);
-    let mut tree = Quadtree::new();
-    nodes.iter().for_each(|node| tree.insert(*node));
-    let mut active: Vec<u32> = (0..nodes.len() as u32).collect();
     let mut asked = 0;
     while !active.is_empty() {
         asked += 1;
@@ -178,8 +279,7 @@ fn scatter(
             let (sine, cosine) = angle.sin_cos();
             let at = about + distance * Vector::new(cosine, sine);
             let wanted = table.at(at);
-            let margin = FROM_WALL * wanted;
-            if !at.iter().all(|x| (margin..=1.0 - margin).contains(x)) {
+            if !is_inside(at, wanted) {
                 continue;
             }
             if !tree.is_near(at, RADIUS * wanted) {
@@ -204,15 +304,14 @@ fn points(nodes: &[Point]) -> Vec<spade::Point2<f64>> {
         .collect()
 }
 
-/// The Delaunay triangles of nodes, counter-clockwise.
-fn triangulate(nodes: &[Point]) -> Result<Vec<[usize; 3]>, FemError> {
+/// The Delaunay triangulation of nodes.
+fn triangulate(nodes: &[Point]) -> Result<MovingTriangulation, FemError> {
     let triangulation =
         DelaunayTriangulation::<spade::Point2<f64>>::bulk_load_stable(points(nodes))
             .map_err(|error| refused(nodes.len(), &error))?;
     let faces = triangulation.inner_faces();
-    Ok(faces
-        .map(|face| face.vertices().map(|vertex| vertex.fix().index()))
-        .collect())
+    let corners = faces.map(|face| face.vertices().map(|vertex| vertex.fix().index() as u32));
+    Ok(MovingTriangulation::new(corners.collect()))
 }
 
 fn refused(nodes: usize, error: &dyn std::fmt::Display) -> FemError {
@@ -224,15 +323,15 @@ fn refused(nodes: usize, error: &dyn std::fmt::Display) -> FemError {
 
 /// Moves each node to the centroid of the triangles about it, those weighted more where edges are to be
 /// shorter.
-fn relax(table: &Table, triangles: &[[usize; 3]], nodes: &mut [Point], fixed: usize) {
+fn relax(table: &Table, triangles: &[[u32; 3]], nodes: &mut [Point], fixed: usize) {
     let mut sums = vec![(Vector::zeros(), 0.0); nodes.len()];
     for triangle in triangles {
-        let [a, b, c] = triangle.map(|node| nodes[node]);
+        let [a, b, c] = triangle.map(|node| nodes[node as usize]);
         let middle = (a.coords + b.coords + c.coords) / 3.0;
         // The density whose centroidal cells have the wanted size, in the plane.
         let weight = doubled_area([a, b, c]) / table.at(middle.into()).powi(4);
         for &node in triangle {
-            let (moment, mass) = &mut sums[node];
+            let (moment, mass) = &mut sums[node as usize];
             *moment += weight * middle;
             *mass += weight;
         }
@@ -288,7 +387,6 @@ fn numbered(nodes: &[Point], triangles: &[[u32; 3]]) -> Result<Mesh, FemError> {
 mod tests {
     use super::super::{MeshQuality, Wall};
     use super::*;
-    use crate::geometry::length;
     use crate::scene::{Curve, Outline, Refinement, Shape};
 
     /// The size `largest`, or refined about a circle.

@@ -31,6 +31,6 @@ pub enum FemError {
     #[error("the making of the mesh was ended")]
     Ended,
     /// The linear system of a projection could not be solved.
-    #[error("the projection of the initial phase field failed")]
+    #[error("a projection of the phase field failed")]
     Projection(#[from] LinalgError),
 }

@@ -240,6 +240,17 @@ impl Mesh {
         &self.on_boundary
     }
 
+    /// About how many bytes it takes.
+    pub fn bytes(&self) -> usize {
+        let outer = self.outer.as_ref().map_or(0, Vec::len);
+        size_of_val(&*self.nodes)
+            + size_of_val(&*self.triangles)
+            + size_of_val(&*self.areas)
+            + size_of_val(&*self.gradients)
+            + size_of_val(&*self.on_boundary)
+            + outer * size_of::<u32>()
+    }
+
     /// The grid that the mesh is, if it is one.
     pub fn grid(&self) -> Option<Grid> {
         self.grid

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::delaunay::delaunay;
+use super::delaunay::{adapted, delaunay};
 use super::{FemError, Mesh};
 use crate::scene::{self, MeshSize, Scene};
 
@@ -23,6 +23,7 @@ impl Mesh {
         scene: &Scene,
         leave: &mut dyn FnMut() -> bool,
     ) -> Result<Arc<Self>, FemError> {
+        let shape = &scene.vesicle.shape;
         let mesh = match &scene.mesh {
             scene::Mesh::Structured {
                 cells,
@@ -30,11 +31,21 @@ impl Mesh {
                 seed,
             } => Self::structured(*cells, *jitter, *seed),
             scene::Mesh::Delaunay { size, seed, refine } => {
-                let size = MeshSize::new(*size, *refine, &scene.vesicle.shape);
-                delaunay(&size, *seed, leave)
+                delaunay(&MeshSize::new(*size, *refine, shape), *seed, leave)
+            }
+            scene::Mesh::Adaptive { size, seed, refine } => {
+                delaunay(&MeshSize::at_start(*size, *refine, shape), *seed, leave)
             }
             scene::Mesh::File(file) => Self::from_triangulation(&file.triangulation),
         };
         mesh.map(Arc::new)
+    }
+
+    /// A mesh of the unit square of another size, made from this one; the seed is that of the nodes that come.
+    ///
+    /// # Errors
+    /// [`FemError`]: it cannot be made.
+    pub fn adapted(&self, size: &MeshSize, seed: u64) -> Result<Arc<Self>, FemError> {
+        adapted(self, size, seed).map(Arc::new)
     }
 }

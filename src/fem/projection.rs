@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::{FemError, MassForm, Mesh, QuadratureRule, Space};
 use crate::geometry::{Point, Vector};
-use crate::linalg::{ConjugateGradients, LinearOperator, SparseMatrix};
+use crate::linalg::{ConjugateGradients, LinearOperator, SparseMatrix, vector};
 
 /// Relative residual to which the systems of the projections are solved: rounding, with a margin.
 const TOLERANCE: f64 = 1e-13;
@@ -64,6 +64,36 @@ pub fn ritz_projection(
     Ok(projected)
 }
 
+/// φ with (∇φ, ∇v) = ⟨load, v⟩ for all v and ∫φ = `integral`, to rounding; the mean of the load is taken off first. With
+/// `wall`, φ has that value on ∂Ω and v vanishes there; the load gets the multiple of (1, v) with which the integral is
+/// that. `guess` is something near φ.
+///
+/// # Errors
+/// `Projection` when the linear system could not be solved.
+pub fn solve_poisson(
+    space: &Space,
+    mut load: Vec<f64>,
+    integral: f64,
+    wall: Option<f64>,
+    guess: &[f64],
+) -> Result<Vec<f64>, FemError> {
+    let weights = space.nodal_weights();
+    let domain: f64 = weights.iter().sum();
+    let mean = load.iter().sum::<f64>() / domain;
+    vector::add_scaled(&mut load, -mean, weights);
+    let stiffness = space.stiffness();
+    let mut phi = solve_from(space, stiffness, load, wall, guess.to_vec())?;
+    let missing = integral - space.integrate_nodal(&phi);
+    if wall.is_none() {
+        phi.iter_mut().for_each(|value| *value += missing / domain);
+    } else {
+        let bump = solve(space, stiffness, weights.to_vec(), Some(0.0))?;
+        let scale = missing / space.integrate_nodal(&bump);
+        vector::add_scaled(&mut phi, scale, &bump);
+    }
+    Ok(phi)
+}
+
 /// The function at the seven points of every triangle.
 fn values_at_points(space: &Space, given: &impl GivenFunction) -> Vec<f64> {
     space.sample(|place| given.at(place).0)
@@ -113,8 +143,20 @@ impl LinearOperator for Restricted<'_> {
 fn solve(
     space: &Space,
     matrix: &SparseMatrix,
+    load: Vec<f64>,
+    wall: Option<f64>,
+) -> Result<Vec<f64>, FemError> {
+    let guess = vec![0.0; space.nodes()];
+    solve_from(space, matrix, load, wall, guess)
+}
+
+/// The same from a guess.
+fn solve_from(
+    space: &Space,
+    matrix: &SparseMatrix,
     mut load: Vec<f64>,
     wall: Option<f64>,
+    mut unknown: Vec<f64>,
 ) -> Result<Vec<f64>, FemError> {
     let size = space.nodes();
     let known: Vec<bool> = space
@@ -136,7 +178,11 @@ fn solve(
         }
     }
     let inverse_diagonal: Vec<f64> = matrix.diagonal().iter().map(|d| d.recip()).collect();
-    let mut unknown = vec![0.0; size];
+    for (unknown, known) in unknown.iter_mut().zip(&known) {
+        if *known {
+            *unknown = 0.0;
+        }
+    }
     // A singular stiffness matrix is no obstacle: its load is orthogonal to the constants.
     ConjugateGradients::new(size).solve(
         &mut Restricted { matrix, known },

@@ -12,11 +12,11 @@ use crate::geometry::{BoundingBox, Point};
 /// inside: far more than rounding, far less than what shows.
 const SLACK: f64 = 1e-10;
 
-/// Where a sample lies: the nodes of its triangle and its barycentric coordinates there.
+/// Where a place lies: the nodes of its triangle and its barycentric coordinates there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Place {
-    nodes: [u32; 3],
-    weights: [f64; 3],
+    pub(super) nodes: [u32; 3],
+    pub(super) weights: [f64; 3],
 }
 
 /// A grid of samples laid over a mesh: sample (column, row) is the centre of its part of the
@@ -116,7 +116,8 @@ impl Raster {
 }
 
 impl Place {
-    fn value(&self, nodal: &[f64]) -> f64 {
+    /// The value there of a P1 function.
+    pub fn value(&self, nodal: &[f64]) -> f64 {
         let corners = self.nodes.iter().zip(&self.weights);
         corners
             .map(|(&node, weight)| weight * nodal[node as usize])

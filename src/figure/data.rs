@@ -22,8 +22,8 @@ pub struct RunData {
     pub scene: Arc<Scene>,
     /// After which steps the anchoring was switched by hand, and to what.
     pub switches: Vec<(u64, AnchoringKind)>,
-    /// Its mesh.
-    pub mesh: Arc<Mesh>,
+    /// After which steps, and when, the mesh has followed the membrane.
+    pub mesh_changes: Vec<(u64, f64)>,
     /// The scalars over t.
     pub history: Columns,
     /// The fields at some times, in the order of time.
@@ -209,6 +209,7 @@ pub(super) mod tests {
     use super::*;
 
     pub fn snapshots(times: &[f64]) -> Vec<Snapshot> {
+        let mesh = Arc::new(Mesh::structured(2, 0.0, 0).expect("a regular mesh"));
         let state = Arc::new(State {
             phi: vec![],
             omega: vec![],
@@ -218,6 +219,7 @@ pub(super) mod tests {
         let snapshot = |(step, t): (usize, &f64)| Snapshot {
             step: step as u64,
             t: *t,
+            mesh: mesh.clone(),
             state: state.clone(),
         };
         times.iter().enumerate().map(snapshot).collect()

@@ -83,7 +83,7 @@ pub fn save_set(
     options.check()?;
     for run in runs {
         for snapshot in &run.snapshots {
-            check_fields(&run.name, &run.mesh, &snapshot.state, snapshot.t)?;
+            check_fields(&run.name, &snapshot.mesh, &snapshot.state, snapshot.t)?;
         }
     }
     let labels =
@@ -188,9 +188,8 @@ impl<'a> Set<'a> {
     fn save_tables(&self, files: &mut Files) -> Result<(), FigureError> {
         if self.has_strip() {
             let labels = self.labels.iter().map(|label| &*label.file);
-            let meshes = self.runs.iter().map(|run| &*run.mesh);
-            let strips = labels.zip(meshes).zip(&self.strips);
-            let strips = strips.map(|((label, mesh), strip)| (label, mesh, &strip[..]));
+            let strips = labels.zip(&self.strips);
+            let strips = strips.map(|(label, strip)| (label, &strip[..]));
             let stem = files.renamed(&self.stem(SNAPSHOTS));
             files.write(&stem, "csv", |file| write_strips(file, strips))?;
         }
@@ -230,11 +229,10 @@ impl<'a> Set<'a> {
 
     fn save_strip(&self, files: &mut Files, options: &FigureOptions) -> Result<(), FigureError> {
         let mut strips = Vec::new();
-        for ((run, label), snapshots) in self.runs.iter().zip(self.labels).zip(&self.strips) {
+        for (label, snapshots) in self.labels.iter().zip(&self.strips) {
             if !snapshots.is_empty() {
                 strips.push(Strip {
                     title: Label::text(&label.title),
-                    mesh: &run.mesh,
                     snapshots: snapshots.clone(),
                 });
             }
@@ -270,7 +268,7 @@ fn save_fields(run: &RunData, label: &RunLabel, files: &mut Files) -> Result<(),
     for snapshot in &run.snapshots {
         let file = format!("step-{:07}.vtu", snapshot.step);
         let path = fields.join(&file);
-        write_fields(&path, &run.mesh, &snapshot.state, snapshot.t)?;
+        write_fields(&path, &snapshot.mesh, &snapshot.state, snapshot.t)?;
         files.written.push(path);
         series.push((snapshot.t, format!("{name}/{file}")));
     }

@@ -205,7 +205,8 @@ fn plot(scalar: Scalar, runs: &[RunData]) -> Plot {
     }
 }
 
-/// An upright dashed line wherever the anchoring of a run was switched, as high as the run's curve.
+/// An upright dashed line wherever the anchoring of a run was switched or its mesh has followed the membrane, as high as
+/// the run's curve.
 fn marks(run: &RunData, times: &[f64], values: &[f64], look: Look) -> Vec<Curve> {
     // Where there is no value there is no line.
     let [low, high] = extent(values.iter().copied()).unwrap_or([f64::NAN; 2]);
@@ -214,7 +215,9 @@ fn marks(run: &RunData, times: &[f64], values: &[f64], look: Look) -> Vec<Curve>
         let row = steps.iter().position(|other| *other == *step as f64)?;
         times.get(row)
     });
+    let changed = run.mesh_changes.iter().map(|(_, t)| t);
     switched
+        .chain(changed)
         .map(|t| Curve {
             points: vec![(*t, low), (*t, high)],
             look,

@@ -81,13 +81,13 @@ pub(super) fn write_state(
 /// The system's.
 pub(super) fn write_strips<'a>(
     file: &mut dyn io::Write,
-    strips: impl Iterator<Item = (&'a str, &'a Mesh, &'a [&'a Snapshot])>,
+    strips: impl Iterator<Item = (&'a str, &'a [&'a Snapshot])>,
 ) -> io::Result<()> {
     let columns = ["scene", "step", "t", "x", "y", "phi", "d_x", "d_y"];
     let mut table = Table::new(&columns.map(str::to_owned));
-    for (scene, mesh, snapshots) in strips {
+    for (scene, snapshots) in strips {
         for snapshot in snapshots {
-            let state = &snapshot.state;
+            let (mesh, state) = (&snapshot.mesh, &snapshot.state);
             for node in mesh.outer_order() {
                 let [x, y] = mesh.nodes()[node].into();
                 let place = [

@@ -87,15 +87,16 @@ fn run(name: &str, title: &str, snapshots: u64) -> RunData {
     let snapshot = |number: u64| Snapshot {
         step: 250 * number,
         t: report(250 * number).t,
+        mesh: mesh.clone(),
         state: Arc::new(state(&mesh, 0.2 + 0.05 * number as f64)),
     };
     RunData {
         name: name.to_owned(),
         scene: Arc::new(scene(title)),
         snapshots: (0..snapshots).map(snapshot).collect(),
-        mesh: mesh.clone(),
         history,
         switches: Vec::new(),
+        mesh_changes: Vec::new(),
         command: format!("vesica figures {name}"),
     }
 }
@@ -116,7 +117,6 @@ fn drawings(runs: &[RunData], width: u32) -> Vec<(&'static str, Drawing)> {
     for (run, label) in runs.iter().zip(&labels) {
         strips.push(Strip {
             title: Label::text(&label.title),
-            mesh: &run.mesh,
             snapshots: data::five(&run.snapshots),
         });
     }
@@ -140,7 +140,7 @@ fn first_view<'a>(run: &'a RunData, report: &'a Report, field: Field) -> View<'a
     View {
         name: &run.name,
         scene: &run.scene,
-        mesh: &run.mesh,
+        mesh: &run.snapshots[0].mesh,
         state: &run.snapshots[0].state,
         report,
         field,
@@ -316,7 +316,7 @@ fn beta_is_the_target_times_the_first_area() {
 fn what_is_no_number_does_no_harm() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut run = run("a", "Case 3", 1);
-    let mut broken = state(&run.mesh, 0.3);
+    let mut broken = state(&run.snapshots[0].mesh, 0.3);
     broken.phi[300] = f64::NAN;
     broken.phi[301] = f64::MAX;
     broken.mu[2] = f64::INFINITY;

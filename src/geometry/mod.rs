@@ -5,12 +5,14 @@
 
 mod angle;
 mod bounding_box;
+mod nearest_segments;
 mod segment;
 mod segment_grid;
 mod tensor;
 
 pub use angle::{direction, frame};
 pub use bounding_box::BoundingBox;
+pub use nearest_segments::NearestSegments;
 pub use segment::{Segment, first_crossing, segment_distance, segment_offset};
 pub use segment_grid::SegmentGrid;
 pub use tensor::SymmetricTensor;

@@ -66,6 +66,11 @@ impl SegmentGrid {
         self.members = pairs.into_iter().map(|(_, number)| number).collect();
     }
 
+    /// All of them, in the order in which they were given.
+    pub fn segments(&self) -> &[Segment] {
+        &self.segments
+    }
+
     /// The numbers of the segments that may be within reach of a place: all that are, and others.
     pub fn near(&self, place: Point) -> impl Iterator<Item = usize> + '_ {
         let cell = |axis: usize, count: usize| {

@@ -31,10 +31,13 @@ pub fn area_integral(patch: &Patch<'_>, at: &PatchFields, width: f64) -> f64 {
 
 /// The effect, where the scene has it.
 pub(super) fn of_scene(context: &EffectContext<'_>) -> Option<Box<dyn Effect>> {
-    let EffectContext { scene, space, phi } = *context;
+    let EffectContext {
+        scene,
+        initial_area,
+        ..
+    } = *context;
     let area = scene.area.as_ref()?;
     let width = scene.membrane.interface_width;
-    let initial_area = surface_area(space, phi, width);
     Some(Box::new(Area::new(area, width, initial_area)))
 }
 

@@ -65,8 +65,8 @@ pub struct EffectContext<'a> {
     pub scene: &'a Scene,
     /// Where its fields live.
     pub space: &'a Space,
-    /// φ⁰ at the nodes.
-    pub phi: &'a [f64],
+    /// B(φ⁰) by the run's quadrature.
+    pub initial_area: f64,
 }
 
 /// The effects of a scene: bending, which every membrane has and whose ω is an unknown of the
@@ -87,9 +87,13 @@ impl Effects {
         }
     }
 
-    /// Where a scene becomes effects. φ⁰ is given at the nodes.
-    pub fn from_scene(scene: &Scene, space: &Space, phi: &[f64]) -> Self {
-        let context = EffectContext { scene, space, phi };
+    /// Where a scene becomes effects, given B(φ⁰).
+    pub fn from_scene(scene: &Scene, space: &Space, initial_area: f64) -> Self {
+        let context = EffectContext {
+            scene,
+            space,
+            initial_area,
+        };
         let others = MAKERS.iter().filter_map(|make| make(&context));
         Self {
             bending: Bending::new(&scene.membrane, space),

@@ -10,6 +10,7 @@ use crate::fem::Mesh;
 use crate::scene::Scene;
 use crate::simulation::{Simulation, State};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// How long rows of the tables stay in memory only.
@@ -161,7 +162,7 @@ pub struct Recorder {
     /// The time and the name of each snapshot so far.
     snapshots: Vec<(f64, String)>,
     /// Snapshots that could not be written.
-    unwritten: Vec<(f64, String, State)>,
+    unwritten: Vec<(f64, String, Arc<Mesh>, State)>,
     keeper: Keeper,
     content: Content,
     checkpoint_interval: Duration,
@@ -240,6 +241,7 @@ impl Recorder {
     ) -> Result<(), RecordError> {
         self.take_events(simulation);
         self.summary.linear_method = Some(simulation.linear_method());
+        self.summary.take_mesh(simulation.mesh());
         self.summary.seconds = seconds(computing);
         self.summary.underway = None;
 
@@ -261,7 +263,7 @@ impl Recorder {
         if now.duration_since(self.flushed) >= FLUSH_INTERVAL {
             self.flushed = now;
             tried = true;
-            let written = self.flush().and(self.write_unwritten(simulation.mesh()));
+            let written = self.flush().and(self.write_unwritten());
             outcome = outcome.and(written);
         }
         if now.duration_since(self.summarised) >= SUMMARY_INTERVAL {
@@ -299,7 +301,7 @@ impl Recorder {
         self.summary.seconds = seconds(computing);
         self.summary.underway = simulation.underway();
         self.flushed = Instant::now();
-        let written = self.flush().and(self.write_unwritten(simulation.mesh()));
+        let written = self.flush().and(self.write_unwritten());
         let saved = match self.checkpoint_is_due() {
             true => self.checkpoint(simulation).and(self.summarise()),
             // Reported at once, because the step may take hours.
@@ -329,7 +331,7 @@ impl Recorder {
         ending: Ending,
     ) -> Result<RunSummary, RecordError> {
         self.take_events(simulation);
-        let snapshots = self.write_unwritten(simulation.mesh());
+        let snapshots = self.write_unwritten();
         let saved = self.checkpoint(simulation);
         self.summary.underway = simulation.underway();
         let (report, state) = simulation.last_whole();
@@ -359,7 +361,9 @@ impl Recorder {
     /// Moves to the summary what has happened since it was last asked.
     fn take_events(&mut self, simulation: &mut Simulation) {
         let events = simulation.drain_events();
-        self.summary.events.extend(events.iter().map(Into::into));
+        events
+            .iter()
+            .for_each(|event| self.summary.take_event(event));
     }
 
     /// Saves the state from which the run can be resumed.
@@ -390,7 +394,7 @@ impl Recorder {
         let outcome = self.write_snapshot(mesh, state, t, &name);
         if let Err(error) = &outcome {
             if self.unwritten.len() < MOST_UNWRITTEN {
-                self.unwritten.push((t, name, state.clone()));
+                self.unwritten.push((t, name, mesh.clone(), state.clone()));
             } else {
                 self.lost.get_or_insert_with(|| error.to_string());
             }
@@ -415,11 +419,11 @@ impl Recorder {
     }
 
     /// Writes the snapshots that could not be written before.
-    fn write_unwritten(&mut self, mesh: &Mesh) -> Result<(), RecordError> {
-        while let Some((t, name, state)) = self.unwritten.pop() {
-            let outcome = self.write_snapshot(mesh, &state, t, &name);
+    fn write_unwritten(&mut self) -> Result<(), RecordError> {
+        while let Some((t, name, mesh, state)) = self.unwritten.pop() {
+            let outcome = self.write_snapshot(&mesh, &state, t, &name);
             if outcome.is_err() {
-                self.unwritten.push((t, name, state));
+                self.unwritten.push((t, name, mesh, state));
                 return outcome;
             }
         }

@@ -231,6 +231,7 @@ impl Resumption {
             kind: "resumed".into(),
             step,
             t,
+            values: Default::default(),
             text: {
                 let mut text = format!("the run was resumed from {name}");
                 if !self.problems.is_empty() {

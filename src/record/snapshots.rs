@@ -21,11 +21,10 @@ const STEP_DIGITS: usize = 7;
 pub fn write_state(
     folder: &RunFolder,
     scene: &Scene,
-    mesh: &Mesh,
-    (report, state): (&Report, &State),
+    (report, mesh, state): (&Report, &Mesh, &State),
 ) -> Result<(), RecordError> {
     write_scene(folder.path(), scene)?;
-    write_rows(folder.path(), &[(report, state)])?;
+    write_rows(folder.path(), [report])?;
     let path = folder.path().join("state.vtu");
     vtu::write_fields(&path, mesh, state, report.t)
 }
@@ -39,14 +38,13 @@ pub fn write_state(
 pub fn write_states(
     folder: &RunFolder,
     scene: &Scene,
-    mesh: &Mesh,
-    states: &[(&Report, &State)],
+    states: &[(&Report, &Mesh, &State)],
     rows: Option<KeptRows>,
 ) -> Result<(), RecordError> {
     write_scene(folder.path(), scene)?;
     match rows {
         Some(rows) => rows.0.write(folder.path())?,
-        None => write_rows(folder.path(), states)?,
+        None => write_rows(folder.path(), states.iter().map(|(report, ..)| *report))?,
     }
     let ledger = folder.path().join(LEDGER);
     if !ledger.exists() {
@@ -54,7 +52,7 @@ pub fn write_states(
     }
     let fields = folder.make_fields()?;
     let mut series = Vec::with_capacity(states.len());
-    for (report, state) in states {
+    for (report, mesh, state) in states {
         let name = format!("step-{:0STEP_DIGITS$}.vtu", report.step);
         vtu::write_fields(&fields.join(&name), mesh, state, report.t)?;
         series.push((report.t, name));
@@ -63,12 +61,16 @@ pub fn write_states(
 }
 
 /// Writes tables with a row a state.
-fn write_rows(folder: &Path, states: &[(&Report, &State)]) -> Result<(), RecordError> {
-    let Some((first, _)) = states.first() else {
+fn write_rows<'a>(
+    folder: &Path,
+    reports: impl IntoIterator<Item = &'a Report>,
+) -> Result<(), RecordError> {
+    let mut reports = reports.into_iter().peekable();
+    let Some(first) = reports.peek() else {
         return Ok(());
     };
     let mut tables = Tables::create(folder, first)?;
-    for (report, _) in states {
+    for report in reports {
         tables.observe(report);
         tables.append(report, f64::NAN);
     }
@@ -96,10 +98,14 @@ mod tests {
         let first = simulation.report().clone();
         simulation.advance().unwrap();
         let stepped = (simulation.report().clone(), simulation.state().clone());
-        let states = [(&initial.0, &initial.1), (&stepped.0, &stepped.1)];
+        let mesh = &**simulation.mesh();
+        let states = [
+            (&initial.0, mesh, &initial.1),
+            (&stepped.0, mesh, &stepped.1),
+        ];
 
         let one = RunFolder::numbered(parent.path(), OsStr::new("one")).unwrap();
-        write_state(&one, &scene, simulation.mesh(), states[1]).unwrap();
+        write_state(&one, &scene, states[1]).unwrap();
         let history = fs::read_to_string(one.path().join("history.csv")).unwrap();
         assert_eq!(history.lines().count(), 2);
         assert!(history.lines().nth(1).unwrap().starts_with("2,2e-7,1e-7,"));
@@ -109,7 +115,7 @@ mod tests {
 
         // Of a run without a step, as far as it is known.
         let begun = RunFolder::numbered(parent.path(), OsStr::new("begun")).unwrap();
-        write_states(&begun, &scene, simulation.mesh(), &states[..1], None).unwrap();
+        write_states(&begun, &scene, &states[..1], None).unwrap();
         assert!(begun.path().join("fields/step-0000000.vtu").is_file());
         assert!(begun.path().join("fields").join(SERIES).is_file());
         let ledger = fs::read_to_string(begun.path().join("ledger.csv")).unwrap();
@@ -123,7 +129,7 @@ mod tests {
         }
         keeper.switch(AnchoringKind::Parallel, &stepped.0);
         let rows = keeper.rows().unwrap();
-        write_states(&both, &scene, simulation.mesh(), &states, rows).unwrap();
+        write_states(&both, &scene, &states, rows).unwrap();
         let fields = both.path().join("fields");
         assert!(fields.join("step-0000000.vtu").is_file());
         assert_eq!(

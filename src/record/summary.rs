@@ -3,13 +3,16 @@
 use super::RecordError;
 use super::atomic::write_whole;
 use super::folder::SUMMARY;
+use super::scalar_columns::energy_column;
+use crate::fem::Mesh;
 use crate::scene::Scene;
 use crate::simulation::{
-    Costs, ErrorEstimates, ErrorPart, Event, OutlineMeasure, Phase, Report, Simulation,
+    Costs, ErrorEstimates, ErrorPart, Event, EventKind, OutlineMeasure, Phase, Report, Simulation,
     StepProgress,
 };
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
@@ -80,9 +83,9 @@ pub struct RunSummary {
     pub underway: Option<StepProgress>,
     /// E_total there.
     pub total_energy: Option<f64>,
-    /// Of the mesh.
+    /// Of the present mesh.
     pub nodes: Option<usize>,
-    /// Of the mesh.
+    /// Of the present mesh.
     pub triangles: Option<usize>,
     /// In how many threads its steps were computed last, where that is known.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -199,6 +202,41 @@ pub struct EventRecord {
     pub t: f64,
     /// For people.
     pub text: String,
+    /// Numbers that belong to it: of a mesh that has followed the membrane its nodes before and after, and by how much
+    /// each energy changed.
+    pub values: BTreeMap<Cow<'static, str>, f64>,
+}
+
+impl EventRecord {
+    /// After which step, and when, the mesh has followed the membrane, if that is what happened.
+    pub(super) fn mesh_change(&self) -> Option<(u64, f64)> {
+        (self.kind == MESH_CHANGED).then_some((self.step, self.t))
+    }
+}
+
+/// The kind of the event that the mesh has followed the membrane.
+const MESH_CHANGED: &str = "mesh-changed";
+
+/// The numbers of an event.
+fn values_of(kind: &EventKind) -> BTreeMap<Cow<'static, str>, f64> {
+    let mut values = BTreeMap::new();
+    match kind {
+        EventKind::MeshChanged(change) => {
+            let [before, after] = change.nodes.map(|nodes| nodes as f64);
+            values.insert("nodes_before".into(), before);
+            values.insert("nodes_after".into(), after);
+            values.insert("E_total".into(), change.total[1] - change.total[0]);
+            for energy in &change.energies {
+                let [before, after] = energy.values;
+                values.insert(energy_column(energy.name).into(), after - before);
+            }
+        }
+        EventKind::FieldSwitched { jump } => {
+            values.insert("E_total".into(), *jump);
+        }
+        _ => {}
+    }
+    values
 }
 
 impl From<&Event> for EventRecord {
@@ -208,6 +246,7 @@ impl From<&Event> for EventRecord {
             step: event.step,
             t: event.t,
             text: event.kind.to_string(),
+            values: values_of(&event.kind),
         }
     }
 }
@@ -225,7 +264,7 @@ pub(super) struct Totals {
     largest: [f64; 3],
     initial_phase_integral: f64,
     initial_outline: Option<OutlineMeasure>,
-    events: Vec<EventRecord>,
+    pub(super) events: Vec<EventRecord>,
 }
 
 impl RunSummary {
@@ -301,8 +340,7 @@ impl RunSummary {
         self.underway = simulation.underway();
         self.setup_seconds = seconds(setup);
         self.threads = Some(simulation.threads());
-        self.nodes = Some(simulation.mesh().nodes().len());
-        self.triangles = Some(simulation.mesh().triangles().len());
+        self.take_mesh(simulation.mesh());
         self.linear_method = Some(simulation.linear_method());
         self.warnings = simulation
             .warnings()
@@ -312,6 +350,21 @@ impl RunSummary {
         self.outline.start = report.outline;
         self.initial_phase_integral = report.phase_integral;
         self.reach(report);
+    }
+
+    /// Takes in the present mesh.
+    pub(super) fn take_mesh(&mut self, mesh: &Mesh) {
+        self.nodes = Some(mesh.nodes().len());
+        self.triangles = Some(mesh.triangles().len());
+    }
+
+    /// Takes in something that happened.
+    pub(super) fn take_event(&mut self, event: &Event) {
+        if let EventKind::MeshChanged(change) = &event.kind {
+            // The next step rises from there, or does not.
+            self.total_energy = Some(change.total[1]);
+        }
+        self.events.push(event.into());
     }
 
     /// Takes in a step.

@@ -220,6 +220,18 @@ pub enum Problem {
          or take a shape such as \"circle\""
     )]
     RefineWithoutOutline,
+    /// Values at the nodes of a mesh whose nodes change.
+    #[error(
+        "the nodes of a mesh that follows the membrane change, and {} has values at nodes ({key}): take \
+         another mesh.kind, or a formula in place of the file",
+        Quoted(path)
+    )]
+    NodalValuesOnAdaptiveMesh {
+        /// The key that names the file, with its table.
+        key: String,
+        /// The file.
+        path: String,
+    },
 }
 
 /// Who wrote a text.

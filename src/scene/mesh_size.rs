@@ -2,7 +2,7 @@
 
 use super::outline::{OutlineDistance, union_distance};
 use super::tables::{Refinement, Shape};
-use crate::geometry::{Point, Vector};
+use crate::geometry::{NearestSegments, Point, Segment, Vector};
 
 /// By how much the size may grow over a unit of length: neighbours then differ by less than a third, and
 /// the angles suffer little.
@@ -19,7 +19,26 @@ const COARSEST: f64 = 2.0;
 #[derive(Debug)]
 pub struct MeshSize {
     largest: f64,
-    refined: Option<(Refinement, Vec<OutlineDistance>)>,
+    refined: Option<(Refinement, Membrane)>,
+}
+
+/// About what it is finer.
+#[derive(Debug)]
+enum Membrane {
+    /// The outlines of a scene.
+    Outlines(Vec<OutlineDistance>),
+    /// A curve.
+    Curve(NearestSegments),
+}
+
+impl Membrane {
+    /// How far a place is from it.
+    fn distance(&self, place: Point) -> f64 {
+        match self {
+            Self::Outlines(outlines) => union_distance(outlines, place).value.abs(),
+            Self::Curve(curve) => curve.distance(place),
+        }
+    }
 }
 
 impl MeshSize {
@@ -30,9 +49,27 @@ impl MeshSize {
                 Shape::Outlines(outlines) => outlines.iter().map(OutlineDistance::new).collect(),
                 Shape::Random { .. } | Shape::File(_) => Vec::new(),
             };
-            (refinement, outlines)
+            (refinement, Membrane::Outlines(outlines))
         });
         Self { largest, refined }
+    }
+
+    /// That of the first mesh of a run whose mesh follows the membrane.
+    pub fn at_start(largest: f64, refinement: Refinement, shape: &Shape) -> Self {
+        match shape {
+            Shape::Outlines(_) => Self::new(largest, Some(refinement), shape),
+            // There are membranes everywhere.
+            Shape::Random { .. } | Shape::File(_) => Self::new(refinement.size, None, shape),
+        }
+    }
+
+    /// Edges of the length `largest`, refined about a membrane in the unit square.
+    pub fn about(largest: f64, refinement: Refinement, membrane: &[Segment]) -> Self {
+        let curve = NearestSegments::new(membrane);
+        Self {
+            largest,
+            refined: Some((refinement, Membrane::Curve(curve))),
+        }
     }
 
     /// The smallest one.
@@ -46,10 +83,7 @@ impl MeshSize {
     /// At a place: within the band about the membrane the smaller one, from there on growing.
     pub fn at(&self, place: Point) -> f64 {
         match &self.refined {
-            Some((refinement, outlines)) => {
-                let distance = union_distance(outlines, place).value.abs();
-                self.at_distance(*refinement, distance)
-            }
+            Some((refinement, membrane)) => self.at_distance(*refinement, membrane.distance(place)),
             None => self.largest,
         }
     }
@@ -62,11 +96,11 @@ impl MeshSize {
     /// Whether values a `side` apart tell all of the square about `center` with that side: it is small
     /// beside the edges there, or they are to be equal in all of it.
     pub fn is_even(&self, center: Point, side: f64) -> bool {
-        let Some((refinement, outlines)) = &self.refined else {
+        let Some((refinement, membrane)) = &self.refined else {
             return true;
         };
         // Nowhere in the square is the distance another one by more than its half diagonal.
-        let distance = union_distance(outlines, center).value.abs();
+        let distance = membrane.distance(center);
         let radius = side * std::f64::consts::FRAC_1_SQRT_2;
         let [least, greatest] = [(distance - radius).max(0.0), distance + radius]
             .map(|distance| self.at_distance(*refinement, distance));

@@ -148,7 +148,7 @@ impl Lines {
                 mesh: format!("(mesh.cells + 1)² with mesh.cells = {cells}"),
             },
             // Known once the mesh is made.
-            Mesh::Delaunay { .. } => Self {
+            Mesh::Delaunay { .. } | Mesh::Adaptive { .. } => Self {
                 counts: Vec::new(),
                 mesh: String::new(),
             },

@@ -91,7 +91,9 @@ fn read_expression(field: &Field<'_>, text: &str, mesh: &Mesh) -> Result<Express
             Mesh::Structured { cells, .. } => {
                 expression.check_finite((*cells).min(MOST_TRIED_CELLS))
             }
-            Mesh::Delaunay { .. } => expression.check_finite(MOST_TRIED_CELLS),
+            Mesh::Delaunay { .. } | Mesh::Adaptive { .. } => {
+                expression.check_finite(MOST_TRIED_CELLS)
+            }
             Mesh::File(file) => expression.check_finite_at(&file.triangulation.nodes),
         }
         .map(|()| expression)

@@ -294,6 +294,7 @@ fn thin_interface(scene: &Scene, edge: Option<f64>) -> Option<Warning> {
             Some(refinement) => (Some("mesh.refine.size"), Some(refinement.size)),
             None => (Some("mesh.size"), Some(size)),
         },
+        Mesh::Adaptive { refine, .. } => (Some("mesh.interface"), Some(refine.size)),
         Mesh::File(_) => (None, None),
     };
     let edge = edge.or(wanted)?;

@@ -39,6 +39,9 @@ pub struct SchemeCheckpoint {
     starting: u32,
 }
 
+/// φ and, with a director, d.
+type Fields = (Vec<f64>, Option<[Vec<f64>; 2]>);
+
 /// Why a checkpoint cannot be restored.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum RestoreError {
@@ -54,6 +57,23 @@ impl SchemeCheckpoint {
     /// The anchoring that was in use.
     pub fn anchoring(&self) -> Option<Anchoring> {
         self.anchoring
+    }
+
+    /// The state.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// φ and d, if they are values at so many nodes.
+    pub(super) fn fields(&self, nodes: usize) -> Result<Fields, RestoreError> {
+        let State { phi, director, .. } = &self.state;
+        let fields = std::iter::once(phi).chain(director.iter().flatten());
+        if fields.into_iter().any(|field| field.len() != nodes) {
+            return Err(RestoreError::Foreign(
+                "its mesh has another number of nodes",
+            ));
+        }
+        Ok((phi.clone(), director.clone()))
     }
 
     /// Whether a scheme can take it over.

@@ -19,12 +19,13 @@ mod state;
 mod strips;
 #[cfg(test)]
 mod tests;
+mod transfer;
 
 use std::sync::Arc;
 
 use crate::fem::{Mesh, QuadratureRule, Space};
 use crate::linalg::LinalgError;
-use crate::physics::{Effect, Effects, Interval, LedgerTerms};
+use crate::physics::{Effect, Effects, Interval, LedgerTerms, surface_area};
 use crate::scene::{
     self, Boundary, Iteration, LinearMethod, Quadrature, Scene, Solver, TimeScheme,
 };
@@ -40,6 +41,7 @@ pub use checkpoint::{RestoreError, SchemeCheckpoint};
 pub use error::StepError;
 pub use initial::{InitialError, initial_fields};
 pub use state::{Phase, State, StepReport};
+pub use transfer::TransferError;
 
 /// Degree of the polynomials by which the guess of a step is extrapolated. At Table 1 with lumped
 /// quadrature the 50th step takes 31 Krylov iterations with degree 1, 21 with 2, 7 with 3 and 9 with 4, where
@@ -64,6 +66,8 @@ const LOCAL_ERROR: f64 = 0.5;
 pub struct Scheme {
     space: Space,
     effects: Effects,
+    /// B(φ⁰), of which β is a fraction.
+    initial_area: f64,
     /// The anchoring among the effects.
     anchoring: Option<scene::Anchoring>,
     solver: Solver,
@@ -119,12 +123,19 @@ impl Scheme {
         phi: Vec<f64>,
         director: Option<[Vec<f64>; 2]>,
     ) -> Result<Self, LinalgError> {
-        let rule = match scene.solver.quadrature {
-            Quadrature::Consistent => QuadratureRule::Consistent,
-            Quadrature::Lumped => QuadratureRule::Lumped,
-        };
-        let space = Space::new(mesh, rule);
-        let effects = Effects::from_scene(scene, &space, &phi);
+        let space = space_on(mesh, scene.solver.quadrature);
+        let initial_area = surface_area(&space, &phi, scene.membrane.interface_width);
+        Self::on_space(scene, space, initial_area, (phi, director))
+    }
+
+    /// The scheme of a scene on a space, from any φ and d, given B(φ⁰).
+    fn on_space(
+        scene: &Scene,
+        space: Space,
+        initial_area: f64,
+        (phi, director): (Vec<f64>, Option<[Vec<f64>; 2]>),
+    ) -> Result<Self, LinalgError> {
+        let effects = Effects::from_scene(scene, &space, initial_area);
         let clamped = scene.boundary == Boundary::Clamped;
         let membrane = MembraneStep::new(
             &space,
@@ -157,6 +168,7 @@ impl Scheme {
             terms: LedgerTerms::default(),
             space,
             effects,
+            initial_area,
             anchoring: scene.anchoring,
             solver,
             state,
@@ -666,6 +678,15 @@ impl Scheme {
         }
         outcome
     }
+}
+
+/// The space on a mesh with the rule of a scene.
+fn space_on(mesh: Arc<Mesh>, quadrature: Quadrature) -> Space {
+    let rule = match quadrature {
+        Quadrature::Consistent => QuadratureRule::Consistent,
+        Quadrature::Lumped => QuadratureRule::Lumped,
+    };
+    Space::new(mesh, rule)
 }
 
 /// The relative residual to which substep 1 is solved, at least. It is relative to the force, whose work is in

@@ -4,6 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::last_whole_step::LastWholeCheckpoint;
+use super::mesh_follower::{FollowerCheckpoint, MeshFollower};
 use super::partial_step::{PartialStep, StepProgress};
 use super::{ErrorEstimates, Pacing, Simulation, StepEffort, measure_vesicle};
 use crate::scene::Anchoring;
@@ -13,6 +14,8 @@ use crate::scheme::{self, RestoreError};
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct SimulationCheckpoint {
     scheme: scheme::SchemeCheckpoint,
+    /// Where the mesh follows the membrane: the present one.
+    follower: Option<FollowerCheckpoint>,
     step: u64,
     t: f64,
     /// The smallest Δt of the last step.
@@ -66,6 +69,8 @@ impl Simulation {
     pub fn save(&self, checkpoint: &mut SimulationCheckpoint) {
         let report = &self.report;
         self.scheme.save(&mut checkpoint.scheme);
+        let save = |follower: &MeshFollower| follower.save(&self.mesh);
+        checkpoint.follower = self.follower.as_ref().map(save);
         checkpoint.step = report.step;
         checkpoint.t = report.t;
         checkpoint.dt = report.dt;
@@ -96,10 +101,10 @@ impl Simulation {
             _ => return Err(RestoreError::Foreign("its steps are chosen otherwise")),
         }
         let whole = checkpoint.last_whole.as_ref();
-        if whole.is_some_and(|whole| !whole.fits(self.scheme.state())) {
+        if whole.is_some_and(|whole| !whole.fits(checkpoint.scheme.state())) {
             return Err(RestoreError::Foreign("its last whole step does not fit"));
         }
-        self.scheme.restore(&checkpoint.scheme)?;
+        self.restore_on(&checkpoint.scheme, checkpoint.follower.as_ref())?;
         self.scene.anchoring = self.scheme.anchoring();
         let report = &mut self.report;
         report.take(self.scheme.report());

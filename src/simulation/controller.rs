@@ -27,6 +27,9 @@ const STRETCH: f64 = 1.05;
 /// After a step that could not be solved.
 const AFTER_FAILURE: f64 = 0.25;
 
+/// The first step on another mesh, over the last one before it.
+const AFTER_KICK: f64 = 0.1;
+
 /// After this many consecutive failures and refusals the run gives up.
 const MOST_ATTEMPTS: u32 = 60;
 
@@ -152,6 +155,13 @@ impl Controller {
     /// Whether another attempt makes sense.
     pub(super) fn may_go_on(&self) -> bool {
         self.attempts < MOST_ATTEMPTS
+    }
+
+    /// The state was brought to another mesh: what was learnt of the error is void, and what the mesh has left of stiff modes
+    /// must die away.
+    pub(super) fn expect_kick(&mut self) {
+        self.last = None;
+        self.next *= AFTER_KICK;
     }
 
     /// The equations or the state changed from outside: what was learnt of the error is void, and what is stiff is there again.

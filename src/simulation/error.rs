@@ -7,7 +7,7 @@ use super::presence::NoVesicle;
 use super::step_effort::Tried;
 use crate::fem::FemError;
 use crate::linalg::LinalgError;
-use crate::scheme::{InitialError, RestoreError, StepError};
+use crate::scheme::{InitialError, RestoreError, StepError, TransferError};
 
 /// Why a run cannot start or continue.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -52,6 +52,16 @@ pub enum SimulationError {
     /// Anchoring without anything to anchor.
     #[error("the scene has no director to anchor: give it a table [nematic]")]
     NoDirector,
+    /// The mesh that follows the membrane cannot be made again.
+    #[error("the mesh cannot follow the membrane after step {step}, at t = {t:e}: {source}")]
+    Transfer {
+        /// The last step.
+        step: u64,
+        /// The time at its end.
+        t: f64,
+        /// What went wrong.
+        source: TransferError,
+    },
     /// A step was not solved, nor any part of it.
     #[error("step {step} to t = {t:e} failed; tried were {tried}; the last one: {source}")]
     Step {

@@ -2,8 +2,9 @@
 
 use std::fmt;
 
+use crate::physics::NamedValue;
 use crate::scene::{AnchoringKind, significant};
-use crate::scheme::StepError;
+use crate::scheme::{StepError, StepReport};
 
 /// Something that happened at a step.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,11 +69,45 @@ pub enum EventKind {
         /// By how much E_total changed.
         jump: f64,
     },
+    /// The mesh was made again about the membrane, and the state brought there.
+    MeshChanged(Box<MeshChange>),
     /// The anchoring became another one after this step: the energy jumped, not the state.
     AnchoringSwitched {
         /// The new kind.
         kind: AnchoringKind,
     },
+}
+
+/// What a new mesh has changed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshChange {
+    /// Nodes before and after.
+    pub nodes: [usize; 2],
+    /// The energy of each effect.
+    pub energies: Vec<EnergyChange>,
+    /// E_total before and after.
+    pub total: [f64; 2],
+}
+
+/// The energy of an effect before and after a change of the mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EnergyChange {
+    /// The effect.
+    pub name: &'static str,
+    /// Its energy before and after.
+    pub values: [f64; 2],
+}
+
+impl EnergyChange {
+    /// Those of all effects, from the reports before and after.
+    pub(super) fn all(before: &StepReport, after: &StepReport) -> Vec<Self> {
+        let pairs = before.energies.iter().zip(&after.energies);
+        let change = |(before, after): (&NamedValue, &NamedValue)| Self {
+            name: after.name,
+            values: [before.value, after.value],
+        };
+        pairs.map(change).collect()
+    }
 }
 
 impl EventKind {
@@ -103,6 +138,7 @@ impl EventKind {
             Self::Damped { .. } => "newton-damped",
             Self::ReachedWall => "reached-wall",
             Self::FieldSwitched { .. } => "field-switched",
+            Self::MeshChanged(_) => "mesh-changed",
             Self::AnchoringSwitched { .. } => "anchoring-switched",
         }
     }
@@ -146,10 +182,27 @@ impl fmt::Display for EventKind {
                 f,
                 "the field is switched here: E_total jumps by {jump:.6e}, which no step has done"
             ),
+            EventKind::MeshChanged(change) => change.fmt(f),
             EventKind::AnchoringSwitched { kind } => {
                 write!(f, "the anchoring is {kind} from here on")
             }
         }
+    }
+}
+
+impl fmt::Display for MeshChange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ([nodes, new], [before, after]) = (self.nodes, self.total);
+        write!(
+            f,
+            "the mesh has followed the membrane: {new} nodes after {nodes}; E_total changed by {:+.3e} to \
+             {after:.6e}, which no step has done",
+            after - before
+        )?;
+        for EnergyChange { name, values } in &self.energies {
+            write!(f, ", {name} by {:+.3e}", values[1] - values[0])?;
+        }
+        Ok(())
     }
 }
 

@@ -73,8 +73,13 @@ pub fn memory_held(scene: &Scene, with_factor: bool) -> u64 {
     if with_factor {
         per_node += FACTOR + FACTOR_GROWTH * nodes.log2();
     }
+    // When the mesh is made again, the old one and its matrices are still there.
+    let copies = match scene.mesh {
+        Mesh::Adaptive { .. } => 2.0,
+        _ => 1.0,
+    };
     // Saturates.
-    (ANY_RUN + per_node * nodes) as u64
+    (ANY_RUN + copies * per_node * nodes) as u64
 }
 
 /// The nodes of a scene's mesh: how many, or about how many where they are still to be scattered.
@@ -83,6 +88,9 @@ pub fn node_count(scene: &Scene) -> f64 {
         Mesh::Structured { cells, .. } => (*cells as f64 + 1.0).powi(2),
         Mesh::Delaunay { size, refine, .. } => {
             MeshSize::new(*size, *refine, &scene.vesicle.shape).nodes()
+        }
+        Mesh::Adaptive { size, refine, .. } => {
+            MeshSize::at_start(*size, *refine, &scene.vesicle.shape).nodes()
         }
         Mesh::File(file) => file.triangulation.nodes.len() as f64,
     }
@@ -123,6 +131,10 @@ fn too_large(scene: &Scene, shortage: Shortage) -> SimulationError {
         Mesh::Delaunay { .. } => (
             format!("of about {:.0} nodes", node_count(scene)),
             "raise mesh.size",
+        ),
+        Mesh::Adaptive { .. } => (
+            format!("of about {:.0} nodes", node_count(scene)),
+            "raise mesh.interface",
         ),
         Mesh::File(file) => (
             format!("of {} nodes", file.triangulation.nodes.len()),

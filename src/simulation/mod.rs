@@ -10,6 +10,7 @@ mod event;
 mod free_memory;
 mod last_whole_step;
 mod memory_estimate;
+mod mesh_follower;
 mod partial_step;
 mod presence;
 mod report;
@@ -39,7 +40,7 @@ pub use checkpoint::SimulationCheckpoint;
 pub use claim::{Claim, Shortage, kept_free};
 pub use error::SimulationError;
 pub use error_estimates::{ErrorEstimates, ErrorPart};
-pub use event::{Event, EventKind};
+pub use event::{EnergyChange, Event, EventKind, MeshChange};
 pub use free_memory::{FreeMemory, MemoryBound, free_memory};
 pub use memory_estimate::{check_memory, memory_held, memory_needed, node_count};
 pub use partial_step::StepProgress;
@@ -58,6 +59,7 @@ pub use worker::{
 use controller::Controller;
 use last_whole_step::LastWholeStep;
 use memory_estimate::claim_memory;
+use mesh_follower::MeshFollower;
 use partial_step::{PartialStep, StepDetails, StepOutcome};
 use presence::check_vesicle;
 use step_subdivision::StepSubdivision;
@@ -120,6 +122,8 @@ pub fn examine(scene: &Scene) -> Result<Examination, SimulationError> {
 pub struct Simulation {
     scene: Scene,
     mesh: Arc<Mesh>,
+    /// Where the mesh follows the membrane.
+    follower: Option<MeshFollower>,
     scheme: Scheme,
     report: Report,
     warnings: Vec<Warning>,
@@ -217,6 +221,7 @@ impl Simulation {
             _ => long_axis(&mesh, &initial.phi),
         };
         go_on(SetUp::Solver)?;
+        let follower = MeshFollower::of(scene, &mesh, &initial.phi);
         let scheme = Scheme::new(scene, mesh.clone(), initial.phi, initial.director)
             .map_err(SimulationError::Factor)?;
         let mut simulation = Self {
@@ -230,6 +235,7 @@ impl Simulation {
             },
             scene: scene.clone(),
             mesh,
+            follower,
             scheme,
             warnings,
             events: Vec::new(),
@@ -306,14 +312,18 @@ impl Simulation {
         &mut self,
         leave: &mut dyn FnMut(&StepProgress) -> bool,
     ) -> Result<bool, SimulationError> {
+        let mut begun = Instant::now();
+        if self.left.is_none() && self.last_whole.is_none() {
+            self.follow_membrane()?;
+        }
         let left = self.left.take();
         let mut costs = left.as_ref().map_or(Costs::default(), |left| left.costs);
-        let mut begun = Instant::now();
         let mut watch = |phase: Phase| {
             let now = Instant::now();
             costs.add(phase, now - begun);
             begun = now;
         };
+        watch(Phase::Ledger);
         let before = self.last_whole().0;
         let before = (before.step, before.t);
         let was_damped = self.report.effort.damping < 1.0;

@@ -31,7 +31,9 @@ pub enum MeshKind {
     Structured,
     /// Generated, by the length of its edges: the scene's own, and how many of them lie along a side.
     Generated {
-        /// mesh.size.
+        /// The key: mesh.size, or mesh.interface of a mesh that follows the membrane.
+        key: &'static str,
+        /// Its value.
         size: f64,
         /// 1/h.
         cells: usize,
@@ -48,8 +50,14 @@ impl MeshKind {
         match &scene.mesh {
             Mesh::Structured { .. } => Self::Structured,
             Mesh::Delaunay { size, .. } => Self::Generated {
+                key: "mesh.size",
                 size: *size,
                 cells: cells_of(*size),
+            },
+            Mesh::Adaptive { refine, .. } => Self::Generated {
+                key: "mesh.interface",
+                size: refine.size,
+                cells: cells_of(refine.size),
             },
             Mesh::File(file) => Self::File {
                 nodes: file.triangulation.nodes.len(),
@@ -69,9 +77,13 @@ impl MeshKind {
     pub fn words(self, cells: usize) -> String {
         match self {
             Self::Structured => format!("{cells} cells"),
-            Self::Generated { size, cells: own } => {
+            Self::Generated {
+                key,
+                size,
+                cells: own,
+            } => {
                 let size = size * own as f64 / cells as f64;
-                format!("mesh.size {}", significant(size, 3))
+                format!("{key} {}", significant(size, 3))
             }
             Self::File { nodes } => format!("{nodes} nodes"),
         }
@@ -164,6 +176,10 @@ pub(super) fn scale_mesh(mesh: &mut Mesh, factor: f64) {
                 refinement.size *= factor;
             }
         }
+        Mesh::Adaptive { size, refine, .. } => {
+            *size *= factor;
+            refine.size *= factor;
+        }
         Mesh::File(_) => {}
     }
 }
@@ -186,7 +202,7 @@ pub(super) fn fixed_mesh(scene: &Scene) -> Option<String> {
         (_, Mesh::Structured { .. }) if !scene.mesh.is_grid() => {
             Some("its nodes are moved at random (mesh.jitter)".to_owned())
         }
-        (_, Mesh::Structured { .. } | Mesh::Delaunay { .. }) => None,
+        (_, Mesh::Structured { .. } | Mesh::Delaunay { .. } | Mesh::Adaptive { .. }) => None,
     }
 }
 
@@ -195,6 +211,7 @@ fn fineness(scene: &Scene) -> usize {
     match &scene.mesh {
         Mesh::Structured { cells, .. } => *cells,
         Mesh::Delaunay { size, .. } => cells_of(*size),
+        Mesh::Adaptive { refine, .. } => cells_of(refine.size),
         Mesh::File(file) => (file.triangulation.nodes.len() as f64).sqrt().round() as usize,
     }
 }

@@ -151,6 +151,10 @@ fn mesh_settings(mesh: &Mesh) -> Vec<String> {
             settings.extend(refine.map(|it| format!("mesh.refine.size={:e}", it.size)));
             settings
         }
+        Mesh::Adaptive { size, refine, .. } => vec![
+            format!("mesh.size={size:e}"),
+            format!("mesh.interface={:e}", refine.size),
+        ],
         Mesh::File(_) => Vec::new(),
     }
 }

@@ -215,7 +215,7 @@ fn coarse(scene: &Scene, linear: LinearMethod) -> Option<Scene> {
     let is_finer = match &scene.mesh {
         Mesh::Structured { cells, .. } => *cells > COARSE_CELLS,
         // Of the same square.
-        Mesh::Delaunay { .. } => true,
+        Mesh::Delaunay { .. } | Mesh::Adaptive { .. } => true,
         Mesh::File(_) => false,
     };
     (fixed_mesh(scene).is_none() && is_finer).then(|| {

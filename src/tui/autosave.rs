@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
 use crate::record::{KeptRows, KeptRun, KeptRuns, RecordError, RunKeeper, ShortNumber};
-use crate::simulation::{Failure, Report, StepProgress, WorkerEvent};
+use crate::simulation::{EventKind, Failure, Report, StepProgress, WorkerEvent};
 
 use super::saving::PARENT;
 use super::state::{History, Keeping, Slot};
@@ -76,7 +76,7 @@ pub(super) fn look_for(slot: &mut Slot) {
     let mut words: Vec<String> = search.notes.iter().map(ToString::to_string).collect();
     slot.kept = search.run.map(|run| {
         let curves = match run.rows() {
-            Ok(rows) => History::of(&rows, run.switches()),
+            Ok(rows) => History::of(&rows, run.switches(), run.mesh_changes()),
             Err(error) => {
                 words.push(format!("the curves up to now are lost: {error}"));
                 History::default()
@@ -180,6 +180,12 @@ impl Autosave {
             WorkerEvent::Anchored { kind, report } => {
                 self.keeper.switch(kind, &report);
                 noted.event = Some(WorkerEvent::Anchored { kind, report });
+            }
+            WorkerEvent::Event(event) => {
+                if matches!(event.kind, EventKind::MeshChanged(_)) {
+                    self.keeper.mesh_changed(event.step, event.t);
+                }
+                noted.event = Some(WorkerEvent::Event(event));
             }
             WorkerEvent::State(checkpoint) => {
                 let outcome = self.keeper.keep(*checkpoint);

@@ -22,13 +22,22 @@ pub fn horizon(step: u64, steps: u64) -> u64 {
     }
 }
 
+/// Why there is a mark.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mark {
+    /// The mesh has followed the membrane.
+    Mesh,
+    /// The anchoring was switched.
+    Switch,
+}
+
 /// What all curves of a run have in common.
 #[derive(Debug, Clone, Copy)]
 pub struct Frame<'a> {
     /// The last step that there is room for.
     pub horizon: u64,
-    /// Steps with a mark: where the anchoring was switched.
-    pub marks: &'a [u64],
+    /// Steps with a mark; a later one covers an earlier one.
+    pub marks: &'a [(u64, Mark)],
     /// The step that is shown, if it is not the last.
     pub cursor: Option<u64>,
     /// Whether the scale is logarithmic.
@@ -73,16 +82,20 @@ pub fn draw(
             }
         }
     }
-    let marks = frame.marks.iter().map(|step| (*step, Role::Warning));
-    let cursor = frame.cursor.map(|step| (step, Role::Accent));
-    for (step, role) in marks.chain(cursor) {
+    let style = |mark: Mark| match mark {
+        Mark::Mesh => theme.muted(),
+        Mark::Switch => theme.style(Role::Warning),
+    };
+    let marks = frame.marks.iter().map(|(step, mark)| (*step, style(*mark)));
+    let cursor = frame.cursor.map(|step| (step, theme.style(Role::Accent)));
+    for (step, style) in marks.chain(cursor) {
         let share = step as f64 / (frame.horizon as f64 + 1.0);
         let offset = (share * f64::from(area.width)) as u16;
         let x = area.x + offset.min(area.width - 1);
         for y in area.top()..area.bottom() {
             if let Some(cell) = buffer.cell_mut((x, y)) {
                 cell.reset();
-                cell.set_symbol(glyphs.bar).set_style(theme.style(role));
+                cell.set_symbol(glyphs.bar).set_style(style);
             }
         }
     }
@@ -259,7 +272,7 @@ mod tests {
     fn marks_and_the_cursor_stand_at_their_steps() {
         let theme = Theme::new(ColorTier::None, true);
         let frame = Frame {
-            marks: &[2],
+            marks: &[(2, Mark::Switch)],
             cursor: Some(4),
             ..PLAIN
         };

@@ -228,7 +228,6 @@ fn progress(run: &Run, left: Option<&Left>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fem::Mesh;
     use crate::scene::Scene;
     use crate::simulation::Setting;
     use std::sync::Arc;
@@ -294,7 +293,6 @@ mod tests {
         let mut run = Run::new(RunId(1), None);
         run.setting = Some(Arc::new(Setting {
             scene: scene.clone(),
-            mesh: Arc::new(Mesh::structured(2, 0.0, 1).unwrap()),
             steps: Some(steps),
             warnings: Vec::new(),
         }));

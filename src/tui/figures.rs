@@ -25,16 +25,17 @@ pub fn save_figures(job: &Job, folder: &RunFolder) -> Result<(), String> {
             let snapshots = pictures.iter().map(|picture| Snapshot {
                 step: picture.report.step,
                 t: picture.report.t,
+                mesh: Arc::clone(&picture.mesh),
                 state: Arc::clone(&picture.state),
             });
             let run = RunData {
                 name: job.name.clone(),
                 scene: Arc::clone(&job.scene),
-                mesh: Arc::clone(&job.mesh),
                 // What has just been written.
                 history: Columns::read(folder.path()).map_err(|error| error.to_string())?,
                 snapshots: snapshots.collect(),
                 switches: job.switches.clone(),
+                mesh_changes: job.mesh_changes.clone(),
                 command: command(pictures.last().map_or(0, |last| last.report.step), job),
             };
             figure::save_set(&[run], &FigureOptions::default(), folder.path())
@@ -60,7 +61,7 @@ fn save_view(
     let shown = figure::View {
         name: &job.name,
         scene: &job.scene,
-        mesh: &job.mesh,
+        mesh: &picture.mesh,
         state: &picture.state,
         report: &picture.report,
         field: match view.field {

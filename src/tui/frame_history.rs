@@ -110,12 +110,12 @@ impl FrameHistory {
                 return;
             }
             if step == last_step || !self.is_kept(self.pictures.len() - 1) {
-                self.bytes -= bytes_of(last);
+                self.bytes -= self.bytes_of(self.pictures.len() - 1);
                 self.pictures.pop();
             }
         }
-        self.bytes += bytes_of(&picture);
         self.pictures.push(picture);
+        self.bytes += self.bytes_of(self.pictures.len() - 1);
         self.fit();
     }
 
@@ -157,11 +157,21 @@ impl FrameHistory {
             index += 1;
             kept
         });
-        self.bytes = self.pictures.iter().map(|picture| bytes_of(picture)).sum();
+        self.bytes = (0..self.pictures.len())
+            .map(|index| self.bytes_of(index))
+            .sum();
+    }
+
+    /// The memory of a picture, with that of its mesh where the one before has another.
+    fn bytes_of(&self, index: usize) -> usize {
+        let picture = &self.pictures[index];
+        let before = index.checked_sub(1).map(|before| &self.pictures[before]);
+        let shares = before.is_none_or(|before| Arc::ptr_eq(&before.mesh, &picture.mesh));
+        bytes_of(picture) + if shares { 0 } else { picture.mesh.bytes() }
     }
 }
 
-/// The memory of a picture.
+/// The memory of a picture without its mesh.
 fn bytes_of(picture: &RunSnapshot) -> usize {
     let state = &picture.state;
     let director = state
@@ -178,10 +188,22 @@ fn bytes_of(picture: &RunSnapshot) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fem::Mesh;
     use crate::scheme::State;
+    use std::sync::LazyLock;
+
     use crate::simulation::{Report, RunId};
 
     fn picture(step: u64) -> Arc<RunSnapshot> {
+        static MESH: LazyLock<Arc<Mesh>> = LazyLock::new(|| mesh(9));
+        picture_on(&MESH, step)
+    }
+
+    fn mesh(cells: usize) -> Arc<Mesh> {
+        Arc::new(Mesh::structured(cells, 0.0, 0).expect("a regular mesh"))
+    }
+
+    fn picture_on(mesh: &Arc<Mesh>, step: u64) -> Arc<RunSnapshot> {
         let field = vec![step as f64; 100];
         Arc::new(RunSnapshot {
             run: RunId(1),
@@ -190,6 +212,7 @@ mod tests {
                 step,
                 ..Report::default()
             },
+            mesh: mesh.clone(),
             state: Arc::new(State {
                 phi: field.clone(),
                 omega: field.clone(),
@@ -285,6 +308,26 @@ mod tests {
         assert_eq!(budget(30 << 20, 0), 10 << 20);
         // Once it is taken it is not free any more, and the part is the same.
         assert_eq!(budget(20 << 20, 10 << 20), 10 << 20);
+    }
+
+    /// Each mesh counts once, but for the first, which the run has in any case.
+    #[test]
+    fn meshes_count_where_they_change() {
+        let mut past = FrameHistory::new(usize::MAX);
+        let (one, other) = (mesh(9), mesh(9));
+        for (step, mesh) in [&one, &one, &other, &other, &one].into_iter().enumerate() {
+            past.put(picture_on(mesh, step as u64));
+        }
+        let states = 5 * bytes_of(&picture(0));
+        assert_eq!(past.bytes(), states + 2 * one.bytes());
+        past.set_budget(states + one.bytes());
+        assert!(past.len() < 5 && past.bytes() <= past.budget);
+        let meshes: Vec<bool> = past
+            .pictures
+            .iter()
+            .map(|it| Arc::ptr_eq(&it.mesh, &one))
+            .collect();
+        assert_eq!((meshes[0], meshes[meshes.len() - 1]), (true, true));
     }
 
     #[test]

@@ -29,6 +29,8 @@ pub struct History {
     pub width: Series,
     /// Where the anchoring was switched: step and new kind.
     pub marks: Vec<(u64, AnchoringKind)>,
+    /// After which steps, and when, the mesh has followed the membrane.
+    pub mesh_changes: Vec<(u64, f64)>,
     /// What E_tot is compared with: its value at the start, or just after the last switch of
     /// the anchoring, since which it can only have fallen.
     pub baseline: Option<f64>,
@@ -37,8 +39,12 @@ pub struct History {
 }
 
 impl History {
-    /// The scalars of a run that resumes a kept one with these rows.
-    pub fn of(rows: &Columns, switches: &[(u64, AnchoringKind)]) -> Self {
+    /// The scalars of a run that resumes a kept one with these rows, and where they are marked.
+    pub fn of(
+        rows: &Columns,
+        switches: &[(u64, AnchoringKind)],
+        mesh_changes: &[(u64, f64)],
+    ) -> Self {
         let steps = rows.column("step").unwrap_or_default();
         let series = |name: &str, from: f64, change: &dyn Fn(f64) -> f64| {
             let mut series = Series::default();
@@ -69,6 +75,7 @@ impl History {
             waist: plain("waist"),
             width: plain("width"),
             marks: switches.to_vec(),
+            mesh_changes: mesh_changes.to_vec(),
             baseline: after_switch.and_then(|row| Some(rows.column("E_total")?[row])),
             phase_integral: start,
         }
@@ -172,7 +179,7 @@ mod tests {
                 rows.push(&report);
             }
         }
-        let mut again = History::of(&rows, &[(7, AnchoringKind::Parallel)]);
+        let mut again = History::of(&rows, &[(7, AnchoringKind::Parallel)], &[(9, 0.5)]);
         // The last step is reported again.
         again.take(&report(2999, &[("bending", 5.0 - 2.999)]));
         let curves = |history: &History| {
@@ -187,6 +194,7 @@ mod tests {
         assert_eq!(curves(&again), curves(&history));
         assert_eq!(again.energies.len(), history.energies.len());
         assert_eq!(again.marks, history.marks);
+        assert_eq!(again.mesh_changes, [(9, 0.5)]);
         assert_eq!(again.baseline, history.baseline);
         assert_eq!(again.phase_integral, history.phase_integral);
     }

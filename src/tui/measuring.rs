@@ -96,7 +96,7 @@ impl Samples {
             .iter()
             .position(|time| (time - t).abs() <= 1e-9 * end);
         if let Some(place) = place {
-            self.own[place] = Some(Sample::new(&job.setting.mesh, &state.state, &state.report));
+            self.own[place] = Some(Sample::new(&state.mesh, &state.state, &state.report));
         }
     }
 
@@ -153,6 +153,7 @@ mod tests {
                     run: RunId(1),
                     anchoring: None,
                     report: report.clone(),
+                    mesh: Arc::clone(simulation.mesh()),
                     state: Arc::new(simulation.state().clone()),
                 }));
             }
@@ -163,7 +164,6 @@ mod tests {
         }
         let setting = Setting {
             scene: (*scene).clone(),
-            mesh: Arc::clone(simulation.mesh()),
             steps: None,
             warnings: Vec::new(),
         };

@@ -12,7 +12,6 @@ use super::autosave::SharedAutosave;
 use super::event::{AppEvent, spawn};
 use super::message::Message;
 use super::state::View;
-use crate::fem::Mesh;
 use crate::record::{RunFolder, write_state, write_states};
 use crate::scene::{AnchoringKind, Scene};
 use crate::simulation::{RunSnapshot, panic_words};
@@ -27,10 +26,10 @@ pub struct Job {
     pub name: String,
     /// The scene: of a view with the anchoring of its time, of a set as it was at the start.
     pub scene: Arc<Scene>,
-    /// The mesh.
-    pub mesh: Arc<Mesh>,
     /// When the anchoring was switched up to then, and to what.
     pub switches: Vec<(u64, AnchoringKind)>,
+    /// After which steps, and when, the mesh has followed the membrane.
+    pub mesh_changes: Vec<(u64, f64)>,
     /// What.
     pub what: What,
 }
@@ -65,8 +64,8 @@ pub type Save = fn(&Job, &RunFolder) -> Result<(), String>;
 pub fn save_states(job: &Job, folder: &RunFolder) -> Result<(), String> {
     let written = match &job.what {
         What::View(picture, _) => {
-            let state = (&picture.report, &*picture.state);
-            write_state(folder, &job.scene, &job.mesh, state)
+            let state = (&picture.report, &*picture.mesh, &*picture.state);
+            write_state(folder, &job.scene, state)
         }
         What::Set(pictures, autosave) => {
             let mut autosave = autosave.lock().unwrap_or_else(PoisonError::into_inner);
@@ -74,9 +73,9 @@ pub fn save_states(job: &Job, folder: &RunFolder) -> Result<(), String> {
             drop(autosave);
             let states: Vec<_> = pictures
                 .iter()
-                .map(|picture| (&picture.report, &*picture.state))
+                .map(|picture| (&picture.report, &*picture.mesh, &*picture.state))
                 .collect();
-            write_states(folder, &job.scene, &job.mesh, &states, rows)
+            write_states(folder, &job.scene, &states, rows)
         }
     };
     written.map_err(|error| error.to_string())
@@ -205,6 +204,7 @@ mod tests {
                 step,
                 ..simulation.report().clone()
             },
+            mesh: simulation.mesh().clone(),
             state: Arc::new(simulation.state().clone()),
         };
         let scene = Arc::new(scene);
@@ -213,9 +213,9 @@ mod tests {
         autosave.take(WorkerEvent::Reports(vec![simulation.report().clone()]));
         Job {
             name: "circle".into(),
-            mesh: Arc::clone(simulation.mesh()),
             scene,
             switches: Vec::new(),
+            mesh_changes: Vec::new(),
             what: What::Set(vec![Arc::new(picture)], Arc::new(Mutex::new(autosave))),
         }
     }

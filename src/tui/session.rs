@@ -519,6 +519,7 @@ impl Session {
         };
         let what = what(run);
         let mut switches = run.history.marks.clone();
+        let mesh_changes = run.history.mesh_changes.clone();
         let mut scene = setting.scene.clone();
         if let What::View(picture, _) = &what {
             switches.retain(|(step, _)| *step < picture.report.step);
@@ -529,8 +530,8 @@ impl Session {
         self.saver.give(Job {
             name: slot.name.clone(),
             scene: Arc::new(scene),
-            mesh: Arc::clone(&setting.mesh),
             switches,
+            mesh_changes,
             what,
         });
         Ok(())

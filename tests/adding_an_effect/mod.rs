@@ -176,7 +176,7 @@ fn its_energy_is_in_the_record_in_a_figure_and_in_the_app() {
         name: "small".to_owned(),
         scene: Arc::new(scene.clone()),
         switches: Vec::new(),
-        mesh: Arc::clone(simulation.mesh()),
+        mesh_changes: Vec::new(),
         history,
         snapshots: Vec::new(),
         command: String::new(),
@@ -196,11 +196,11 @@ fn its_energy_is_in_the_record_in_a_figure_and_in_the_app() {
         run: run.id,
         anchoring: None,
         report: simulation.report().clone(),
+        mesh: Arc::clone(simulation.mesh()),
         state: Arc::new(simulation.state().clone()),
     }));
     run.setting = Some(Arc::new(Setting {
         scene: scene.clone(),
-        mesh: Arc::clone(simulation.mesh()),
         steps: Some(2),
         warnings: Vec::new(),
     }));

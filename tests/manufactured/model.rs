@@ -187,6 +187,11 @@ impl Model {
         form
     }
 
+    /// Whether there is a substep 1.
+    pub fn has_director(&self) -> bool {
+        self.scene.nematic.is_some() && self.director.is_some()
+    }
+
     /// ∂d/∂t / γ_nem + δE/δd for both components, which the source of substep 1 is to balance.
     pub fn director_excess(&self, place: Point, t: f64) -> [WeakForm; 2] {
         let (Some(nematic), Some(field)) = (&self.scene.nematic, &self.director) else {

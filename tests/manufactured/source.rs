@@ -159,9 +159,11 @@ impl Effect for Source {
         self.places.fill([&mut self.membrane], |place| {
             [model.membrane_excess(place, t, tension)]
         });
-        let [x, y] = &mut self.director;
-        self.places
-            .fill([x, y], |place| model.director_excess(place, t));
+        if model.has_director() {
+            let [x, y] = &mut self.director;
+            self.places
+                .fill([x, y], |place| model.director_excess(place, t));
+        }
         false
     }
 

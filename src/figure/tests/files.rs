@@ -328,7 +328,7 @@ fn what_cannot_be_drawn_or_saved_is_an_error_with_its_reason() {
         error.to_string().contains("there is a file of this name"),
         "{error}"
     );
-    run.mesh = Arc::new(Mesh::structured(7, 0.0, 1).expect("a fair mesh"));
+    run.snapshots[0].mesh = Arc::new(Mesh::structured(7, 0.0, 1).expect("a fair mesh"));
     let error = save(&run, 400).expect_err("another mesh");
     assert!(
         error.contains("625 values of φ, its mesh has 64 nodes"),

@@ -143,6 +143,11 @@ impl RunKeeper {
         self.latest = Some(report.clone());
     }
 
+    /// Takes in that the mesh has followed the membrane after a step.
+    pub fn mesh_changed(&mut self, step: u64, t: f64) {
+        self.content.mesh_changes.push((step, t));
+    }
+
     /// Writes the rows if it is time: whether that went well.
     pub fn flush_in_time(&mut self) -> Option<Result<(), RecordError>> {
         let is_due = self.flushed.elapsed() >= FLUSH_INTERVAL;

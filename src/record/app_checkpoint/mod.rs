@@ -36,6 +36,7 @@ struct Content {
     checkpoint: SimulationCheckpoint,
     tables: TablesCheckpoint,
     switches: Vec<(u64, AnchoringKind)>,
+    mesh_changes: Vec<(u64, f64)>,
     /// Seconds of computing.
     computed: f64,
 }
@@ -63,6 +64,11 @@ impl KeptRun {
     /// The steps at which the anchoring was switched, and to what.
     pub fn switches(&self) -> &[(u64, AnchoringKind)] {
         &self.content.switches
+    }
+
+    /// After which steps, and when, the mesh has followed the membrane.
+    pub fn mesh_changes(&self) -> &[(u64, f64)] {
+        &self.content.mesh_changes
     }
 
     /// Its folder.
@@ -246,6 +252,7 @@ impl KeptRuns {
                 checkpoint: content.simulation.clone(),
                 tables: content.tables.clone(),
                 switches: Vec::new(),
+                mesh_changes: content.mesh_changes(),
                 computed: 0.0,
             },
             folder,

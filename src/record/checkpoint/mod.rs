@@ -20,7 +20,7 @@ pub use error::{CheckpointError, Problem};
 pub(super) use store::Keeper;
 
 use super::history::TablesCheckpoint;
-use super::summary::Totals;
+use super::summary::{EventRecord, Totals};
 use crate::simulation::SimulationCheckpoint;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -57,6 +57,14 @@ pub(super) struct Content {
     pub snapshots: u64,
     /// The time and the name of each snapshot so far.
     pub written: Vec<(f64, String)>,
+}
+
+impl Content {
+    /// After which steps, and when, the mesh has followed the membrane.
+    pub fn mesh_changes(&self) -> Vec<(u64, f64)> {
+        let events = self.totals.events.iter();
+        events.filter_map(EventRecord::mesh_change).collect()
+    }
 }
 
 /// Puts the bytes of a checkpoint in the place of what `bytes` holds.

@@ -1,22 +1,26 @@
 //! A run's folder, read back.
 
-use super::super::folder::{FIELDS, SCENE};
+use super::super::bounded_read::read_file_text;
+use super::super::folder::{FIELDS, SCENE, SUMMARY};
+use super::super::summary::EventRecord;
 use super::super::{Columns, LoadedScene, load_run_scene};
-use super::{ReadError, read_fields};
+use super::{LARGEST, ReadError, read_fields};
 use crate::fem::Mesh;
-use crate::scene::Scene;
+use crate::scene::{self, Scene};
 use crate::scheme::State;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// The fields of a run at one time.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Snapshot {
     /// The step.
     pub step: u64,
     /// Its time.
     pub t: f64,
+    /// The mesh at that time.
+    pub mesh: Arc<Mesh>,
     /// The fields.
     pub state: Arc<State>,
 }
@@ -28,8 +32,8 @@ pub struct RecordedRun {
     pub scene: Scene,
     /// The scalars of the rows.
     pub history: Columns,
-    /// The mesh; `None` if no fields were saved.
-    pub mesh: Option<Arc<Mesh>>,
+    /// After which steps, and when, the mesh has followed the membrane.
+    pub mesh_changes: Vec<(u64, f64)>,
     /// The fields that were saved, in the order of time, those at the end included.
     pub fields: Vec<Snapshot>,
 }
@@ -50,7 +54,8 @@ pub fn read_run(folder: &Path) -> Result<RecordedRun, ReadError> {
     }
     let LoadedScene { scene, .. } = load_run_scene(folder, &[])?;
     let history = Columns::read(folder)?;
-    let mut mesh: Option<(Arc<Mesh>, PathBuf)> = None;
+    let follows = matches!(scene.mesh, scene::Mesh::Adaptive { .. });
+    let mut last_mesh: Option<(Arc<Mesh>, PathBuf)> = None;
     let mut fields: Vec<Snapshot> = Vec::new();
     let last = folder.join("final.vtu");
     let last_step = history.column("step").and_then(|steps| steps.last());
@@ -63,20 +68,25 @@ pub fn read_run(folder: &Path) -> Result<RecordedRun, ReadError> {
             continue;
         }
         let stored = read_fields(&path)?;
-        match &mesh {
-            None => mesh = Some((Arc::new(stored.mesh), path)),
-            Some((mesh, first)) => {
-                let is_same = mesh.nodes() == stored.mesh.nodes()
-                    && mesh.triangles() == stored.mesh.triangles();
-                if !is_same {
-                    let first = first.clone();
-                    return Err(ReadError::OtherMesh { path, first });
-                }
+        let is_same = |mesh: &Mesh| {
+            mesh.nodes() == stored.mesh.nodes() && mesh.triangles() == stored.mesh.triangles()
+        };
+        let mesh = match &last_mesh {
+            Some((mesh, _)) if is_same(mesh) => mesh.clone(),
+            Some((_, first)) if !follows => {
+                let first = first.clone();
+                return Err(ReadError::OtherMesh { path, first });
             }
-        }
+            _ => {
+                let mesh = Arc::new(stored.mesh);
+                last_mesh = Some((mesh.clone(), path));
+                mesh
+            }
+        };
         fields.push(Snapshot {
             step,
             t: stored.t,
+            mesh,
             state: Arc::new(stored.state),
         });
     }
@@ -84,9 +94,19 @@ pub fn read_run(folder: &Path) -> Result<RecordedRun, ReadError> {
     Ok(RecordedRun {
         scene,
         history,
-        mesh: mesh.map(|(mesh, _)| mesh),
+        mesh_changes: mesh_changes(folder),
         fields,
     })
+}
+
+/// When the mesh has changed, by `run.json`. A run of which that cannot be read has none: nothing but marks depends on it.
+fn mesh_changes(folder: &Path) -> Vec<(u64, f64)> {
+    let events = read_file_text(&folder.join(SUMMARY), LARGEST)
+        .ok()
+        .and_then(|text| serde_json::from_str::<serde_json::Value>(&text).ok())
+        .and_then(|mut summary| serde_json::from_value(summary.get_mut("events")?.take()).ok());
+    let events: Vec<EventRecord> = events.unwrap_or_default();
+    events.iter().filter_map(EventRecord::mesh_change).collect()
 }
 
 /// The files `step-N.vtu` of a folder, by N; none, if it is not there.
@@ -152,7 +172,7 @@ mod tests {
         assert!(run.history.known("E_nematic").is_some());
         assert!(run.history.known("E_area").is_none());
         assert!(run.history.known("waist").is_some());
-        assert_eq!(run.mesh.expect("a mesh").nodes().len(), 81);
+        assert_eq!(run.fields[3].mesh.nodes().len(), 81);
         let steps: Vec<u64> = run.fields.iter().map(|fields| fields.step).collect();
         assert_eq!(steps, [0, 1, 2, 3]);
         assert_eq!(*run.fields[3].state, state);

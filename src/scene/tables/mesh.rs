@@ -26,6 +26,10 @@ const JITTER: Bound = Bound::new("a number ≥ 0 and < 0.9", |v| (0.0..0.9).cont
 const CELLS: usize = 120;
 /// h of a generated mesh.
 const SIZE: f64 = 1.0 / 120.0;
+/// Of a mesh that follows the membrane: edges far from it, edges at it, and how far those reach.
+const FAR: f64 = 0.08;
+const INTERFACE: f64 = 0.008;
+const BAND: f64 = 0.03;
 
 /// The triangulation of Ω.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,11 +52,21 @@ pub enum Mesh {
         /// Finer about the initial membrane.
         refine: Option<Refinement>,
     },
+    /// A Delaunay triangulation of the unit square that is fine about the membrane, wherever that is: it is made
+    /// again when the membrane has moved.
+    Adaptive {
+        /// The wanted length of an edge far from the membrane.
+        size: f64,
+        /// Finer about the membrane.
+        refine: Refinement,
+        /// Of the generator that scatters the nodes.
+        seed: u64,
+    },
     /// From a file.
     File(MeshFile),
 }
 
-/// Smaller triangles about the initial membrane.
+/// Smaller triangles about the membrane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Refinement {
     /// So far from the membrane, on either side.
@@ -79,6 +93,7 @@ impl Mesh {
             Self::Delaunay { size, refine, .. } => {
                 Some(refine.map_or(*size, |refinement| refinement.size.min(*size)))
             }
+            Self::Adaptive { refine, .. } => Some(refine.size),
             Self::File(_) => None,
         }
     }
@@ -87,7 +102,7 @@ impl Mesh {
     pub fn cells(&self) -> Option<usize> {
         match self {
             Self::Structured { cells, .. } => Some(*cells),
-            Self::Delaunay { .. } | Self::File(_) => None,
+            Self::Delaunay { .. } | Self::Adaptive { .. } | Self::File(_) => None,
         }
     }
 
@@ -104,6 +119,8 @@ choice! {
         Structured = "structured",
         /// A Delaunay triangulation.
         Delaunay = "delaunay",
+        /// A Delaunay triangulation that follows the membrane.
+        Adaptive = "adaptive",
         /// That of a file.
         File = "file",
     }
@@ -111,21 +128,25 @@ choice! {
 
 impl Table for Mesh {
     fn words() -> &'static str {
-        "The triangulation of Ω: squares, each cut into two triangles; a Delaunay triangulation; or that of a file."
+        "The triangulation of Ω: squares, each cut into two triangles; a Delaunay triangulation; one that is fine about the membrane and follows it; or that of a file."
     }
 
     fn parameters() -> Vec<Parameter> {
         let of = |value: u64| DefaultValue::of(&value);
-        let [zero, size] = [0.0, SIZE].map(|value| DefaultValue::of(&value));
+        let [zero, size, far, interface, band] =
+            [0.0, SIZE, FAR, INTERFACE, BAND].map(|value| DefaultValue::of(&value));
         let edge = format!("a number from {SHORTEST_EDGE} to {LONGEST_EDGE}");
         parameters! {
             kind of &[], DefaultValue::of(&Kind::Structured), Kind::words(&()), "Its kind";
             cells of &["structured"], of(CELLS as u64), u64::words(&CELL_COUNTS), "squares along a side, 1/h";
             jitter of &["structured"], zero, JITTER.words, "interior nodes are moved by up to this fraction of h in x and in y";
-            size of &["delaunay"], size, edge, "the wanted length of an edge";
+            size of &["delaunay"], size, edge.clone(), "the wanted length of an edge";
+            size of &["adaptive"], far, edge.clone(), "the wanted length of an edge far from the membrane";
+            interface of &["adaptive"], interface, edge, "the wanted length of an edge at the membrane, at most `size`";
+            band of &["adaptive"], band, POSITIVE.words, "how far from the membrane edges have that length; the mesh is made again when the membrane has moved by half of it";
             refine of &["delaunay"], DefaultValue::Absent, "such as `{ band = 0.1, size = 0.005 }`", "the length of an edge nearer to the initial membrane than `band`";
             path of &["file"], DefaultValue::Required, PATH, "a mesh of Gmsh";
-            seed of &["structured", "delaunay"], of(SEED), u64::words(&SEEDS), "of the random numbers that move or scatter the nodes";
+            seed of &["structured", "delaunay", "adaptive"], of(SEED), u64::words(&SEEDS), "of the random numbers that move or scatter the nodes";
         }
     }
 
@@ -158,6 +179,18 @@ impl Table for Mesh {
                     refine: refine.transpose()?,
                 })
             }
+            Kind::Adaptive => {
+                let size = read_edge(&table, "size", LONGEST_EDGE)?.unwrap_or(FAR);
+                let refine = Refinement {
+                    band: table.number("band", BAND, POSITIVE)?,
+                    size: read_edge(&table, "interface", size)?.unwrap_or(INTERFACE.min(size)),
+                };
+                Ok(Self::Adaptive {
+                    size,
+                    refine,
+                    seed: table.seed()?,
+                })
+            }
             Kind::File => read_file(&table.require("path", &owner)?, context).map(Self::File),
         }
     }
@@ -184,14 +217,29 @@ impl Table for Mesh {
                 keys.push(("seed", seed.to_string()));
                 keys
             }
+            Self::Adaptive { size, refine, seed } => vec![
+                kind(Kind::Adaptive),
+                ("size", number(*size)),
+                ("interface", number(refine.size)),
+                ("band", number(refine.band)),
+                ("seed", seed.to_string()),
+            ],
             Self::File(file) => vec![kind(Kind::File), ("path", quoted(&file.path))],
         }
     }
 }
 
 impl Rules for Mesh {
-    /// There must be a membrane to refine about.
+    /// There must be a membrane to refine about, and no values at nodes that come and go.
     fn check_scene(&self, scene: &Scene, table: &Reader<'_>) -> Result<(), SceneError> {
+        if let (Self::Adaptive { .. }, Some(kind), Some((key, file))) =
+            (self, table.get("kind"), scene.nodal_files().first())
+        {
+            return Err(kind.error(Problem::NodalValuesOnAdaptiveMesh {
+                key: key.name.to_owned(),
+                path: file.path.clone(),
+            }));
+        }
         let is_outline = matches!(scene.vesicle.shape, Shape::Outlines(_));
         match (self, table.get("refine")) {
             (

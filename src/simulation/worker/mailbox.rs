@@ -4,6 +4,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::super::Report;
 use super::RunSnapshot;
+use crate::fem::Mesh;
 use crate::scheme::State;
 
 /// Room for one picture: a new one takes the place of one that nobody has fetched.
@@ -67,6 +68,7 @@ pub(super) struct SnapshotOf<'a> {
     pub(super) run: super::RunId,
     pub(super) anchoring: Option<crate::scene::AnchoringKind>,
     pub(super) report: &'a Report,
+    pub(super) mesh: &'a Arc<Mesh>,
     pub(super) state: &'a State,
 }
 
@@ -76,6 +78,7 @@ impl SnapshotOf<'_> {
             run: self.run,
             anchoring: self.anchoring,
             report: self.report.clone(),
+            mesh: self.mesh.clone(),
             state: Arc::new(self.state.clone()),
         }
     }
@@ -84,6 +87,7 @@ impl SnapshotOf<'_> {
     fn paint_over(self, picture: &mut RunSnapshot) {
         picture.run = self.run;
         picture.anchoring = self.anchoring;
+        picture.mesh.clone_from(self.mesh);
         let mut energies = std::mem::take(&mut picture.report.energies);
         let mut ledger = std::mem::take(&mut picture.report.ledger);
         energies.clone_from(&self.report.energies);
@@ -123,6 +127,7 @@ mod tests {
             run: RunId(1),
             anchoring: None,
             report: &report,
+            mesh: &Arc::new(Mesh::structured(2, 0.0, 0).expect("a regular mesh")),
             state: &state(step as f64),
         })
     }

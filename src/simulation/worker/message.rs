@@ -139,8 +139,6 @@ impl From<SimulationError> for Failure {
 pub struct Setting {
     /// The scene.
     pub scene: Scene,
-    /// The mesh.
-    pub mesh: Arc<Mesh>,
     /// Steps to T; `None` where Δt is chosen.
     pub steps: Option<u64>,
     /// What is allowed in the scene but probably not meant.
@@ -156,6 +154,8 @@ pub struct RunSnapshot {
     pub anchoring: Option<AnchoringKind>,
     /// The scalars.
     pub report: Report,
+    /// The mesh at that time.
+    pub mesh: Arc<Mesh>,
     /// The fields; a saved figure shares them.
     pub state: Arc<State>,
 }

@@ -175,7 +175,6 @@ impl<Sink: Fn(Message)> Runner<Sink> {
         self.show(&simulation);
         self.events.tell(WorkerEvent::Ready(Arc::new(Setting {
             scene: scene.clone(),
-            mesh: simulation.mesh.clone(),
             steps: schedule.steps,
             warnings: simulation.warnings().to_vec(),
         })));
@@ -407,6 +406,7 @@ impl<Sink: Fn(Message)> Runner<Sink> {
             run: self.config.run,
             anchoring: scene.nematic.as_ref().map(|_| kind),
             report,
+            mesh: simulation.mesh(),
             state,
         }
     }

@@ -68,7 +68,7 @@ pub fn draw(
         let area = centred(area, words.len() as u16, 1);
         return text::line(buffer, area, 0, Span::styled(words, theme.muted()));
     };
-    let region = canvas.region(&setting.mesh);
+    let region = canvas.region(&picture.mesh);
     let labels = labels(step);
     let room = (
         area.width.saturating_sub(labels + 2 + BAR),
@@ -87,6 +87,7 @@ pub fn draw(
         height: rows + 2,
     };
     let plot = Plot {
+        mesh: &picture.mesh,
         state: &picture.state,
         setting,
         view,

@@ -120,7 +120,7 @@ fn draw_tile(
     let Some((setting, picture)) = shown.setting.zip(shown.picture) else {
         return;
     };
-    let region = canvas.region(&setting.mesh);
+    let region = canvas.region(&picture.mesh);
     let room = if below { 2 } else { beside + 2 };
     let (columns, rows) = fit(
         region.aspect(),
@@ -136,6 +136,7 @@ fn draw_tile(
         ..area
     };
     let plot = Plot {
+        mesh: &picture.mesh,
         state: &picture.state,
         setting,
         view: app.view,

@@ -1,10 +1,13 @@
 //! A field on a rectangle of cells: colours or a ramp of glyphs, the contour φ = 0, the director.
 
+use std::sync::Arc;
+
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::{Modifier, Style};
 use ratatui::widgets::{Block, Widget};
 
+use crate::fem::Mesh;
 use crate::scheme::State;
 use crate::simulation::Setting;
 use crate::tui::canvas::Canvas;
@@ -23,9 +26,11 @@ const STRONG: f64 = 1.15;
 /// What is drawn, and how.
 #[derive(Debug, Clone, Copy)]
 pub struct Plot<'a> {
+    /// The mesh.
+    pub mesh: &'a Arc<Mesh>,
     /// The fields.
     pub state: &'a State,
-    /// Their mesh and scene.
+    /// Their scene.
     pub setting: &'a Setting,
     /// Which field, which colours, which director.
     pub view: View,
@@ -55,7 +60,7 @@ impl Plot<'_> {
         let (columns, rows) = (usize::from(area.width), usize::from(area.height));
         let half = theme.glyphs().upper_half.filter(|_| theme.paints());
         let samples_a_cell = if half.is_some() { 2 } else { 1 };
-        let raster = canvas.raster(&self.setting.mesh, columns, rows * samples_a_cell);
+        let raster = canvas.raster(self.mesh, columns, rows * samples_a_cell);
         let sampled = FieldImage::new(
             self.view.field,
             self.state,
@@ -128,7 +133,7 @@ impl Plot<'_> {
         };
         let (columns, rows) = (usize::from(area.width), usize::from(area.height));
         let samples_a_cell = sampled.values.len() / (columns * rows).max(1);
-        let raster = canvas.raster(&self.setting.mesh, columns, rows);
+        let raster = canvas.raster(self.mesh, columns, rows);
         // About twenty in the height of the domain, as far apart in x as in y; two columns at least,
         // since the glyphs touch each other otherwise.
         let every = (rows / 20).max(1);

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use crate::scene::{AnchoringKind, Scene};
 use crate::simulation::{Report, RunSnapshot, Schedule, SetUp, Setting};
-use crate::tui::curve;
+use crate::tui::curve::{self, Mark};
 use crate::tui::keys;
 use crate::tui::state::{App, Run, Slot, Status};
 use crate::tui::theme::Role;
@@ -145,14 +145,20 @@ impl<'a> Shown<'a> {
         Schedule::new(&setting.scene.time, 1, 0).share(report.step, report.t)
     }
 
-    /// Steps where the anchoring was switched.
-    pub fn marks(&self) -> Vec<u64> {
-        let marks = self.run.map_or(&[][..], |run| &run.history.marks);
-        marks.iter().map(|(step, _)| *step).collect()
+    /// Steps where the mesh has followed the membrane, and where the anchoring was switched.
+    pub fn marks(&self) -> Vec<(u64, Mark)> {
+        let Some(history) = self.run.map(|run| &run.history) else {
+            return Vec::new();
+        };
+        let meshes = history.mesh_changes.iter();
+        let switches = history.marks.iter();
+        (meshes.map(|(step, _)| (*step, Mark::Mesh)))
+            .chain(switches.map(|(step, _)| (*step, Mark::Switch)))
+            .collect()
     }
 
     /// What the curves of this run have in common.
-    pub fn curves<'m>(&self, marks: &'m [u64], logarithmic: bool) -> curve::Frame<'m> {
+    pub fn curves<'m>(&self, marks: &'m [(u64, Mark)], logarithmic: bool) -> curve::Frame<'m> {
         let step = self.run.map_or(0, |run| run.report.step);
         let steps = self.setting.and_then(|setting| setting.steps).unwrap_or(0);
         curve::Frame {

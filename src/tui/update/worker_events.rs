@@ -96,10 +96,18 @@ pub(super) fn hear(app: &mut App, message: WorkerMessage) {
             run.unsaved = true;
         }
         WorkerEvent::Event(event) => {
-            // A switch is reported as `Anchored` too, and marked then.
-            if !matches!(event.kind, EventKind::AnchoringSwitched { .. }) {
+            let severity = match event.kind {
+                // A switch is reported as `Anchored` too, and marked then.
+                EventKind::AnchoringSwitched { .. } => None,
+                EventKind::MeshChanged(_) => {
+                    run.history.mesh_changes.push((event.step, event.t));
+                    Some(Severity::Note)
+                }
+                _ => Some(Severity::Warning),
+            };
+            if let Some(severity) = severity {
                 run.notify(Notice {
-                    severity: Severity::Warning,
+                    severity,
                     step: event.step,
                     text: event.kind.to_string(),
                 });

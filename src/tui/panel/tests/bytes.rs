@@ -69,6 +69,7 @@ fn frames(theme: &Theme) -> Vec<usize> {
             run: run.id,
             anchoring: None,
             report: run.report.clone(),
+            mesh: mesh.clone(),
             state: Arc::new(state),
         }));
         terminal

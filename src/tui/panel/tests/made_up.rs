@@ -101,7 +101,6 @@ pub fn slot(name: &str, mesh: &Arc<Mesh>) -> Slot {
     run.status = Status::Running;
     run.setting = Some(Arc::new(Setting {
         scene: scene.clone(),
-        mesh: mesh.clone(),
         steps: Some(10_000),
         warnings: Vec::new(),
     }));
@@ -115,6 +114,7 @@ pub fn slot(name: &str, mesh: &Arc<Mesh>) -> Slot {
                 run: run.id,
                 anchoring: Some(AnchoringKind::Homeotropic),
                 report: report.clone(),
+                mesh: mesh.clone(),
                 state: Arc::new(state),
             });
             run.past.put(picture.clone());

@@ -375,6 +375,7 @@ fn a_circle_looks_round() {
         run: run.id,
         anchoring: None,
         report: run.report.clone(),
+        mesh: mesh.clone(),
         state: Arc::new(state),
     }));
     for (columns, rows) in [(80, 24), (100, 30), (120, 40), (200, 60)] {

@@ -109,7 +109,6 @@ impl Played {
             self.ready = true;
             event.push(WorkerEvent::Ready(Arc::new(Setting {
                 scene: self.scene.clone(),
-                mesh: Arc::new(Mesh::structured(2, 0.0, 1).unwrap()),
                 steps: Some(self.steps()),
                 warnings: Vec::new(),
             })));
@@ -162,6 +161,7 @@ impl Played {
             run: self.orders.run,
             anchoring: Some(self.anchoring),
             report: self.report.clone(),
+            mesh: Arc::new(Mesh::structured(2, 0.0, 1).unwrap()),
             state: Arc::new(State {
                 phi: field.clone(),
                 omega: field.clone(),
