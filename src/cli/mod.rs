@@ -1,7 +1,8 @@
 //! The command line: one file a subcommand.
 //!
 //! Exit status: 0 done; 1 the run failed, or a check did not come to an end; 2 the arguments or the scene are wrong; 128 + n the run
-//! was ended early, but cleanly, by signal n (130 for Ctrl-C, as shells have it).
+//! was ended early, but cleanly, by signal n (130 for Ctrl-C, as shells have it); 75 a task of a sweep was ended by a
+//! signal and is to be started again.
 
 mod accuracy;
 mod allocator;
@@ -17,6 +18,7 @@ mod progress;
 mod run;
 mod set_up;
 mod signals;
+mod sweep;
 
 use crate::scene::preset;
 use clap::{CommandFactory, Parser, Subcommand};
@@ -60,6 +62,8 @@ enum Command {
     Check(check::Arguments),
     /// Tell what accuracy costs in time, and which knob to turn
     Accuracy(accuracy::Arguments),
+    /// Simulate a scene many times with other values, here or on a cluster
+    Sweep(sweep::Arguments),
 }
 
 /// Runs the program with the process's arguments.
@@ -74,6 +78,7 @@ pub fn main() -> ExitCode {
         Some(Command::Figures(arguments)) => figures::figures(&arguments),
         Some(Command::Accuracy(arguments)) => accuracy::accuracy(&arguments),
         Some(Command::Effects(arguments)) => effects::effects(&arguments),
+        Some(Command::Sweep(arguments)) => sweep::sweep(&arguments),
         Some(Command::Presets) => presets::list(),
         Some(Command::Preset(arguments)) => presets::print(&arguments),
         Some(Command::Check(arguments)) => check::check(&arguments),

@@ -17,6 +17,7 @@ mod recorded_runs;
 mod report;
 mod run_estimate;
 mod runner;
+pub mod sweep;
 mod table;
 #[cfg(test)]
 mod tests;
