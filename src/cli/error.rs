@@ -2,7 +2,7 @@
 
 use super::output;
 use super::sweep::SlurmError;
-use crate::figure::FigureError;
+use crate::figure::{FigureError, SweepFigureError};
 use crate::record::{CheckpointError, LoadError, ReadError, RecordError, Whereabouts};
 use crate::scene::UnknownPreset;
 use crate::simulation::SimulationError;
@@ -294,6 +294,9 @@ pub(super) enum CliError {
         /// Of how many.
         all: usize,
     },
+    /// There is no such figure of a sweep.
+    #[error(transparent)]
+    SweepFigure(#[from] SweepFigureError),
     /// The batch system did not take the jobs.
     #[error(transparent)]
     Slurm(#[from] SlurmError),
@@ -349,6 +352,12 @@ impl CliError {
                 SweepError::Record(_) => CliError::FAILED,
                 _ => CliError::USAGE,
             },
+            CliError::SweepFigure(
+                SweepFigureError::Figure(FigureError::Occupied { .. })
+                | SweepFigureError::NoNumbers { .. },
+            ) => CliError::USAGE,
+            CliError::SweepFigure(SweepFigureError::Figure(_)) => CliError::FAILED,
+            CliError::SweepFigure(_) => CliError::USAGE,
             CliError::PointSaved { .. } => CliError::SAVED,
             CliError::PointsFailed { .. }
             | CliError::TaskFailed { .. }

@@ -287,6 +287,11 @@ impl SweepFolder {
         &self.path
     }
 
+    /// The scene that is varied, complete, as TOML.
+    pub fn scene_text(&self) -> &str {
+        &self.origin.text
+    }
+
     /// What the sweep is called.
     pub fn title(&self) -> &str {
         &self.stored.title
