@@ -1,13 +1,13 @@
 //! A column over one axis: a curve, or one for each value of a second axis.
 
-use super::page::{Frame, compose};
-use super::{Arranged, Panel, column_label};
+use super::page::{Frame, Layout, compose};
+use super::{Arranged, Panel, column_label, numeric};
 use crate::figure::FigureError;
 use crate::figure::canvas::{Drawing, Page, font, stroke, units};
 use crate::figure::colour::LINE_COLOURS;
 use crate::figure::curves::TICKS;
 use crate::figure::elements::{Mark, marker};
-use crate::figure::number::{Axis, roomy_range};
+use crate::figure::number::{Axis, number, roomy_range};
 use crate::figure::panel::line_weight;
 use crate::figure::text::Label;
 use crate::study::sweep::plain;
@@ -28,15 +28,17 @@ pub(super) fn draw(arranged: &Arranged, width: u32, size: f64) -> Result<Drawing
     if let Some(y) = &arranged.y {
         title = title.and(&format!("; a curve for each {}", y.key));
     }
-    compose(
-        arranged,
-        &title,
+    let layout = Layout {
+        title,
+        ordinate: values(arranged, 2).name(column_label(&arranged.column)),
         width,
         size,
-        ASPECT,
-        false,
-        &|page, frame, panel| draw_panel(page, frame, panel, arranged, size),
-    )
+        aspect: ASPECT,
+        has_bar: false,
+    };
+    compose(arranged, &layout, &|page, frame, panel| {
+        draw_panel(page, frame, panel, arranged, size)
+    })
 }
 
 /// The colour of a curve, of so many: of a map where there are more than colours.
@@ -49,6 +51,12 @@ fn colour(number: usize, of: usize) -> RGBColor {
     RGBColor(r, g, b)
 }
 
+/// The axis of the values, the same for all panels.
+fn values(arranged: &Arranged, most: usize) -> Axis {
+    let cells = arranged.panels.iter().flat_map(|panel| &panel.cells);
+    Axis::new(roomy_range(cells.filter_map(|cell| cell.value)), most)
+}
+
 fn draw_panel(
     page: &Page,
     frame: &Frame,
@@ -57,9 +65,8 @@ fn draw_panel(
     size: f64,
 ) -> Result<(), FigureError> {
     let [x, _] = &frame.axes;
-    let values = arranged.panels.iter().flat_map(|panel| &panel.cells);
     let most = ((frame.plot.height() / (1.8 * size)) as usize).clamp(2, 8);
-    let value = Axis::new(roomy_range(values.filter_map(|cell| cell.value)), most);
+    let value = values(arranged, most);
     let mut chart = ChartBuilder::on(page)
         .y_label_area_size(units(frame.rooms[0]))
         .x_label_area_size(units(frame.rooms[1]))
@@ -73,7 +80,6 @@ fn draw_panel(
         .set_tick_mark_size(LabelAreaPosition::Left, units(TICKS[0] * size))
         .set_tick_mark_size(LabelAreaPosition::Bottom, units(TICKS[1] * size))
         .x_desc(Label::text(&arranged.x.key))
-        .y_desc(value.name(column_label(&arranged.column)))
         .draw()?;
     let rows = arranged.rows();
     for row in 0..rows {
@@ -97,7 +103,11 @@ fn draw_panel(
         // Each curve has its value at its right end, where there is room.
         if let (Some(y), Some(end)) = (&arranged.y, known.last()) {
             let style = font(0.85 * size).pos(Pos::new(HPos::Right, VPos::Bottom));
-            let label: String = Label::text(&plain(&y.values[row])).into();
+            let label: String = match numeric(&y.values[row]) {
+                Some(value) => number(value, 3),
+                None => Label::text(&plain(&y.values[row])),
+            }
+            .into();
             let text = Text::new(label, (0, units(-0.35 * size)), style);
             chart.draw_series(once(EmptyElement::at(*end) + text))?;
         }

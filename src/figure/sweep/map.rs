@@ -1,6 +1,6 @@
 //! A map: a column in colours over two axes, a cell a point, with contour lines between the points.
 
-use super::page::{Frame, compose};
+use super::page::{Frame, Layout, compose};
 use super::{Arranged, Panel, column_label};
 use crate::figure::FigureError;
 use crate::figure::canvas::{Drawing, Page, font, stroke, units};
@@ -20,15 +20,17 @@ const ASPECT: f64 = 0.8;
 /// [`FigureError::Draw`].
 pub(super) fn draw(arranged: &Arranged, width: u32, size: f64) -> Result<Drawing, FigureError> {
     let title = column_label(&arranged.column).and(&format!(": {}", arranged.title));
-    compose(
-        arranged,
-        &title,
+    let layout = Layout {
+        title,
+        ordinate: Label::text(arranged.y.as_ref().map_or("", |y| &*y.key)),
         width,
         size,
-        ASPECT,
-        true,
-        &|page, frame, panel| draw_panel(page, frame, panel, arranged, size),
-    )
+        aspect: ASPECT,
+        has_bar: true,
+    };
+    compose(arranged, &layout, &|page, frame, panel| {
+        draw_panel(page, frame, panel, arranged, size)
+    })
 }
 
 fn draw_panel(
@@ -82,7 +84,6 @@ fn draw_panel(
         .set_tick_mark_size(LabelAreaPosition::Left, units(TICKS[0] * size))
         .set_tick_mark_size(LabelAreaPosition::Bottom, units(TICKS[1] * size))
         .x_desc(Label::text(&arranged.x.key))
-        .y_desc(Label::text(arranged.y.as_ref().map_or("", |y| &*y.key)))
         .draw()?;
     let (across, along) = (
         x.edges[0]..x.edges[x.edges.len() - 1],

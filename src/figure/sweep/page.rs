@@ -17,19 +17,39 @@ pub(super) struct Frame {
     pub axes: [PlaceAxis; 2],
 }
 
-/// Draws every panel by `draw`, on a part of the page that has the plot and its rooms. `aspect`: height to width.
+/// How a figure is laid out.
+pub(super) struct Layout {
+    pub title: Label,
+    /// The name of the ordinate: above each plot, for letters are not turned.
+    pub ordinate: Label,
+    /// In pixels.
+    pub width: u32,
+    /// Of the text, in pixels.
+    pub size: f64,
+    /// The height of a plot to its width.
+    pub aspect: f64,
+    /// Whether there is a colour bar.
+    pub has_bar: bool,
+}
+
+/// Draws every panel by `draw`, on a part of the page that has the plot and its rooms.
 pub(super) fn compose(
     arranged: &Arranged,
-    title: &Label,
-    width: u32,
-    size: f64,
-    aspect: f64,
-    has_bar: bool,
+    layout: &Layout,
     draw: &dyn Fn(&Page, &Frame, &Panel) -> Result<(), FigureError>,
 ) -> Result<Drawing, FigureError> {
+    let Layout {
+        title,
+        ordinate,
+        width,
+        size,
+        aspect,
+        has_bar,
+    } = layout;
+    let (width, size, aspect, has_bar) = (*width, *size, *aspect, *has_bar);
     let [x, y] = arranged.axes();
     let margin = 0.7 * size;
-    let left_room = y.widest(size).max(2.5 * size) + 2.6 * size;
+    let left_room = y.widest(size).max(3.0 * size) + size;
     let name = column_label(&arranged.column);
     let bar = match has_bar {
         true => bar_room(&arranged.scale, size, &name) + 1.2 * size,
@@ -55,10 +75,14 @@ pub(super) fn compose(
         let mut top = write_paragraph(page, title, size, [margin, margin], room)? + 0.5 * size;
         for panels in arranged.panels.chunks(columns) {
             let lines = |panel: &Panel| Label::text(&panel.title).wrapped(size, inner).len();
-            let lines = panels.iter().map(lines).max().unwrap_or(0);
+            let lines = panels
+                .iter()
+                .filter(|it| !it.title.is_empty())
+                .map(lines)
+                .max();
+            let lines = lines.unwrap_or(0);
             let names = line_height(size) * lines as f64;
-            // The bar's name stands above it.
-            let names = names.max(if has_bar { 1.5 * size } else { 0.0 });
+            let names = names + line_height(size) * 1.1;
             for (column, panel) in panels.iter().enumerate() {
                 let left = margin + column as f64 * (left_room + inner + 0.8 * size);
                 let frame = frame(left, top + names);
@@ -66,6 +90,11 @@ pub(super) fn compose(
                     let at = [frame.plot.left, top];
                     write_paragraph(page, &Label::text(&panel.title), size, at, inner)?;
                 }
+                let at = [
+                    frame.plot.left - left_room,
+                    frame.plot.top - 1.1 * line_height(size),
+                ];
+                write_paragraph(page, ordinate, size, at, inner + left_room)?;
                 let place = frame.plot.with_room([frame.rooms[0], 0.0, frame.rooms[1]]);
                 draw(&part(page, place), &frame, panel)?;
             }

@@ -1,6 +1,6 @@
 //! The diagram of shapes: the last vesicle of each point at its place in the plane of two keys.
 
-use super::page::{Frame, compose};
+use super::page::{Frame, Layout, compose};
 use super::{Arranged, Outlines, Panel};
 use crate::figure::FigureError;
 use crate::figure::canvas::{Drawing, Page, font, stroke, units};
@@ -31,15 +31,17 @@ pub(super) fn draw(
     // As high as makes the room of a point as wide and as high as the vesicles need.
     let aspect = largest[1] / largest[0] * x.narrowest() / y.narrowest();
     let aspect = aspect.clamp(0.15, 1.4);
-    compose(
-        arranged,
-        &title,
+    let layout = Layout {
+        title,
+        ordinate: Label::text(arranged.y.as_ref().map_or("", |y| &*y.key)),
         width,
         size,
         aspect,
-        true,
-        &|page, frame, panel| draw_panel(page, frame, panel, arranged, outlines, size),
-    )
+        has_bar: true,
+    };
+    compose(arranged, &layout, &|page, frame, panel| {
+        draw_panel(page, frame, panel, arranged, outlines, size)
+    })
 }
 
 impl Outlines {
@@ -128,7 +130,7 @@ fn draw_panel(
         .set_tick_mark_size(LabelAreaPosition::Bottom, units(TICKS[1] * size))
         .x_desc(Label::text(&arranged.x.key));
     match &arranged.y {
-        Some(axis) => mesh.y_desc(Label::text(&axis.key)).draw()?,
+        Some(_) => mesh.draw()?,
         None => mesh.disable_y_axis().draw()?,
     }
     let (right, top) = (x.edges[x.edges.len() - 1], y.edges[y.edges.len() - 1]);
