@@ -13,7 +13,7 @@ use super::figures::quoted;
 use super::numbers;
 use super::output;
 use crate::record::write_whole;
-use crate::study::sweep::{Needs, Point, Sweep, SweepFolder, predict};
+use crate::study::sweep::{Needs, Point, Sweep, SweepError, SweepFolder};
 use clap::Subcommand;
 use std::path::{Path, PathBuf};
 
@@ -122,7 +122,7 @@ fn open(
         let folder = SweepFolder::open(plan)?;
         return match resume {
             true => Ok(folder),
-            false => Err(CliError::Sweep(crate::study::sweep::SweepError::Occupied {
+            false => Err(CliError::Sweep(SweepError::Occupied {
                 folder: plan.to_owned(),
             })),
         };
@@ -145,11 +145,6 @@ fn open(
     let folder = SweepFolder::create(&path, &sweep, needs)?;
     write_jobs(&folder)?;
     Ok(folder)
-}
-
-/// Needs without seconds, as no steps are tried.
-fn untried(sweep: &Sweep) -> Result<Vec<Needs>, CliError> {
-    Ok(predict(sweep, false, &mut || true)?)
 }
 
 /// The command that runs points, on its own: with all paths from the root.

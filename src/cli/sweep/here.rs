@@ -1,7 +1,7 @@
 //! A sweep on this machine: several runs at a time, each on a thread.
 
 use super::point::{Ended, failure, run_point};
-use super::{Here, count_of, duration, open, tell_same, untried};
+use super::{Here, count_of, duration, open, tell_same};
 use crate::cli::error::CliError;
 use crate::cli::output;
 use crate::cli::progress::Progress;
@@ -29,7 +29,9 @@ const LEAST_FOR_ESTIMATE: Duration = Duration::from_secs(2);
 
 /// Runs all points that are not done.
 pub(super) fn run(plan: &Path, arguments: &Here) -> Result<(), CliError> {
-    let folder = open(plan, arguments.out.as_deref(), arguments.resume, untried)?;
+    let folder = open(plan, arguments.out.as_deref(), arguments.resume, |sweep| {
+        Ok(sweep.needs.clone())
+    })?;
     let signal = EndSignal::listen()?;
     tell_same(&folder, arguments.quiet);
     let is_left = |point: &&Point| folder.state(point) != PointState::Done;

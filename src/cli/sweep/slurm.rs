@@ -1,7 +1,7 @@
 //! `vesica sweep slurm`: the points as job arrays of Slurm.
 
 use super::results::left;
-use super::{command, count_of, open, tell_same, untried};
+use super::{command, count_of, open, tell_same};
 use crate::cli::error::CliError;
 use crate::cli::figures::quoted;
 use crate::cli::numbers;
@@ -117,9 +117,9 @@ pub(super) fn slurm(arguments: &Arguments) -> Result<(), CliError> {
     }
     let folder = open(&arguments.plan, arguments.out.as_deref(), true, |sweep| {
         match has_time {
-            true => untried(sweep),
+            true => Ok(sweep.needs.clone()),
             // Nobody is there who might not want to wait: Ctrl-C ends the process.
-            false => Ok(predict(sweep, true, &mut || true)?),
+            false => Ok(predict(sweep, &mut || true)?),
         }
     })?;
     tell_same(&folder, false);

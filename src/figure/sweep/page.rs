@@ -2,9 +2,10 @@
 
 use super::{Arranged, Panel, PlaceAxis, column_label};
 use crate::figure::FigureError;
-use crate::figure::canvas::{Drawing, Page, Rectangle, part, write_paragraph};
+use crate::figure::canvas::{Drawing, Page, Rectangle, part, write_label, write_paragraph};
 use crate::figure::panel::{bar_room, draw_bar};
 use crate::figure::text::{Label, line_height};
+use plotters::style::text_anchor::{HPos, VPos};
 
 /// Below a panel for its numbers and the name of its axis, in sizes of the text.
 const LOWER: f64 = 3.2;
@@ -82,12 +83,16 @@ pub(super) fn compose(
                 .max();
             let lines = lines.unwrap_or(0);
             let names = line_height(size) * lines as f64;
-            let names = names + line_height(size) * 1.1;
+            // Above the plots stands the name of the ordinate, above the bar what it shows, and its power of ten.
+            let names =
+                (names + line_height(size) * 1.1).max(if has_bar { 2.8 * size } else { 0.0 });
             for (column, panel) in panels.iter().enumerate() {
                 let left = margin + column as f64 * (left_room + inner + 0.8 * size);
                 let frame = frame(left, top + names);
                 if !panel.title.is_empty() {
-                    let at = [frame.plot.left, top];
+                    let above = 1.1 * line_height(size);
+                    let own = line_height(size) * lines as f64;
+                    let at = [frame.plot.left, frame.plot.top - above - own];
                     write_paragraph(page, &Label::text(&panel.title), size, at, inner)?;
                 }
                 let at = [
@@ -101,7 +106,16 @@ pub(super) fn compose(
             if has_bar {
                 let right = margin + panels.len() as f64 * (left_room + inner + 0.8 * size);
                 let corner = [right + 0.4 * size, top + names];
-                draw_bar(page, &arranged.scale, corner, height, size, &name)?;
+                draw_bar(
+                    page,
+                    &arranged.scale,
+                    corner,
+                    height,
+                    size,
+                    &Label::default(),
+                )?;
+                let at = [corner[0], corner[1] - 2.7 * size];
+                write_label(page, &name, size, at, (HPos::Left, VPos::Top))?;
             }
             top += names + height + LOWER * size + 0.6 * size;
         }

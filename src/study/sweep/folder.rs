@@ -15,13 +15,12 @@
 use super::error::SweepError;
 use super::lock::{Holder, PointLock};
 use super::plan::Plan;
-use super::points::{Origin, Point, folder_of, identity, name, points};
+use super::points::{Needs, Origin, Point, folder_of, identity, name, points};
 use crate::record::{
     LARGEST_SCENE, LoadedScene, RunFolder, Status, load_scene, make_folder, read_file_text,
     read_text, write_scene, write_whole,
 };
 use crate::scene::{Scene, preset};
-use crate::simulation::{memory_held, node_count};
 use serde::{Deserialize, Serialize};
 use std::ffi::OsStr;
 use std::fs;
@@ -49,6 +48,8 @@ pub struct Sweep {
     pub origin: Origin,
     /// All points.
     pub points: Vec<Point>,
+    /// What each needs, as far as it follows from its size.
+    pub needs: Vec<Needs>,
 }
 
 impl Sweep {
@@ -86,13 +87,14 @@ impl Sweep {
             text: base.to_toml(),
             folders: vec![folder],
         };
-        let points = points(&plan, &origin)?;
+        let (points, needs) = points(&plan, &origin)?;
         Ok(Sweep {
             title: plan.title(path),
             plan,
             base,
             origin,
             points,
+            needs,
         })
     }
 
@@ -102,17 +104,6 @@ impl Sweep {
     /// [`SweepError::Plan`]: a file that it needs has changed.
     pub fn scene(&self, point: &Point) -> Result<Scene, SweepError> {
         Ok(self.origin.scene(&point.assignments)?)
-    }
-
-    /// The bytes that the run of a scene takes, whichever way it turns.
-    pub fn memory(scene: &Scene) -> u64 {
-        memory_held(scene, true)
-    }
-
-    /// How much work a scene is, by its size: nodes times steps, with some forty of those that are chosen.
-    pub fn work(scene: &Scene) -> f64 {
-        let steps = crate::record::step_count(&scene.time).unwrap_or(40);
-        node_count(scene) * steps as f64
     }
 
     fn stored(&self, needs: Vec<Needs>) -> Stored {
@@ -125,17 +116,6 @@ impl Sweep {
             needs,
         }
     }
-}
-
-/// What a point is predicted to take.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Needs {
-    /// Seconds of computing; `None`: not known.
-    pub seconds: Option<f64>,
-    /// Bytes.
-    pub memory: u64,
-    /// Its size beside others, if nothing else is known.
-    pub work: f64,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

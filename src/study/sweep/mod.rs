@@ -16,11 +16,11 @@ mod table;
 mod tests;
 
 pub use error::{PointError, PointProblem, SweepError, Values};
-pub use folder::{Needs, PointState, Sweep, SweepFolder};
+pub use folder::{PointState, Sweep, SweepFolder};
 pub use lock::{BEAT, Holder, PointLock, STALE_AFTER, Taken};
 pub use measure::{Measure, NoMeasure};
 pub use outline::{last_fields, last_outline};
 pub use plan::{Assignment, Axis, Plan, Repeat, ResultColumn, Spacing};
-pub use points::{MOST_POINTS, Origin, Point, points};
+pub use points::{MOST_POINTS, Needs, Origin, Point, points};
 pub use predict::predict;
 pub use table::{Row, Table, plain};

@@ -3,8 +3,8 @@
 use super::error::{PointError, PointProblem, SweepError};
 use super::plan::{Assignment, Plan, Repeat};
 use crate::record::{LARGEST_INPUT, read_bytes, scene_identity, step_count};
-use crate::scene::{Mesh, Scene, Vesicle};
-use crate::simulation::{check_memory, check_outlines};
+use crate::scene::{Boundary, Mesh, Scene, Solver, Time, Vesicle};
+use crate::simulation::{check_memory, check_outlines, memory_held, node_count};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -54,11 +54,11 @@ impl Origin {
     }
 }
 
-/// The points of a plan; every one was checked.
+/// The points of a plan, every one checked, with what each needs; how long it takes is not known yet.
 ///
 /// # Errors
 /// [`SweepError::Points`] with all that is wrong, `TooMany`, `NoSeed`.
-pub fn points(plan: &Plan, origin: &Origin) -> Result<Vec<Point>, SweepError> {
+pub fn points(plan: &Plan, origin: &Origin) -> Result<(Vec<Point>, Vec<Needs>), SweepError> {
     let count = plan.count();
     if count > MOST_POINTS {
         let most = MOST_POINTS;
@@ -66,15 +66,16 @@ pub fn points(plan: &Plan, origin: &Origin) -> Result<Vec<Point>, SweepError> {
     }
     let keys = plan.varied_keys();
     let mut points: Vec<Point> = Vec::with_capacity(count);
+    let mut all_needs = Vec::with_capacity(count);
     let mut errors = Vec::new();
     let mut known: HashMap<String, usize> = HashMap::new();
-    let mut outlines = Outlines::default();
+    let mut sizes = Sizes::default();
     for combination in plan.combinations() {
         for (repetition, assignments) in repetitions(plan, origin, &combination, points.len() + 1)?
         {
             let number = points.len() + errors.len() + 1;
-            let scene = match checked(origin, &assignments, &mut outlines) {
-                Ok(scene) => scene,
+            let (scene, needs) = match checked(origin, &assignments, &mut sizes) {
+                Ok(checked) => checked,
                 Err(reason) => {
                     errors.push(PointError {
                         number,
@@ -100,10 +101,11 @@ pub fn points(plan: &Plan, origin: &Origin) -> Result<Vec<Point>, SweepError> {
                 same_as: known.get(&text).copied(),
             });
             known.entry(text).or_insert(number);
+            all_needs.push(needs);
         }
     }
     match errors.is_empty() {
-        true => Ok(points),
+        true => Ok((points, all_needs)),
         false => Err(SweepError::Points {
             points: points.len() + errors.len(),
             errors,
@@ -201,44 +203,81 @@ fn one_line(value: &str) -> String {
     value.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// The scene of a point, if it can be run.
+/// The scene of a point, if it can be run, and what it needs.
 fn checked(
     origin: &Origin,
     assignments: &[Assignment],
-    outlines: &mut Outlines,
-) -> Result<Scene, PointProblem> {
+    sizes: &mut Sizes,
+) -> Result<(Scene, Needs), PointProblem> {
     let scene = origin.scene(assignments).map_err(PointProblem::Scene)?;
-    if step_count(&scene.time) == Some(0) {
-        let (end, step) = (scene.time.end, scene.time.step);
-        return Err(PointProblem::NoStep { end, step });
-    }
-    check_memory(&scene).map_err(PointProblem::SetUp)?;
-    outlines.check(&scene)?;
-    Ok(scene)
+    let needs = sizes.check(&scene)?;
+    Ok((scene, needs))
 }
 
-/// The meshes and vesicles that were checked: those of most points are the same.
+/// What a point is predicted to take.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Needs {
+    /// Seconds of computing; `None`: not known.
+    pub seconds: Option<f64>,
+    /// Bytes, whichever way the run turns.
+    pub memory: u64,
+    /// Its size beside others, if nothing else is known: nodes times steps, with some forty of those that are
+    /// chosen.
+    pub work: f64,
+}
+
+/// What decides about the size of a run, and whether it can be set up: of most points it is the same.
+#[derive(Debug, PartialEq)]
+struct Size {
+    mesh: Mesh,
+    vesicle: Vesicle,
+    time: Time,
+    solver: Solver,
+    boundary: Boundary,
+    has_director: bool,
+}
+
+/// The sizes that passed: counting the nodes of a mesh that is yet to be made takes its time.
 #[derive(Default)]
-struct Outlines {
-    passed: Vec<(Mesh, Vesicle)>,
+struct Sizes {
+    passed: Vec<(Size, Needs)>,
 }
 
 /// So many are kept: comparing with more takes longer than checking.
-const KEPT_OUTLINES: usize = 16;
+const KEPT_SIZES: usize = 16;
 
-impl Outlines {
-    fn check(&mut self, scene: &Scene) -> Result<(), PointProblem> {
-        let is_it =
-            |(mesh, vesicle): &(Mesh, Vesicle)| *mesh == scene.mesh && *vesicle == scene.vesicle;
-        if self.passed.iter().any(is_it) {
-            return Ok(());
+/// About so many steps are chosen.
+const CHOSEN_STEPS: u64 = 40;
+
+impl Sizes {
+    fn check(&mut self, scene: &Scene) -> Result<Needs, PointProblem> {
+        let size = Size {
+            mesh: scene.mesh.clone(),
+            vesicle: scene.vesicle.clone(),
+            time: scene.time.clone(),
+            solver: scene.solver.clone(),
+            boundary: scene.boundary,
+            has_director: scene.nematic.is_some(),
+        };
+        if let Some((_, needs)) = self.passed.iter().find(|(other, _)| *other == size) {
+            return Ok(*needs);
         }
+        let steps = step_count(&scene.time);
+        if steps == Some(0) {
+            let (end, step) = (scene.time.end, scene.time.step);
+            return Err(PointProblem::NoStep { end, step });
+        }
+        check_memory(scene).map_err(PointProblem::SetUp)?;
         check_outlines(scene).map_err(PointProblem::SetUp)?;
-        if self.passed.len() < KEPT_OUTLINES {
-            self.passed
-                .push((scene.mesh.clone(), scene.vesicle.clone()));
+        let needs = Needs {
+            seconds: None,
+            memory: memory_held(scene, true),
+            work: node_count(scene) * steps.unwrap_or(CHOSEN_STEPS) as f64,
+        };
+        if self.passed.len() < KEPT_SIZES {
+            self.passed.push((size, needs));
         }
-        Ok(())
+        Ok(needs)
     }
 }
 

@@ -1,34 +1,20 @@
 //! What the points of a sweep will take: measured for a few, by size for the others.
 
 use super::error::SweepError;
-use super::folder::{Needs, Sweep};
+use super::folder::Sweep;
+use super::points::Needs;
 use crate::study::{Foresight, run_estimate};
 
 /// So many points are tried at most: the smallest, the largest and one between.
 const TRIED: usize = 3;
 
-/// What each point will take. With `tries`, the first steps of up to three points are made, each for some seconds;
-/// the seconds of the others follow by their sizes. `go_on` is asked meanwhile.
+/// What each point will take: the first steps of up to three points are made, each for some seconds; the seconds of the
+/// others follow by their sizes. `go_on` is asked meanwhile.
 ///
 /// # Errors
 /// [`SweepError::Plan`]: a file that a scene needs has changed.
-pub fn predict(
-    sweep: &Sweep,
-    tries: bool,
-    go_on: &mut dyn FnMut() -> bool,
-) -> Result<Vec<Needs>, SweepError> {
-    let mut needs = Vec::with_capacity(sweep.points.len());
-    for point in &sweep.points {
-        let scene = sweep.scene(point)?;
-        needs.push(Needs {
-            seconds: None,
-            memory: Sweep::memory(&scene),
-            work: Sweep::work(&scene),
-        });
-    }
-    if !tries {
-        return Ok(needs);
-    }
+pub fn predict(sweep: &Sweep, go_on: &mut dyn FnMut() -> bool) -> Result<Vec<Needs>, SweepError> {
+    let mut needs = sweep.needs.clone();
     let mut by_work: Vec<usize> = (0..needs.len()).collect();
     by_work.sort_by(|a, b| needs[*a].work.total_cmp(&needs[*b].work));
     let mut tried: Vec<usize> = (0..TRIED)
