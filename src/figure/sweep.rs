@@ -94,13 +94,14 @@ pub enum SweepFigureError {
 
 /// An axis of the plan by its first key.
 #[derive(Debug, Clone)]
-struct Dimension {
-    key: String,
+pub(crate) struct Dimension {
+    /// The key.
+    pub key: String,
     /// The place of the key among the table's.
     number: usize,
     spacing: Spacing,
     /// As TOML, on one line.
-    values: Vec<String>,
+    pub values: Vec<String>,
 }
 
 impl Dimension {
@@ -126,41 +127,49 @@ fn numeric(value: &str) -> Option<f64> {
 
 /// What stands at a place of the grid: the mean over repetitions.
 #[derive(Debug, Clone, Default)]
-struct Cell {
-    value: Option<f64>,
+pub(crate) struct Cell {
+    /// Of the column.
+    pub value: Option<f64>,
     count: u32,
     /// The number of the first row there.
-    row: Option<usize>,
+    pub row: Option<usize>,
 }
 
 /// A grid over x and y with the values that the other axes have in it.
 #[derive(Debug, Clone)]
-struct Panel {
-    title: String,
+pub(crate) struct Panel {
+    /// The values of the other axes; empty, if there are none.
+    pub title: String,
     /// Row by row: y, then x.
     cells: Vec<Cell>,
 }
 
 /// A sweep, arranged for drawing.
 #[derive(Debug)]
-struct Arranged {
+pub(crate) struct Arranged {
     title: String,
     column: String,
-    x: Dimension,
-    /// With one value, where there is one axis only.
-    y: Option<Dimension>,
-    panels: Vec<Panel>,
+    /// From left to right.
+    pub x: Dimension,
+    /// From below upwards; none, where there is one axis only.
+    pub y: Option<Dimension>,
+    /// For each combination of the values of the other axes.
+    pub panels: Vec<Panel>,
     /// Panels beside each other.
     columns: usize,
+    /// The least and the greatest value; `None`: there is none yet.
+    pub extent: Option<[f64; 2]>,
     scale: Scale,
 }
 
 impl Arranged {
-    fn cell<'p>(&self, panel: &'p Panel, x: usize, y: usize) -> &'p Cell {
+    /// The cell at a place of a panel.
+    pub fn cell<'p>(&self, panel: &'p Panel, x: usize, y: usize) -> &'p Cell {
         &panel.cells[y * self.x.values.len() + x]
     }
 
-    fn rows(&self) -> usize {
+    /// How many places y has.
+    pub fn rows(&self) -> usize {
         self.y.as_ref().map_or(1, |y| y.values.len())
     }
 
@@ -172,7 +181,12 @@ impl Arranged {
         [PlaceAxis::new(&self.x), y]
     }
 
-    fn new(sweep: &SweepFolder, table: &Table, view: &SweepView) -> Result<Self, SweepFigureError> {
+    /// Arranges the rows of a table.
+    pub fn new(
+        sweep: &SweepFolder,
+        table: &Table,
+        view: &SweepView,
+    ) -> Result<Self, SweepFigureError> {
         let number = table
             .column(&view.column)
             .ok_or_else(|| SweepFigureError::NoColumn {
@@ -250,10 +264,8 @@ impl Arranged {
             }
         }
         let values = grids.iter().flat_map(|panel| &panel.cells);
-        let Some([low, high]) = extent(values.filter_map(|cell| cell.value)) else {
-            let column = view.column.clone();
-            return Err(SweepFigureError::NoNumbers { column });
-        };
+        let extent = extent(values.filter_map(|cell| cell.value));
+        let [low, high] = extent.unwrap_or([0.0, 1.0]);
         // All the same: a scale needs two ends.
         let room = if high > low {
             0.0
@@ -275,6 +287,7 @@ impl Arranged {
             y,
             panels: grids,
             columns: columns.clamp(1, 4),
+            extent,
             scale: Scale::between([low - room, high + room]),
         })
     }
@@ -381,6 +394,10 @@ pub fn save_sweep(
     options.check()?;
     let table = Table::read(sweep);
     let arranged = Arranged::new(sweep, &table, view)?;
+    if arranged.extent.is_none() {
+        let column = view.column.clone();
+        return Err(SweepFigureError::NoNumbers { column });
+    }
     let outlines = Outlines::read(sweep, &arranged);
     let is_map = arranged.y.is_some() && !view.curves;
     let safe = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };

@@ -34,6 +34,7 @@ mod session;
 mod signals;
 pub mod state;
 mod surface;
+mod sweep;
 mod terminal;
 pub mod theme;
 pub mod throughput;
@@ -41,3 +42,4 @@ pub mod update;
 
 pub use opening::{open, open_with_cases};
 pub use session::{AppError, Failed, Options, Outcome, run};
+pub use sweep::{SweepMap, SweepOutcome, show_sweep};

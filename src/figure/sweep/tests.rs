@@ -41,6 +41,7 @@ fn arranged(y: Option<Dimension>, panels: usize) -> Arranged {
         x,
         y,
         columns: 2,
+        extent: None,
         scale: Scale::between([0.0, 3.0 * rows as f64]),
     }
 }
