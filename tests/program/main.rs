@@ -7,3 +7,4 @@ mod accuracy;
 mod cli;
 mod figures;
 mod resume;
+mod sweep;
