@@ -73,7 +73,7 @@ pub fn show_sweep(
             }
             AppEvent::Message(Message::Key(key)) => {
                 is_stale = true;
-                match map.key(key, size) {
+                match map.key(key) {
                     Some(Wish::Quit) => return Ok(SweepOutcome::Ended(Ending::Quit)),
                     Some(Wish::Stop) => suspend(map, &terminal)?,
                     Some(Wish::Open(row)) => {

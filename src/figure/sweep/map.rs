@@ -125,7 +125,7 @@ fn contour(
                                 ((x1, y1), v1): ((f64, f64), f64)| {
                     let share = v0 / (v0 - v1);
                     ((v0 > 0.0) != (v1 > 0.0))
-                        .then(|| (x0 + share * (x1 - x0), y0 + share * (y1 - y0)))
+                        .then_some((x0 + share * (x1 - x0), y0 + share * (y1 - y0)))
                 };
                 let ends = [crossing(a, b), crossing(b, c), crossing(c, a)];
                 let ends: Vec<(f64, f64)> = ends.into_iter().flatten().collect();

@@ -3,7 +3,7 @@
 use super::error::{PointError, PointProblem, SweepError};
 use super::plan::{Assignment, Plan, Repeat};
 use crate::record::{LARGEST_INPUT, read_bytes, scene_identity, step_count};
-use crate::scene::{Boundary, Mesh, Scene, Solver, Time, Vesicle};
+use crate::scene::{Boundary, Mesh, Scene, SceneError, Solver, Time, Vesicle};
 use crate::simulation::{check_memory, check_outlines, memory_held, node_count};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -42,13 +42,18 @@ impl Origin {
     /// The scene of a point.
     ///
     /// # Errors
-    /// [`crate::scene::SceneError`].
-    pub fn scene(&self, assignments: &[Assignment]) -> Result<Scene, crate::scene::SceneError> {
+    /// [`SceneError`].
+    pub fn scene(&self, assignments: &[Assignment]) -> Result<Scene, SceneError> {
         let overrides: Vec<String> = assignments.iter().map(Assignment::argument).collect();
         Scene::parse(&self.text, "the plan's scene", &overrides, &mut |path| {
-            let places = self.folders.iter().map(|folder| folder.join(path));
-            let found = places.clone().find(|place| place.exists());
-            let place = found.or(places.last()).unwrap_or(PathBuf::from(path));
+            // The last one is where the plan's scene was: its path is the one to report.
+            let mut place = PathBuf::from(path);
+            for folder in &self.folders {
+                place = folder.join(path);
+                if place.exists() {
+                    break;
+                }
+            }
             read_bytes(&place, LARGEST_INPUT)
         })
     }
@@ -254,8 +259,8 @@ impl Sizes {
         let size = Size {
             mesh: scene.mesh.clone(),
             vesicle: scene.vesicle.clone(),
-            time: scene.time.clone(),
-            solver: scene.solver.clone(),
+            time: scene.time,
+            solver: scene.solver,
             boundary: scene.boundary,
             has_director: scene.nematic.is_some(),
         };

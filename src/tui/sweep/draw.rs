@@ -1,6 +1,7 @@
 //! The map of a sweep on the screen.
 
 use super::state::{SAMPLES, SweepMap};
+use crate::record::ShortNumber;
 use crate::study::sweep::{PointState, SweepFolder, plain};
 use crate::tui::numbers::significant;
 use crate::tui::theme::{Role, Theme};
@@ -247,11 +248,19 @@ fn vesicle(
     let (columns, rows) = (f64::from(area.width), f64::from(area.height) * 2.0);
     let samples = ((x1 - x0 + 1) as f64 / columns).max((y1 - y0 + 1) as f64 / rows);
     let center = [0.5 * (x0 + x1) as f64, 0.5 * (y0 + y1) as f64];
+    // Whether the greater part of a half cell is inside.
     let is_inside = |column: f64, row: f64| {
-        let x = center[0] + (column - 0.5 * columns + 0.5) * samples;
-        let y = center[1] + (row - 0.5 * rows + 0.5) * samples;
-        let within = |at: f64| (0.0..SAMPLES as f64).contains(&at);
-        within(x) && within(y) && picture[y as usize * SAMPLES + x as usize]
+        let part = |center: f64, of: f64, at: f64| {
+            let first = center + 0.5 + (at - 0.5 * of) * samples;
+            // The casts saturate.
+            let end = (first + samples).round().max(0.0) as usize;
+            let first = first.round().max(0.0) as usize;
+            first.min(SAMPLES)..end.clamp(first + 1, SAMPLES.max(first + 1)).min(SAMPLES)
+        };
+        let (xs, ys) = (part(center[0], columns, column), part(center[1], rows, row));
+        let all = xs.len() * ys.len();
+        let inside = ys.flat_map(|y| xs.clone().map(move |x| y * SAMPLES + x));
+        2 * inside.filter(|sample| picture[*sample]).count() > all
     };
     let lower_half = "▄";
     for row in 0..area.height {
@@ -302,7 +311,7 @@ fn values(map: &SweepMap, theme: &Theme, area: Rect, buffer: &mut Buffer) {
     lines.push(Line::default());
     for (name, number) in map.table.columns.iter().zip(&row.numbers) {
         if let Some(number) = number {
-            let mut line = entry(name, significant(*number, 5));
+            let mut line = entry(name, ShortNumber(*number).to_string());
             if *name == map.column {
                 line = line.style(theme.strong().add_modifier(Modifier::BOLD));
             }
@@ -329,4 +338,108 @@ fn short_values<'a>(map: &SweepMap) -> Option<Line<'a>> {
         row.state.word(),
         words.join(", ")
     )))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::state::Wish;
+    use super::*;
+    use crate::tui::theme::ColorTier;
+    use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
+    use std::fs;
+
+    fn sweep(plan: &str) -> (tempfile::TempDir, SweepFolder) {
+        let here = tempfile::tempdir().expect("a folder");
+        let path = here.path().join("plan.toml");
+        fs::write(&path, format!("scene = \"case3-quick\"\n{plan}")).expect("written");
+        let sweep = crate::study::sweep::Sweep::read(&path).expect("a plan");
+        let needs = sweep.needs.clone();
+        let folder = SweepFolder::create(&here.path().join("out"), &sweep, needs).expect("written");
+        (here, folder)
+    }
+
+    fn screen(map: &SweepMap, folder: &SweepFolder, size: (u16, u16), unicode: bool) -> String {
+        let area = Rect::new(0, 0, size.0, size.1);
+        let mut buffer = Buffer::empty(area);
+        let theme = Theme::new(ColorTier::None, unicode);
+        draw(map, folder, &theme, area, &mut buffer);
+        let row = |y: u16| {
+            (0..size.0)
+                .map(|x| buffer[(x, y)].symbol())
+                .collect::<String>()
+                + "\n"
+        };
+        (0..size.1).map(row).collect()
+    }
+
+    /// A disc of a radius in samples.
+    fn disc(radius: f64) -> Vec<bool> {
+        let middle = 0.5 * (SAMPLES - 1) as f64;
+        let sample = |at: usize| {
+            let [x, y] = [at % SAMPLES, at / SAMPLES].map(|it| it as f64 - middle);
+            x.hypot(y) < radius
+        };
+        (0..SAMPLES * SAMPLES).map(sample).collect()
+    }
+
+    #[test]
+    fn the_map_shows_every_point_and_keys_move_through_it() {
+        let (_here, folder) = sweep(
+            "[vary]\n\"area.target\" = [0.9, 1.0, 1.1]\n\"anchoring.weight\" = [1, 10]\n\
+             \"anchoring.kind\" = [\"parallel\", \"homeotropic\"]\n",
+        );
+        let mut map = SweepMap::new(&folder).expect("it has axes");
+        let text = screen(&map, &folder, (120, 40), true);
+        assert_eq!(text.matches("waiting").count(), 8, "{text}");
+        assert!(text.contains("1 of 2  anchoring.kind = parallel"), "{text}");
+        map.show([(0, disc(40.0)), (2, disc(20.0))]);
+        let text = screen(&map, &folder, (120, 40), true);
+        assert_eq!(text.matches("waiting").count(), 6, "{text}");
+        // A disc is as wide as high: a cell is twice as high, and has two halves.
+        let inked = |line: &&str| line.contains('█');
+        let rows = text.lines().filter(inked).count();
+        let widest = text
+            .lines()
+            .map(|line| line.matches('█').count())
+            .max()
+            .unwrap_or(0);
+        assert!(
+            (1.4..2.8).contains(&(widest as f64 / rows as f64)),
+            "{widest} × {rows}\n{text}"
+        );
+
+        let mut key = |code| map.key(KeyEvent::new(code, KeyModifiers::NONE));
+        for code in [
+            KeyCode::Right,
+            KeyCode::Right,
+            KeyCode::Right,
+            KeyCode::Up,
+            KeyCode::Up,
+        ] {
+            assert_eq!(key(code), None);
+        }
+        // The last of both axes: area 1.1, weight 10, parallel.
+        assert_eq!(key(KeyCode::Enter), Some(Wish::Open(10)));
+        key(KeyCode::Tab);
+        assert_eq!(key(KeyCode::Enter), Some(Wish::Open(11)));
+        assert_eq!(key(KeyCode::Char('q')), Some(Wish::Quit));
+        let text = screen(&map, &folder, (120, 40), false);
+        assert!(
+            text.contains("anchoring.weight 10") && text.contains("homeotropic"),
+            "{text}"
+        );
+        assert!(text.is_ascii(), "{text}");
+        for size in [(1, 1), (30, 10), (60, 20), (80, 24), (200, 60)] {
+            screen(&map, &folder, size, true);
+        }
+    }
+
+    #[test]
+    fn the_window_is_around_the_cursor() {
+        assert_eq!(window(9, 20, 4), 0..9);
+        assert_eq!(window(9, 4, 0), 0..4);
+        assert_eq!(window(9, 4, 5), 3..7);
+        assert_eq!(window(9, 4, 8), 5..9);
+        assert_eq!(window(3, 0, 2), 2..3);
+    }
 }

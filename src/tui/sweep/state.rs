@@ -6,7 +6,7 @@ use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
 use std::collections::HashMap;
 
 /// Samples of a small picture along each side.
-pub(super) const SAMPLES: usize = 64;
+pub(super) const SAMPLES: usize = 128;
 
 /// φ of a vesicle on a grid of [`SAMPLES`] × [`SAMPLES`], row by row from above: whether it is positive.
 pub(super) type Thumbnail = Vec<bool>;
@@ -90,7 +90,7 @@ impl SweepMap {
     }
 
     /// Takes a key.
-    pub(super) fn key(&mut self, key: KeyEvent, _size: (u16, u16)) -> Option<Wish> {
+    pub(super) fn key(&mut self, key: KeyEvent) -> Option<Wish> {
         self.remark = None;
         let most = [self.arranged.x.values.len() - 1, self.arranged.rows() - 1];
         let panels = self.arranged.panels.len();
