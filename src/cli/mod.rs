@@ -35,7 +35,7 @@ use std::process::ExitCode;
     version,
     args_conflicts_with_subcommands = true,
     after_help = "\
-SCENE is a preset's name (see `vesica presets`), a TOML file or a run's folder; without a command it \
+SCENE is a preset's name (see `vesica presets`), a TOML file, or the folder of a run or of a sweep; without a command it \
 is opened in the terminal app."
 )]
 struct Arguments {

@@ -1,5 +1,5 @@
-//! Runs about runs: what accuracy costs in time, what each effect costs, and what a run will cost before
-//! it is begun.
+//! Runs about runs: what accuracy costs in time, what each effect costs, what a run will cost before it is begun, and
+//! sweeps over the values of a scene.
 
 mod advice;
 mod chart;

@@ -8,6 +8,9 @@ use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, Value
 use plotters::coord::types::RangedCoordf64;
 use std::ops::Range;
 
+/// Digits of a number on an axis, at most.
+pub(super) const DIGITS: usize = 4;
+
 /// Letters of a word on an axis, at most.
 const LONGEST: usize = 14;
 
@@ -36,7 +39,7 @@ impl PlaceAxis {
             None => (0..dimension.values.len()).map(|it| it as f64).collect(),
         };
         let labels = dimension.values.iter().map(|value| match numeric(value) {
-            Some(value) => number(value, 3),
+            Some(value) => number(value, DIGITS),
             None => Label::text(&shortened(&plain(value))),
         });
         Self::of(places, labels.collect())

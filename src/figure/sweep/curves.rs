@@ -1,5 +1,6 @@
 //! A column over one axis: a curve, or one for each value of a second axis.
 
+use super::axis::DIGITS;
 use super::page::{Frame, Layout, compose};
 use super::{Arranged, Panel, column_label, numeric};
 use crate::figure::FigureError;
@@ -104,7 +105,7 @@ fn draw_panel(
         if let (Some(y), Some(end)) = (&arranged.y, known.last()) {
             let style = font(0.85 * size).pos(Pos::new(HPos::Right, VPos::Bottom));
             let label: String = match numeric(&y.values[row]) {
-                Some(value) => number(value, 3),
+                Some(value) => number(value, DIGITS),
                 None => Label::text(&plain(&y.values[row])),
             }
             .into();

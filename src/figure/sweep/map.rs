@@ -55,8 +55,11 @@ fn draw_panel(
             let place = (x.places[column], y.places[row]);
             match cell.value {
                 Some(value) => {
-                    let colour = arranged.scale.at(value).filled();
-                    chart.draw_series(once(Rectangle::new(corners, colour)))?;
+                    // With a line of the same colour: no paper is to show between two cells.
+                    let colour = arranged.scale.at(value);
+                    for style in [colour.filled(), stroke(colour, 1.0)] {
+                        chart.draw_series(once(Rectangle::new(corners, style)))?;
+                    }
                 }
                 // A point without a value is marked; where there is no point the paper shows.
                 None if cell.row.is_some() => {

@@ -396,7 +396,7 @@ mod tests {
         let text = screen(&map, &folder, (120, 40), true);
         assert_eq!(text.matches("waiting").count(), 6, "{text}");
         // A disc is as wide as high: a cell is twice as high, and has two halves.
-        let inked = |line: &&str| line.contains('█');
+        let inked = |line: &&str| line.contains('│') && line.contains('█');
         let rows = text.lines().filter(inked).count();
         let widest = text
             .lines()
