@@ -30,7 +30,7 @@
 //! | [`cli`] | the program's subcommands |
 //! | [`tui`] | the terminal app |
 //! | [`figure`] | the pictures of a report |
-//! | [`study`] | runs about runs: accuracy against time, the cost of each effect |
+//! | [`study`] | runs about runs: accuracy against time, the cost of each effect, sweeps |
 //! | [`record`] | the files that a run leaves and resumes from |
 //! | [`simulation`] | a run in time, and its background worker |
 //! | [`scheme`] | one time step: the director, the membrane, the energy law |

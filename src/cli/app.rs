@@ -2,19 +2,23 @@
 
 use super::error::CliError;
 use super::numbers;
+use crate::scene::preset;
+use crate::study::sweep::SweepFolder;
 use crate::tui::brake;
 use crate::tui::figures::save_figures;
+use crate::tui::state::Slot;
 use crate::tui::theme::ColorTier;
-use crate::tui::{self, Failed, Options};
+use crate::tui::{self, Failed, Options, SweepMap, SweepOutcome};
 use clap::ValueEnum;
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::io::{self, IsTerminal};
+use std::path::Path;
 
 /// Arguments of the app.
 #[derive(Debug, clap::Args)]
 #[group(id = "app")]
 pub(super) struct Arguments {
-    /// The scene that the terminal app opens: a preset's name, a TOML file or a run's folder
+    /// The scene that the terminal app opens: a preset's name, a TOML file, or the folder of a run or of a sweep
     /// [default: case3-quick]
     pub scene: Option<OsString>,
 
@@ -105,9 +109,50 @@ impl Color {
 /// Opens the app on a scene. A wrong scene and a missing terminal are reported before the terminal is
 /// touched.
 pub(super) fn open(arguments: Arguments) -> Result<(), CliError> {
-    let scene = arguments.scene.unwrap_or(tui::DEFAULT.into());
+    let scene = arguments.scene.clone().unwrap_or(tui::DEFAULT.into());
+    let is_preset = scene.to_str().is_some_and(|name| preset(name).is_some());
+    if !is_preset && SweepFolder::is_one(Path::new(&scene)) {
+        check_terminal(&scene)?;
+        return open_sweep(Path::new(&scene), &arguments);
+    }
     let (slots, active) = tui::open_with_cases(&scene, &arguments.set)?;
     super::run::some_step(&slots[active].scene.time)?;
+    check_terminal(&scene)?;
+    run(slots, active, &arguments)
+}
+
+/// Shows the map of a sweep, and the runs that are opened from it.
+fn open_sweep(path: &Path, arguments: &Arguments) -> Result<(), CliError> {
+    if !arguments.set.is_empty() {
+        return Err(CliError::SetInRun {
+            folder: path.join("base"),
+        });
+    }
+    let folder = SweepFolder::open(path)?;
+    let mut map = SweepMap::new(&folder)?;
+    loop {
+        match tui::show_sweep(&folder, &mut map, arguments.color.tier())? {
+            SweepOutcome::Ended(ending) => {
+                return match ending.signal() {
+                    Some(number) => Err(CliError::AppEnded { number }),
+                    None => Ok(()),
+                };
+            }
+            SweepOutcome::Open(path) => match tui::open_with_cases(path.as_os_str(), &[]) {
+                // A run that failed is reported in its own exit; the map goes on.
+                Ok((slots, active)) => match run(slots, active, arguments) {
+                    Ok(()) | Err(CliError::AppFailed { .. }) => {}
+                    Err(error) => return Err(error),
+                },
+                Err(error) => map.remark = Some(error.to_string()),
+            },
+        }
+    }
+}
+
+/// Checks that the app can be drawn.
+fn check_terminal(scene: &OsStr) -> Result<(), CliError> {
+    let scene = scene.to_owned();
     for (stream, is_terminal) in [
         ("output", io::stdout().is_terminal()),
         ("input", io::stdin().is_terminal()),
@@ -120,6 +165,11 @@ pub(super) fn open(arguments: Arguments) -> Result<(), CliError> {
     if is_incapable(&name) {
         return Err(CliError::IncapableTerminal { name, scene });
     }
+    Ok(())
+}
+
+/// Runs the app.
+fn run(slots: Vec<Slot>, active: usize, arguments: &Arguments) -> Result<(), CliError> {
     let outcome = tui::run(Options {
         slots,
         active,

@@ -1,10 +1,12 @@
 //! Why a command ends without success, and its exit status.
 
 use super::output;
-use crate::figure::FigureError;
+use super::sweep::SlurmError;
+use crate::figure::{FigureError, SweepFigureError};
 use crate::record::{CheckpointError, LoadError, ReadError, RecordError, Whereabouts};
 use crate::scene::UnknownPreset;
 use crate::simulation::SimulationError;
+use crate::study::sweep::SweepError;
 use crate::study::{ComparedRunError, StudyError};
 use crate::tui::AppError;
 use std::ffi::OsString;
@@ -261,6 +263,65 @@ pub(super) enum CliError {
         /// Of how many.
         all: usize,
     },
+    /// There is no such sweep, or it cannot be run.
+    #[error(transparent)]
+    Sweep(#[from] SweepError),
+    /// Some points of a sweep failed; each was reported already.
+    #[error(
+        "{failed} of {all} points failed{}; what is not done can be tried again with: vesica sweep {} --resume",
+        if *left > 0 { format!(" and {left} were not tried") } else { String::new() },
+        folder.display()
+    )]
+    PointsFailed {
+        /// How many.
+        failed: usize,
+        /// How many were not tried, for too many had failed.
+        left: usize,
+        /// Of how many.
+        all: usize,
+        /// The sweep's folder.
+        folder: PathBuf,
+    },
+    /// A signal ended a sweep.
+    #[error(
+        "ended by {signal}; {done} of {all} points are done, what was begun is saved. Go on with: vesica sweep {} \
+         --resume",
+        folder.display()
+    )]
+    SweepInterrupted {
+        /// The signal's name.
+        signal: &'static str,
+        /// The signal's number.
+        number: i32,
+        /// How many points are done.
+        done: usize,
+        /// Of how many.
+        all: usize,
+        /// The sweep's folder.
+        folder: PathBuf,
+    },
+    /// A signal ended a task of a sweep.
+    #[error("ended by {signal}; point {point} is saved, and the same command continues it")]
+    PointSaved {
+        /// The signal's name.
+        signal: &'static str,
+        /// The point.
+        point: String,
+    },
+    /// Points of a task were not done; each was reported already.
+    #[error("{failed} of {all} points were not done")]
+    TaskFailed {
+        /// How many.
+        failed: usize,
+        /// Of how many.
+        all: usize,
+    },
+    /// There is no such figure of a sweep.
+    #[error(transparent)]
+    SweepFigure(#[from] SweepFigureError),
+    /// The batch system did not take the jobs.
+    #[error(transparent)]
+    Slurm(#[from] SlurmError),
     /// Signals cannot be received.
     #[error("cannot set up the handling of Ctrl-C: {0}")]
     Signals(#[source] io::Error),
@@ -273,6 +334,8 @@ impl CliError {
     /// The exit status of wrong arguments and wrong scenes.
     pub const USAGE: u8 = 2;
     const FAILED: u8 = 1;
+    /// A task was stopped and its state is saved: it is to be started again. EX_TEMPFAIL of sysexits.h.
+    pub const SAVED: u8 = 75;
 
     /// What the process ends with.
     pub fn exit_status(&self) -> u8 {
@@ -292,6 +355,7 @@ impl CliError {
             | CliError::Read(_)
             | CliError::ComparedRun(_)
             | CliError::SetInRun { .. }
+            | CliError::Slurm(SlurmError::Arguments { .. })
             | CliError::Figure(
                 FigureError::Width { .. }
                 | FigureError::Resolution { .. }
@@ -306,7 +370,21 @@ impl CliError {
             {
                 CliError::USAGE
             }
-            CliError::SetUp(_)
+            CliError::Sweep(error) => match error {
+                SweepError::Record(_) => CliError::FAILED,
+                _ => CliError::USAGE,
+            },
+            CliError::SweepFigure(
+                SweepFigureError::Figure(FigureError::Occupied { .. })
+                | SweepFigureError::NoNumbers { .. },
+            ) => CliError::USAGE,
+            CliError::SweepFigure(SweepFigureError::Figure(_)) => CliError::FAILED,
+            CliError::SweepFigure(_) => CliError::USAGE,
+            CliError::PointSaved { .. } => CliError::SAVED,
+            CliError::PointsFailed { .. }
+            | CliError::TaskFailed { .. }
+            | CliError::Slurm(_)
+            | CliError::SetUp(_)
             | CliError::FinerRun { .. }
             | CliError::Study(_)
             | CliError::Undecided { .. }
@@ -326,6 +404,7 @@ impl CliError {
             CliError::Interrupted { number, .. }
             | CliError::SetUpInterrupted { number, .. }
             | CliError::FiguresInterrupted { number, .. }
+            | CliError::SweepInterrupted { number, .. }
             | CliError::AccuracyInterrupted { number, .. }
             | CliError::StudyEnded { number, .. }
             | CliError::MeasurementInterrupted { number, .. }
@@ -339,6 +418,8 @@ impl CliError {
             CliError::Interrupted { .. }
             | CliError::SetUpInterrupted { .. }
             | CliError::FiguresInterrupted { .. }
+            | CliError::SweepInterrupted { .. }
+            | CliError::PointSaved { .. }
             | CliError::AccuracyInterrupted { .. }
             | CliError::StudyEnded { .. } => output::note(self),
             // It has left a line that says how far it came, and what failed.

@@ -426,7 +426,7 @@ impl fmt::Display for Command<'_> {
 }
 
 /// An argument as a shell takes it.
-fn quoted(argument: &str) -> String {
+pub(super) fn quoted(argument: &str) -> String {
     let harmless = |c: char| c.is_ascii_alphanumeric() || "-_./=+:,@%".contains(c);
     match !argument.is_empty() && argument.chars().all(harmless) {
         true => argument.to_owned(),

@@ -1,7 +1,8 @@
 //! The command line: one file a subcommand.
 //!
 //! Exit status: 0 done; 1 the run failed, or a check did not come to an end; 2 the arguments or the scene are wrong; 128 + n the run
-//! was ended early, but cleanly, by signal n (130 for Ctrl-C, as shells have it).
+//! was ended early, but cleanly, by signal n (130 for Ctrl-C, as shells have it); 75 a task of a sweep was ended by a
+//! signal and is to be started again.
 
 mod accuracy;
 mod allocator;
@@ -18,6 +19,7 @@ mod progress;
 mod run;
 mod set_up;
 mod signals;
+mod sweep;
 
 use crate::scene::preset;
 use clap::{CommandFactory, Parser, Subcommand};
@@ -34,7 +36,7 @@ use std::process::ExitCode;
     version,
     args_conflicts_with_subcommands = true,
     after_help = "\
-SCENE is a preset's name (see `vesica presets`), a TOML file or a run's folder; without a command it \
+SCENE is a preset's name (see `vesica presets`), a TOML file, or the folder of a run or of a sweep; without a command it \
 is opened in the terminal app."
 )]
 struct Arguments {
@@ -61,6 +63,8 @@ enum Command {
     Check(check::Arguments),
     /// Tell what accuracy costs in time, and which knob to turn
     Accuracy(accuracy::Arguments),
+    /// Simulate a scene many times with other values, here or on a cluster
+    Sweep(sweep::Arguments),
 }
 
 /// Runs the program with the process's arguments.
@@ -75,6 +79,7 @@ pub fn main() -> ExitCode {
         Some(Command::Figures(arguments)) => figures::figures(&arguments),
         Some(Command::Accuracy(arguments)) => accuracy::accuracy(&arguments),
         Some(Command::Effects(arguments)) => effects::effects(&arguments),
+        Some(Command::Sweep(arguments)) => sweep::sweep(&arguments),
         Some(Command::Presets) => presets::list(),
         Some(Command::Preset(arguments)) => presets::print(&arguments),
         Some(Command::Check(arguments)) => check::check(&arguments),

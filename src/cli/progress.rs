@@ -4,6 +4,8 @@ use crate::scene::significant;
 use crate::simulation::{Report, Schedule};
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use std::fmt;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 /// How often the bar is brought up to date.
@@ -15,6 +17,8 @@ pub(super) struct Progress {
     bar: ProgressBar,
     schedule: Schedule,
     updated: Instant,
+    /// Where it leaves its share, if another one shows it; `bar` is that one.
+    share: Option<Arc<AtomicU64>>,
 }
 
 /// Parts of a bar whose number of steps is not known.
@@ -43,6 +47,16 @@ impl Progress {
         Progress::with(schedule, bar)
     }
 
+    /// A part of what `bar` shows: leaves the share that is done, as the bits of a number, in `share`.
+    pub fn part_of(bar: &ProgressBar, share: Arc<AtomicU64>, schedule: &Schedule) -> Progress {
+        Progress {
+            bar: bar.clone(),
+            schedule: *schedule,
+            updated: Instant::now(),
+            share: Some(share),
+        }
+    }
+
     fn with(schedule: &Schedule, bar: ProgressBar) -> Progress {
         let template = match schedule.steps {
             Some(_) => "{prefix}{bar:24} {pos}/{len}  {rate}  {eta} left  {msg}",
@@ -56,11 +70,17 @@ impl Progress {
             bar,
             schedule: *schedule,
             updated: Instant::now(),
+            share: None,
         }
     }
 
     /// Shows a step, unless the last was shown just now.
     pub fn show(&mut self, report: &Report) {
+        if let Some(share) = &self.share {
+            let done = self.schedule.share(report.step, report.t);
+            share.store(done.to_bits(), Ordering::Relaxed);
+            return;
+        }
         if self.bar.is_hidden() || self.updated.elapsed() < INTERVAL {
             return;
         }
@@ -82,7 +102,9 @@ impl Progress {
 /// Takes the bar away, so that what is printed next stands where it was.
 impl Drop for Progress {
     fn drop(&mut self) {
-        self.bar.finish_and_clear();
+        if self.share.is_none() {
+            self.bar.finish_and_clear();
+        }
     }
 }
 

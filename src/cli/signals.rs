@@ -2,6 +2,7 @@
 
 use super::error::CliError;
 use crate::signals::{EndingSignal, ending, survive_file_size_limit};
+use signal_hook::consts::SIGTERM;
 use signal_hook::flag;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -23,7 +24,23 @@ impl EndSignal {
     /// # Errors
     /// [`CliError::Signals`].
     pub fn listen() -> Result<EndSignal, CliError> {
-        let signals = ending();
+        Self::listen_to(ending())
+    }
+
+    /// The same in a batch job, where a second SIGTERM is no reason to hurry: the system sends it to the job's
+    /// script and to its programs, and the script passes it on.
+    ///
+    /// # Errors
+    /// [`CliError::Signals`].
+    pub fn listen_in_batch() -> Result<EndSignal, CliError> {
+        let mut signals = ending();
+        for signal in &mut signals {
+            signal.insists &= signal.number != SIGTERM;
+        }
+        Self::listen_to(signals)
+    }
+
+    fn listen_to(signals: Vec<EndingSignal>) -> Result<EndSignal, CliError> {
         let received = Arc::new(AtomicUsize::new(0));
         let again = Arc::new(AtomicBool::new(false));
         for &EndingSignal {

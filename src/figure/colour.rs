@@ -114,6 +114,11 @@ impl Scale {
         Scale::new([0.0, bound], viridis)
     }
 
+    /// From one value to another, growing brighter.
+    pub fn between(ends: [f64; 2]) -> Scale {
+        Scale::new(ends, viridis)
+    }
+
     /// With a colour for each share of the way from the low end to the high one.
     fn new([low, high]: [f64; 2], colour: impl Fn(f64) -> RGBColor) -> Scale {
         let shares = (0..=STEPS).map(|step| step as f64 / STEPS as f64);

@@ -28,6 +28,7 @@ mod save;
 mod scalars;
 mod strip;
 mod svg;
+mod sweep;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -39,6 +40,8 @@ pub use colour::ColourMap;
 pub use data::{Field, RunData, Snapshot, View};
 pub use error::FigureError;
 pub use save::{check_free, save_set, save_view};
+pub(crate) use sweep::Arranged;
+pub use sweep::{SweepFigureError, SweepView, save_sweep};
 pub use work_precision::save_study;
 
 /// The least width of a figure, in pixels: below it there is no room for its numbers.

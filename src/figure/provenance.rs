@@ -14,6 +14,7 @@ use crate::scene::Scene;
 /// | `Scene` | the complete scene as TOML; of several, `Scene 1`, `Scene 2`, … |
 /// | `Step` | the steps that are shown, with spaces between |
 /// | `Time` | their times |
+/// | `Plan` | of a sweep, its plan as TOML; `Scene` is then the scene that it varies |
 ///
 /// There is no date: the same picture is the same file.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -68,6 +69,13 @@ impl Provenance {
             title.clone_into(text);
         }
         provenance
+    }
+
+    /// With another keyword.
+    pub fn with(mut self, keyword: &str, text: &str) -> Provenance {
+        let text = text.replace('\0', "\u{fffd}");
+        self.entries.push((keyword.to_owned(), text));
+        self
     }
 
     /// What the picture shows.

@@ -15,7 +15,7 @@ const PATIENCE: Duration = Duration::from_secs(5);
 ///
 /// # Errors
 /// Those of [`read_bytes`], or that it is not text.
-pub(super) fn read_text(path: &Path, limit: u64) -> io::Result<String> {
+pub(crate) fn read_text(path: &Path, limit: u64) -> io::Result<String> {
     text(read_bytes(path, limit)?)
 }
 
@@ -23,7 +23,7 @@ pub(super) fn read_text(path: &Path, limit: u64) -> io::Result<String> {
 ///
 /// # Errors
 /// Those of [`read_file`], or that it is not text.
-pub(super) fn read_file_text(path: &Path, limit: u64) -> io::Result<String> {
+pub(crate) fn read_file_text(path: &Path, limit: u64) -> io::Result<String> {
     text(read_file(path, limit)?)
 }
 
@@ -107,7 +107,7 @@ pub(super) fn read_file(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
 ///
 /// # Errors
 /// What the system says, or that it is too large, a device, or a pipe without a writer.
-pub(super) fn read_bytes(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
+pub(crate) fn read_bytes(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
     let metadata = fs::metadata(path)?;
     if metadata.is_dir() || metadata.is_file() {
         return read_file(path, limit);

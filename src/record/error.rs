@@ -155,7 +155,7 @@ impl RecordError {
     }
 
     /// For `map_err`: the file at `path` could not be written.
-    pub(super) fn write(path: &Path) -> impl FnOnce(io::Error) -> RecordError + '_ {
+    pub(crate) fn write(path: &Path) -> impl FnOnce(io::Error) -> RecordError + '_ {
         move |reason| RecordError::Write {
             path: path.to_owned(),
             reason,

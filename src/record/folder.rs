@@ -354,7 +354,7 @@ pub(crate) fn make(path: &Path) -> Result<(), RecordError> {
 }
 
 /// Removes the files of a run, file by file: what a user put beside them stays.
-pub(super) fn clear(folder: &Path) -> Result<(), RecordError> {
+pub(crate) fn clear(folder: &Path) -> Result<(), RecordError> {
     for file in FILES {
         remove(&folder.join(file))?;
     }

@@ -8,9 +8,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 /// Bytes of a scene, which is text by hand, at most.
-const LARGEST_SCENE: u64 = 4 << 20;
+pub(crate) const LARGEST_SCENE: u64 = 4 << 20;
 /// Bytes of a file of nodal values or of a mesh at most: enough for twenty million nodes.
-const LARGEST_INPUT: u64 = 1 << 30;
+pub(crate) const LARGEST_INPUT: u64 = 1 << 30;
 
 /// A scene and what to call its runs.
 #[derive(Debug, Clone, PartialEq)]

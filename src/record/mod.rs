@@ -50,10 +50,11 @@ mod vtu;
 pub use app_checkpoint::{KeptAt, KeptNote, KeptRows, KeptRun, KeptRuns, RunKeeper, Search};
 pub use atomic::Leftover;
 pub(crate) use atomic::{clean, write_new, write_whole};
+pub(crate) use bounded_read::{read_bytes, read_file_text, read_text};
 pub use checkpoint::{CheckpointError, Problem};
 pub use error::RecordError;
-pub(crate) use folder::make as make_folder;
 pub use folder::{IfOccupied, RunFolder, Whereabouts, write_error_table};
+pub(crate) use folder::{clear as clear_run, make as make_folder};
 pub use history::HISTORY_COLUMNS;
 pub(crate) use number::push_cells;
 pub use number::{Number, ShortNumber};
@@ -63,8 +64,10 @@ pub use resume::{Found, Resumption};
 pub use scalar_columns::Columns;
 
 pub use crate::simulation::{Schedule, step_count};
+pub(crate) use load_scene::{LARGEST_INPUT, LARGEST_SCENE};
 pub use load_scene::{LoadError, LoadedScene, load_run_scene, load_scene};
 pub use scene_file::same_run;
+pub(crate) use scene_file::{identity as scene_identity, write_scene};
 pub use snapshots::{write_state, write_states};
 pub use summary::{
     Ending, EventRecord, FinerRun, MeasuredErrorRecord, OutlineChange, RunSummary, Status,

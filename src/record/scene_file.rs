@@ -22,7 +22,7 @@ pub(super) const MESH_NAME: &str = "mesh.msh";
 ///
 /// # Errors
 /// [`RecordError`] with the file or folder that could not be written.
-pub(super) fn write_scene(folder: &Path, scene: &Scene) -> Result<(), RecordError> {
+pub(crate) fn write_scene(folder: &Path, scene: &Scene) -> Result<(), RecordError> {
     let mut scene = scene.clone();
     for (key, nodal) in scene.nodal_files_mut() {
         let inputs = make_inputs(folder)?;
@@ -50,7 +50,7 @@ fn make_inputs(folder: &Path) -> Result<PathBuf, RecordError> {
 
 /// A text by which the scene of a run is known again: complete but for its end, which may be moved, with
 /// a checksum for the nodal values that are files.
-pub(super) fn identity(scene: &Scene) -> String {
+pub(crate) fn identity(scene: &Scene) -> String {
     let mut scene = scene.clone();
     scene.time.end = 1.0;
     let mut checksums = String::new();

@@ -9,7 +9,7 @@ use super::overrides;
 
 /// The text of the scene and of each override.
 #[derive(Debug)]
-pub(super) struct Sources(Vec<Source>);
+pub(crate) struct Sources(Vec<Source>);
 
 #[derive(Debug)]
 struct Source {
@@ -19,7 +19,7 @@ struct Source {
 
 /// A range of bytes in one of the sources.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Location {
+pub(crate) struct Location {
     source: usize,
     start: usize,
     end: usize,
@@ -27,13 +27,13 @@ pub(super) struct Location {
 
 /// A value and where it stands.
 #[derive(Debug)]
-pub(super) struct Node {
+pub(crate) struct Node {
     pub value: Value,
     pub location: Location,
 }
 
 #[derive(Debug)]
-pub(super) enum Value {
+pub(crate) enum Value {
     Text(String),
     Number {
         value: f64,
@@ -47,10 +47,10 @@ pub(super) enum Value {
 }
 
 /// The entries of a table, in the order of the text.
-pub(super) type Table = Vec<Entry>;
+pub(crate) type Table = Vec<Entry>;
 
 #[derive(Debug)]
-pub(super) struct Entry {
+pub(crate) struct Entry {
     pub key: String,
     pub key_location: Location,
     pub node: Node,
@@ -102,7 +102,7 @@ impl Value {
 }
 
 /// Reads `text` and applies the overrides, each an argument `KEY=VALUE`, in their order.
-pub(super) fn read(
+pub(crate) fn read(
     text: &str,
     origin: &str,
     overrides: &[String],

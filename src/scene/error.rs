@@ -108,6 +108,12 @@ pub enum Problem {
         /// The other.
         second: &'static str,
     },
+    /// A key that is given twice, as `"a.b"` and within a table, say.
+    #[error("{key} is given more than once")]
+    Repeated {
+        /// The key with its table.
+        key: String,
+    },
     /// A value of another type.
     #[error("{key} must be {expected}, not {found}")]
     WrongType {

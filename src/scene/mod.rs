@@ -33,6 +33,7 @@ mod tests;
 mod warning;
 mod write;
 
+pub(crate) use document::{Value as TomlValue, read as read_document};
 pub use error::{Origin, Place, Problem, SceneError};
 pub use expression::{Expression, ExpressionError, ExpressionProblem};
 pub use initial_director::{initial_director, random_phase};
@@ -44,7 +45,9 @@ pub use nodal_file::{NodalKey, NodalValues};
 pub use outline::{OutlineDistance, SignedDistance, phase_profile, union_distance, wall_distance};
 pub use parameter::{DefaultValue, Parameter};
 pub use presets::{UnknownPreset, find_preset, preset, preset_description, preset_names};
+pub(crate) use reader::{FINITE, Field as TomlField, Reader as TomlReader};
 pub use scalar_field::ScalarField;
 pub use significant::significant;
+pub(crate) use suggest::nearest;
 pub use tables::*;
 pub use warning::{Warning, warnings};

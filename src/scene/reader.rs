@@ -11,13 +11,13 @@ use super::tables::table_with;
 
 /// What a number must be; it must be finite in any case.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Bound {
+pub(crate) struct Bound {
     /// In words.
     pub words: &'static str,
     holds: fn(f64) -> bool,
 }
 
-pub(super) const FINITE: Bound = Bound {
+pub(crate) const FINITE: Bound = Bound {
     words: "a finite number",
     holds: |_| true,
 };
@@ -39,7 +39,7 @@ impl Bound {
 
 /// A table of the document. One that is absent reads like one without keys.
 #[derive(Clone)]
-pub(super) struct Reader<'a> {
+pub(crate) struct Reader<'a> {
     sources: &'a Sources,
     /// Its dotted key.
     pub path: String,
@@ -49,7 +49,7 @@ pub(super) struct Reader<'a> {
 
 /// A value of the document.
 #[derive(Clone)]
-pub(super) struct Field<'a> {
+pub(crate) struct Field<'a> {
     sources: &'a Sources,
     /// The dotted key.
     pub path: String,
@@ -59,7 +59,7 @@ pub(super) struct Field<'a> {
 
 impl<'a> Reader<'a> {
     /// The top level of a document.
-    pub(super) fn top(sources: &'a Sources, node: &'a Node) -> Self {
+    pub(crate) fn top(sources: &'a Sources, node: &'a Node) -> Self {
         let entries: &[Entry] = if let Value::Table(entries) = &node.value {
             entries
         } else {
@@ -73,7 +73,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    pub(super) fn get(&self, key: &str) -> Option<Field<'a>> {
+    pub(crate) fn get(&self, key: &str) -> Option<Field<'a>> {
         let entry = self.entries.iter().find(|entry| entry.key == key)?;
         Some(self.field(entry))
     }
@@ -88,7 +88,7 @@ impl<'a> Reader<'a> {
     }
 
     /// A key that `owner` cannot do without.
-    pub(super) fn require(&self, key: &'static str, owner: &str) -> Result<Field<'a>, SceneError> {
+    pub(crate) fn require(&self, key: &'static str, owner: &str) -> Result<Field<'a>, SceneError> {
         let field = self.get(key);
         field.ok_or_else(|| self.missing(key, owner.to_owned()))
     }
@@ -166,14 +166,14 @@ impl<'a> Reader<'a> {
     }
 
     /// Its keys and values, in the order of the text.
-    pub(super) fn fields(&self) -> impl Iterator<Item = (&'a str, Field<'a>)> {
+    pub(crate) fn fields(&self) -> impl Iterator<Item = (&'a str, Field<'a>)> {
         self.entries
             .iter()
             .map(|&entry| (entry.key.as_str(), self.field(entry)))
     }
 
     /// Refuses every key that is not among `allowed`.
-    pub(super) fn allow(&self, allowed: &[&'static str]) -> Result<(), SceneError> {
+    pub(crate) fn allow(&self, allowed: &[&'static str]) -> Result<(), SceneError> {
         match self.fields().find(|(key, _)| !allowed.contains(key)) {
             Some((key, field)) => Err(field.unknown_key(key, &self.path, allowed)),
             None => Ok(()),
@@ -202,8 +202,13 @@ impl<'a> Reader<'a> {
 }
 
 impl<'a> Field<'a> {
-    pub(super) fn value(&self) -> &'a Value {
+    pub(crate) fn value(&self) -> &'a Value {
         &self.node.value
+    }
+
+    /// The value as it is written.
+    pub(crate) fn toml(&self) -> &'a str {
+        self.sources.snippet(self.node.location)
     }
 
     /// Whether an override gave it.
@@ -212,12 +217,12 @@ impl<'a> Field<'a> {
     }
 
     /// An error about the value.
-    pub(super) fn error(&self, problem: Problem) -> SceneError {
+    pub(crate) fn error(&self, problem: Problem) -> SceneError {
         self.sources.error(self.node.location, problem)
     }
 
     /// An error about the key.
-    pub(super) fn key_error(&self, problem: Problem) -> SceneError {
+    pub(crate) fn key_error(&self, problem: Problem) -> SceneError {
         self.sources.error(self.key_location, problem)
     }
 
@@ -239,7 +244,12 @@ impl<'a> Field<'a> {
         self.sources.error(location, problem)
     }
 
-    fn unknown_key(&self, key: &str, table: &str, allowed: &[&'static str]) -> SceneError {
+    pub(crate) fn unknown_key(
+        &self,
+        key: &str,
+        table: &str,
+        allowed: &[&'static str],
+    ) -> SceneError {
         let near = nearest(key, allowed.iter().copied());
         let elsewhere = if near.is_some() {
             None
@@ -256,7 +266,7 @@ impl<'a> Field<'a> {
     }
 
     /// An error about the value's type.
-    pub(super) fn wrong_type(&self, expected: impl Into<String>) -> SceneError {
+    pub(crate) fn wrong_type(&self, expected: impl Into<String>) -> SceneError {
         self.error(Problem::WrongType {
             key: self.path.clone(),
             expected: expected.into(),
@@ -265,7 +275,7 @@ impl<'a> Field<'a> {
     }
 
     /// An error about a value of the right type.
-    pub(super) fn out_of_range(&self, allowed: impl Into<String>) -> SceneError {
+    pub(crate) fn out_of_range(&self, allowed: impl Into<String>) -> SceneError {
         self.error(Problem::OutOfRange {
             key: self.path.clone(),
             allowed: allowed.into(),
@@ -273,7 +283,7 @@ impl<'a> Field<'a> {
         })
     }
 
-    pub(super) fn number(&self, bound: Bound) -> Result<f64, SceneError> {
+    pub(crate) fn number(&self, bound: Bound) -> Result<f64, SceneError> {
         match self.node.value {
             Value::Number { value, .. } if value.is_finite() && (bound.holds)(value) => Ok(value),
             Value::Number { .. } => Err(self.out_of_range(bound.words)),
@@ -281,7 +291,7 @@ impl<'a> Field<'a> {
         }
     }
 
-    pub(super) fn integer(&self, range: &RangeInclusive<u64>) -> Result<u64, SceneError> {
+    pub(crate) fn integer(&self, range: &RangeInclusive<u64>) -> Result<u64, SceneError> {
         let words = u64::words(range);
         let Value::Number { whole, .. } = self.node.value else {
             return Err(self.wrong_type(words));
@@ -301,14 +311,14 @@ impl<'a> Field<'a> {
         Ok([first.number(bound)?, second.number(bound)?])
     }
 
-    pub(super) fn text(&self) -> Result<&'a str, SceneError> {
+    pub(crate) fn text(&self) -> Result<&'a str, SceneError> {
         match &self.node.value {
             Value::Text(text) => Ok(text),
             _ => Err(self.wrong_type("a string")),
         }
     }
 
-    pub(super) fn choice<T: Copy>(&self, names: &[(&'static str, T)]) -> Result<T, SceneError> {
+    pub(crate) fn choice<T: Copy>(&self, names: &[(&'static str, T)]) -> Result<T, SceneError> {
         let allowed = || names.iter().map(|(name, _)| *name);
         let Value::Text(word) = &self.node.value else {
             return Err(self.wrong_type(one_of(names)));
@@ -327,7 +337,7 @@ impl<'a> Field<'a> {
             })
     }
 
-    pub(super) fn table(&self) -> Result<Reader<'a>, SceneError> {
+    pub(crate) fn table(&self) -> Result<Reader<'a>, SceneError> {
         match &self.node.value {
             Value::Table(entries) => Ok(Reader {
                 sources: self.sources,
@@ -339,7 +349,7 @@ impl<'a> Field<'a> {
         }
     }
 
-    pub(super) fn items(&self, words: &str) -> Result<Vec<Field<'a>>, SceneError> {
+    pub(crate) fn items(&self, words: &str) -> Result<Vec<Field<'a>>, SceneError> {
         let Value::List(items) = &self.node.value else {
             return Err(self.wrong_type(words));
         };

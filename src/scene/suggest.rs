@@ -5,7 +5,7 @@ const LONGEST_WORD: usize = 64;
 
 /// The candidate that `word` is most likely a slip of, if any is close enough: one letter in three
 /// wrong, missing, doubled or swapped, or the beginning of exactly one candidate.
-pub(super) fn nearest<'a>(
+pub(crate) fn nearest<'a>(
     word: &str,
     candidates: impl IntoIterator<Item = &'a str>,
 ) -> Option<&'a str> {

@@ -1,5 +1,5 @@
-//! Runs about runs: what accuracy costs in time, what each effect costs, and what a run will cost before
-//! it is begun.
+//! Runs about runs: what accuracy costs in time, what each effect costs, what a run will cost before it is begun, and
+//! sweeps over the values of a scene.
 
 mod advice;
 mod chart;
@@ -20,6 +20,7 @@ mod recorded_runs;
 mod report;
 mod run_estimate;
 mod runner;
+pub mod sweep;
 mod table;
 #[cfg(test)]
 mod tests;

@@ -36,6 +36,7 @@ mod session;
 mod signals;
 pub mod state;
 mod surface;
+mod sweep;
 mod terminal;
 pub mod theme;
 pub mod throughput;
@@ -43,3 +44,4 @@ pub mod update;
 
 pub use opening::{DEFAULT, open, open_with_cases};
 pub use session::{AppError, Failed, Options, Outcome, run};
+pub use sweep::{SweepMap, SweepOutcome, show_sweep};

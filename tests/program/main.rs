@@ -8,3 +8,4 @@ mod cli;
 mod figures;
 mod measured;
 mod resume;
+mod sweep;

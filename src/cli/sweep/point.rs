@@ -1,0 +1,196 @@
+//! One point of a sweep: its run, begun or continued. All that run sweeps come here, each with the point's lock.
+
+use crate::cli::error::CliError;
+use crate::cli::output;
+use crate::cli::progress::Progress;
+use crate::cli::run::{Stop, simulate};
+use crate::cli::signals::EndSignal;
+use crate::record::{
+    CheckpointError, Ending, Found, IfOccupied, RecordError, RecorderBuilder, Resumption,
+    RunFolder, Schedule, Settings, clear_run,
+};
+use crate::signals::EndingSignal;
+use crate::simulation::{Simulation, SimulationError};
+use crate::study::sweep::{
+    Holder, Point, PointLock, PointState, SweepError, SweepFolder, Taken, Values,
+};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Arguments of `vesica sweep point`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+A point that is done is left as it is, so the same command can be given again and again.
+
+Exit status: 0 the points are done; 1 some are not: they failed, or another process works on them; 2 the arguments \
+are wrong; 75 ended by a signal, with the state saved: the same command continues.")]
+pub(super) struct Arguments {
+    /// The sweep's folder
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+
+    /// Points by their names or numbers
+    #[arg(required = true, value_name = "POINT")]
+    points: Vec<String>,
+}
+
+/// Runs points, one after the other.
+pub(super) fn points(arguments: &Arguments) -> Result<(), CliError> {
+    let folder = SweepFolder::open(&arguments.folder)?;
+    let points: Vec<&Point> = arguments
+        .points
+        .iter()
+        .map(|name| folder.point(name))
+        .collect::<Result<_, _>>()?;
+    let signal = EndSignal::listen_in_batch()?;
+    let mut failed = 0;
+    for point in &points {
+        let name = &point.name;
+        match run_point(&folder, point, &signal, &|schedule| {
+            Progress::new(schedule, false)
+        }) {
+            Ok(Ended::Done) => output::note(format_args!("{name}: done")),
+            Ok(Ended::WasDone) => output::note(format_args!("{name}: was done already")),
+            Ok(Ended::Stopped(signal)) => {
+                return Err(CliError::PointSaved {
+                    signal: signal.name,
+                    point: name.clone(),
+                });
+            }
+            Ok(Ended::Busy(holder)) => {
+                failed += 1;
+                output::error(format_args!("{name}: {holder} works on it"));
+            }
+            Ok(Ended::Failed(reason)) => {
+                failed += 1;
+                output::error(failure(point, &reason));
+            }
+            Err(error) => {
+                failed += 1;
+                output::error(failure(point, &error.to_string()));
+            }
+        }
+    }
+    match failed {
+        0 => Ok(()),
+        _ => Err(CliError::TaskFailed {
+            failed,
+            all: points.len(),
+        }),
+    }
+}
+
+/// That a point failed, with its values.
+pub(super) fn failure(point: &Point, reason: &str) -> String {
+    let values = Values(&point.assignments);
+    format!("point {} ({values}) failed: {reason}", point.name)
+}
+
+/// How work on a point ended.
+pub(super) enum Ended {
+    Done,
+    WasDone,
+    Stopped(EndingSignal),
+    Failed(String),
+    /// Another one works on it.
+    Busy(Holder),
+}
+
+/// Why there was none.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum PointRunError {
+    /// Its scene cannot be had any more.
+    #[error(transparent)]
+    Sweep(#[from] SweepError),
+    /// Its run cannot be resumed.
+    #[error(transparent)]
+    Resume(#[from] CheckpointError),
+    /// Its run cannot be recorded.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+}
+
+/// Runs a point to its end, from where it is.
+pub(super) fn run_point(
+    folder: &SweepFolder,
+    point: &Point,
+    signal: &EndSignal,
+    progress: &dyn Fn(&Schedule) -> Progress,
+) -> Result<Ended, PointRunError> {
+    let is_done = || folder.state(point) == PointState::Done;
+    if is_done() {
+        return Ok(Ended::WasDone);
+    }
+    let _lock = match PointLock::take(&folder.lock(point))? {
+        Taken::Held(lock) => lock,
+        Taken::By(holder) => return Ok(Ended::Busy(holder)),
+    };
+    // By another one, until a moment ago.
+    if is_done() {
+        return Ok(Ended::WasDone);
+    }
+    let (scene, run) = (folder.scene(point)?, folder.run(point));
+    let found = match Resumption::find(&run, &scene) {
+        Ok(Found::Run(resumption)) => Some(resumption),
+        Ok(Found::Nothing | Found::Abandoned) => None,
+        // What was killed before its first checkpoint is begun again, and so is what has none that can be used: the
+        // folder is the sweep's own.
+        Err(CheckpointError::None { .. } | CheckpointError::Unusable { .. }) => None,
+        Err(error) => return Err(error.into()),
+    };
+    let preparation = match found {
+        Some(_) => None,
+        None => {
+            let settings = Settings::default();
+            Some(RecorderBuilder::begin(new_run(&run)?, &scene, settings)?)
+        }
+    };
+    let begun = Instant::now();
+    let mut ended = None;
+    let simulation = Simulation::new_unless(&scene, &mut |_| {
+        ended = signal.received();
+        ended.is_some()
+    });
+    let mut simulation = match (simulation, ended) {
+        (Ok(simulation), _) => simulation,
+        (Err(SimulationError::Ended), Some(signal)) => {
+            preparation.map_or(Ok(()), |it| it.end(Ending::Interrupted))?;
+            return Ok(Ended::Stopped(signal));
+        }
+        (Err(error), _) => {
+            let reason = error.to_string();
+            preparation.map_or(Ok(()), |it| it.end(Ending::Failed(reason.clone())))?;
+            return Ok(Ended::Failed(reason));
+        }
+    };
+    let mut recorder = match (preparation, found) {
+        (Some(preparation), _) => preparation.start(&simulation, begun.elapsed())?,
+        (None, Some(resumption)) => {
+            let settings = resumption.settings();
+            let (recorder, problems) = resumption.start(&scene, settings, &mut simulation)?;
+            for problem in problems {
+                output::warning(format_args!("{}: {problem}", point.name));
+            }
+            recorder
+        }
+        // There is one of the two.
+        (None, None) => return Ok(Ended::WasDone),
+    };
+    simulation.follow(recorder.schedule());
+    let progress = progress(recorder.schedule());
+    let stop = simulate(&mut simulation, &mut recorder, signal, progress, true);
+    let finished = recorder.finish(&mut simulation, stop.ending());
+    match stop {
+        Stop::Failed(error) => Ok(Ended::Failed(error.to_string())),
+        Stop::Signal(signal) => finished.map(|_| Ended::Stopped(signal)).map_err(Into::into),
+        Stop::Done => finished.map(|_| Ended::Done).map_err(Into::into),
+    }
+}
+
+/// The folder for a run that begins, without what one before it had left.
+fn new_run(run: &Path) -> Result<RunFolder, RecordError> {
+    if run.exists() {
+        clear_run(run)?;
+    }
+    RunFolder::at(run, IfOccupied::Refuse)
+}

@@ -1,0 +1,26 @@
+//! Sweeps: many runs of one scene with other values, by a [`Plan`].
+//!
+//! A [`Sweep`] is a plan whose points were all checked; [`SweepFolder`] is where it is run, by one process or by
+//! many: each takes the [`PointLock`] of a point before it touches its run. [`Table`] is what came out.
+
+mod error;
+mod folder;
+mod lock;
+mod measure;
+mod outline;
+mod plan;
+mod points;
+mod predict;
+mod table;
+#[cfg(test)]
+mod tests;
+
+pub use error::{PointError, PointProblem, SweepError, Values};
+pub use folder::{PointState, Sweep, SweepFolder};
+pub use lock::{BEAT, Holder, PointLock, STALE_AFTER, Taken};
+pub use measure::{Measure, NoMeasure};
+pub use outline::{last_fields, last_outline};
+pub use plan::{Assignment, Axis, Plan, Repeat, ResultColumn, Spacing};
+pub use points::{MOST_POINTS, Needs, Origin, Point, points};
+pub use predict::predict;
+pub use table::{Row, Table, plain};
