@@ -8,10 +8,9 @@ use crate::cli::progress::Progress;
 use crate::cli::signals::EndSignal;
 use crate::record::write_whole;
 use crate::signals::EndingSignal;
-use crate::simulation::free_memory;
+use crate::simulation::{cores, free_memory};
 use crate::study::sweep::{Point, PointState, SweepFolder, Table};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::num::NonZero;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
@@ -41,10 +40,10 @@ pub(super) fn run(plan: &Path, arguments: &Here) -> Result<(), CliError> {
         let points = count_of(were_done, "point");
         output::note(format_args!("{points} done before; {} to do", left.len()));
     }
-    let work = Work::new(&folder, &left, arguments);
-    let processors = thread::available_parallelism().map_or(1, NonZero::get);
-    let jobs = arguments.jobs.map_or(processors, |jobs| jobs as usize);
-    work.all(jobs.min(left.len()), &signal);
+    let jobs = arguments.jobs.map_or(cores(), |jobs| jobs as usize);
+    let jobs = jobs.min(left.len()).max(1);
+    let work = Work::new(&folder, &left, cores() / jobs, arguments);
+    work.all(jobs, &signal);
 
     let table = folder.path().join("table.csv");
     let text = Table::read(&folder).to_csv();
@@ -98,13 +97,20 @@ struct Work<'a> {
     memory: MemoryInUse,
     bar: ProgressBar,
     begun: Instant,
+    /// Of a point.
+    threads: usize,
     /// Without a terminal each point has a line.
     has_lines: bool,
     is_over: AtomicBool,
 }
 
 impl<'a> Work<'a> {
-    fn new(folder: &'a SweepFolder, points: &'a [&'a Point], arguments: &Here) -> Self {
+    fn new(
+        folder: &'a SweepFolder,
+        points: &'a [&'a Point],
+        threads: usize,
+        arguments: &Here,
+    ) -> Self {
         let target = match arguments.quiet {
             true => ProgressDrawTarget::hidden(),
             // Hidden as well where the standard error is not a terminal.
@@ -132,6 +138,7 @@ impl<'a> Work<'a> {
                 .max_failures
                 .map_or(usize::MAX, |most| most as usize),
             stopped: Mutex::new(None),
+            threads,
             memory: MemoryInUse::new(),
             has_lines: bar.is_hidden() && !arguments.quiet,
             bar,
@@ -185,7 +192,7 @@ impl<'a> Work<'a> {
             let memory = self.folder.needs(point).map_or(0, |needs| needs.memory);
             let _memory = self.memory.take(memory);
             self.running.fetch_add(1, Ordering::Relaxed);
-            let ended = run_point(self.folder, point, signal, &|schedule| {
+            let ended = run_point(self.folder, point, self.threads, signal, &|schedule| {
                 Progress::part_of(&self.bar, Arc::clone(&self.shares[number]), schedule)
             });
             self.running.fetch_sub(1, Ordering::Relaxed);

@@ -10,7 +10,7 @@ use crate::record::{
     RunFolder, Schedule, Settings, clear_run,
 };
 use crate::signals::EndingSignal;
-use crate::simulation::{Simulation, SimulationError};
+use crate::simulation::{Simulation, SimulationError, cores, threads_that_pay};
 use crate::study::sweep::{
     Holder, Point, PointLock, PointState, SweepError, SweepFolder, Taken, Values,
 };
@@ -46,7 +46,7 @@ pub(super) fn points(arguments: &Arguments) -> Result<(), CliError> {
     let mut failed = 0;
     for point in &points {
         let name = &point.name;
-        match run_point(&folder, point, &signal, &|schedule| {
+        match run_point(&folder, point, cores(), &signal, &|schedule| {
             Progress::new(schedule, false)
         }) {
             Ok(Ended::Done) => output::note(format_args!("{name}: done")),
@@ -110,10 +110,11 @@ pub(super) enum PointRunError {
     Record(#[from] RecordError),
 }
 
-/// Runs a point to its end, from where it is.
+/// Runs a point to its end, from where it is, in so many threads at most.
 pub(super) fn run_point(
     folder: &SweepFolder,
     point: &Point,
+    threads: usize,
     signal: &EndSignal,
     progress: &dyn Fn(&Schedule) -> Progress,
 ) -> Result<Ended, PointRunError> {
@@ -176,6 +177,8 @@ pub(super) fn run_point(
         // There is one of the two.
         (None, None) => return Ok(Ended::WasDone),
     };
+    let nodes = simulation.mesh().nodes().len();
+    simulation.set_threads(threads_that_pay(nodes, threads));
     simulation.follow(recorder.schedule());
     let progress = progress(recorder.schedule());
     let stop = simulate(&mut simulation, &mut recorder, signal, progress, true);
