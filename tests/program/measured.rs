@@ -170,7 +170,7 @@ fn a_factor_that_measures_nothing_and_a_mesh_that_no_memory_holds_are_refused() 
     for (arguments, words) in [
         (&["--measure-error=1"][..], "from 1.5 to 8"),
         (
-            &["--measure-error=8", "--set", "mesh.cells=2000"],
+            &["--measure-error=8", "--set", "mesh.cells=300"],
             "the error cannot be measured",
         ),
     ] {
