@@ -212,7 +212,7 @@ impl MeasuredRun {
             run(between),
             error_words(rows, &["E_total", "length", "waist"])
         );
-        if rows.iter().any(|row| !row.is_asymptotic()) {
+        if rows.iter().any(|row| !row.has_sane_order()) {
             text.push_str(
                 "off: the observed order is not near 2, and the uncertainty has a safety factor of 3\n",
             );

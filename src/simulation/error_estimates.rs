@@ -5,7 +5,7 @@ use crate::scheme::Phase;
 use serde::{Deserialize, Serialize};
 
 /// The estimate of the mesh's error is trusted where ε is at least so many edges at the membrane.
-pub const RESOLVED: f64 = 2.0;
+const RESOLVED: f64 = 2.0;
 
 /// Where an error comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -61,8 +61,9 @@ impl ErrorEstimates {
         *self.algebra.get_or_insert(0.0) += algebra;
     }
 
-    /// The estimates that are within a factor of three of the error (see [`RESOLVED`]); the others are not
-    /// known. That of the iterations is a bound, and never among them.
+    /// The estimates that are within a factor of three of the error: that of the mesh where ε is at least two
+    /// edges at the membrane (docs/guide/accuracy.md has the figures). The others are not known: those of the
+    /// steps and of the iterations are bounds, by factors of up to some hundreds.
     pub fn trusted(&self, scene: &Scene) -> Self {
         let edges = scene
             .mesh
@@ -112,5 +113,29 @@ mod tests {
         assert_eq!(part.knob(), "mesh.cells");
         budget.algebra = Some(f64::NAN);
         assert_eq!(budget.largest(), Some((ErrorPart::Space, 2e-3)));
+    }
+
+    #[test]
+    fn the_mesh_error_is_trusted_where_the_interface_has_two_edges() {
+        let all = ErrorEstimates {
+            time: Some(1e-3),
+            space: Some(2e-3),
+            algebra: Some(1e-6),
+        };
+        let trusted = |mesh: &str| {
+            let scene = Scene::of_text(&format!("membrane.interface_width = 0.05\n{mesh}"), &[]);
+            let trusted = all.trusted(&scene);
+            assert_eq!((trusted.time, trusted.algebra), (None, None));
+            trusted.space
+        };
+        assert_eq!(trusted("mesh.cells = 40"), Some(2e-3));
+        assert_eq!(trusted("mesh.cells = 39"), None);
+        let graded = |size: f64| {
+            format!(
+                "mesh = {{ kind = 'delaunay', size = 0.1, refine = {{ band = 0.1, size = {size} }} }}"
+            )
+        };
+        assert_eq!(trusted(&graded(0.025)), Some(2e-3));
+        assert_eq!(trusted(&graded(0.03)), None);
     }
 }

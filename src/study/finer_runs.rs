@@ -3,8 +3,8 @@
 use super::clock::Stopwatch;
 use super::discretisation::{fixed_mesh, scale_mesh};
 use super::measured_error::Sample;
-use crate::record::FinerRun;
-use crate::scene::{AnchoringKind, Scene, Time, TimeScheme, significant};
+use crate::record::{FinerRun, ShortNumber};
+use crate::scene::{AnchoringKind, Scene, Time, TimeScheme};
 use crate::simulation::{Schedule, Simulation, SimulationError};
 
 /// The tolerance of the finer run of a scene whose steps have one length, times f²: at f = 2 the steps' error is a few
@@ -80,7 +80,7 @@ impl FinerRuns {
 
     /// How much finer, in words.
     pub fn words(&self) -> String {
-        let factor = significant(self.factor, 2);
+        let factor = ShortNumber(self.factor);
         match &self.same_mesh {
             None => format!("{factor} times finer in mesh and steps"),
             Some(reason) => format!(

@@ -25,7 +25,7 @@ const MEASURED: [(&str, f64, f64); 8] = [
     ("case4", 2.3e-2, 220.0),
 ];
 
-/// The case that has the same φ with the other anchoring: its director is turned by 90° (SPEC of the model: in two
+/// The case that has the same φ with the other anchoring: its director is turned by 90° (in two
 /// dimensions homeotropic anchoring of d is parallel anchoring of d turned by 90°).
 const TURNED: [(&str, &str); 4] = [
     ("case1", "case2"),

@@ -67,7 +67,11 @@ fn every_snapshot_is_measured_and_the_provenance_is_there() {
         .iter()
         .map(|row| row[0].parse().expect("t"))
         .collect();
-    assert_eq!(times, [0.0, 5e-5, 1e-4, 1.5e-4, 2e-4]);
+    let quarters: Vec<f64> = times
+        .iter()
+        .map(|t| (t / 5e-5 * 1e9).round() / 1e9)
+        .collect();
+    assert_eq!(quarters, [0.0, 1.0, 2.0, 3.0, 4.0]);
     for column in [
         "phi_error",
         "membrane_error",
@@ -136,7 +140,11 @@ fn steps_of_one_length_are_measured_at_their_own_times() {
         .map(|row| row[0].parse().expect("t"))
         .collect();
     let expected = [0.0, 3.0, 5.0, 8.0, 10.0].map(|step| step * 1e-5);
-    assert_eq!(times, expected);
+    let is_near = |(one, other): (&f64, &f64)| (one - other).abs() < 1e-15;
+    assert!(
+        times.len() == expected.len() && times.iter().zip(&expected).all(is_near),
+        "{times:?}"
+    );
     assert_eq!(
         run_json(folder)["measured_error"]["runs"][1]["nodes"],
         61 * 61
@@ -170,7 +178,7 @@ fn a_factor_that_measures_nothing_and_a_mesh_that_no_memory_holds_are_refused() 
     for (arguments, words) in [
         (&["--measure-error=1"][..], "from 1.5 to 8"),
         (
-            &["--measure-error=8", "--set", "mesh.cells=2000"],
+            &["--measure-error=8", "--set", "mesh.cells=300"],
             "the error cannot be measured",
         ),
     ] {

@@ -3,6 +3,7 @@
 use ratatui::text::{Line, Span};
 
 use super::shown::Shown;
+use crate::record::ShortNumber;
 use crate::study::{FinerRuns, error_words, quantity_words};
 use crate::tui::keys::{self, Action};
 use crate::tui::state::{App, Measurement, Run};
@@ -20,13 +21,13 @@ pub fn words(app: &App) -> String {
     };
     let factor = FinerRuns::FACTOR;
     let mut text = format!(
-        "against the same scene {factor} times finer in mesh and steps, at t = {:.3e}\n\n{}\n{}",
-        row.t,
+        "against the same scene {factor} times finer in mesh and steps, at t = {}\n\n{}\n{}",
+        ShortNumber(row.t),
         quantity_words(row),
         error_words(&measured.rows, &["waist"]),
     );
-    if measured.rows.iter().any(|row| !row.is_asymptotic()) {
-        text.push_str("off: the observed order is not near 2; three times the uncertainty\n");
+    if measured.rows.iter().any(|row| !row.has_sane_order()) {
+        text.push_str("off: the observed order is not near 2; a larger safety factor\n");
     }
     if measured.is_going {
         text.push_str(&progress(measured));
@@ -49,7 +50,7 @@ pub fn phase_line<'a>(shown: &Shown<'_>, theme: &Theme) -> Option<Line<'a>> {
     Some(Line::from(vec![
         Span::styled(" measured ", theme.muted()),
         Span::raw(row.phase.to_string()),
-        Span::styled(format!(" at t {:.1e}", row.t), theme.muted()),
+        Span::styled(format!(" at t {}", ShortNumber(row.t)), theme.muted()),
     ]))
 }
 
