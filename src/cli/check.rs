@@ -1,6 +1,7 @@
 //! `vesica check FILE...`: whether scenes can be run.
 
 use super::error::CliError;
+use super::numbers;
 use super::output;
 use super::run::some_step;
 use crate::fem::MeshQuality;
@@ -26,6 +27,10 @@ pub(super) struct Arguments {
     /// Override a value of each scene, such as time.step=2e-7
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
+
+    /// Choose mesh and steps for about this error of φ at the end, in L2, such as 1e-2; in place of those of the scene
+    #[arg(long, value_name = "E", value_parser = numbers::accuracy, allow_negative_numbers = true)]
+    accuracy: Option<f64>,
 
     /// Try no step: whether the first can be solved and what the run would take is not found out
     #[arg(long)]
@@ -55,7 +60,8 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
 /// Checks a scene; whether all was found out that was tried.
 fn check_one(source: &OsStr, arguments: &Arguments) -> Result<bool, CliError> {
     let name = source.display();
-    let (scene, found) = examine(source, &arguments.set)?;
+    let overrides = numbers::with_accuracy(&arguments.set, arguments.accuracy);
+    let (scene, found) = examine(source, &overrides)?;
     // Before the first step is tried: it may be what is warned of that makes it fail.
     for warning in &found.warnings {
         output::warning(format_args!("{name}: {warning}"));
@@ -65,6 +71,14 @@ fn check_one(source: &OsStr, arguments: &Arguments) -> Result<bool, CliError> {
         // Nobody is there who might not want to wait: Ctrl-C ends the process.
         false => Some(run_estimate(&scene, &mut || true).map_err(CliError::Foreseen)?),
     };
+    if let (Some(error), Mesh::Adaptive { refine, .. }, Some(tolerance)) =
+        (arguments.accuracy, &scene.mesh, scene.time.tolerance)
+    {
+        let (edge, band) = (refine.size, refine.band);
+        output::line(format_args!(
+            "{name}: for an error of {error:e}: mesh.interface = {edge}, mesh.band = {band}, time.tolerance = {tolerance:e}"
+        ))?;
+    }
     let tried = tried(foresight.as_ref(), &describe(&scene, &found));
     output::line(format_args!("{name}: {tried}"))?;
     if let Some(triangles) = triangles(&scene, &found) {

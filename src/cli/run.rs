@@ -43,6 +43,10 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
 
+    /// Choose mesh and steps for about this error of φ at the end, in L2, such as 1e-2; in place of those of the scene
+    #[arg(long, value_name = "E", value_parser = numbers::accuracy, allow_negative_numbers = true)]
+    accuracy: Option<f64>,
+
     /// End at the step nearest to this time, in place of time.end
     #[arg(long, value_name = "T", conflicts_with = "steps", value_parser = numbers::time,
           allow_negative_numbers = true)]
@@ -423,9 +427,10 @@ fn tell(event: &EventRecord) {
 
 /// The scene with all overrides, and what to call its runs.
 fn scene(arguments: &Arguments) -> Result<(Scene, OsString), CliError> {
+    let overrides = numbers::with_accuracy(&arguments.set, arguments.accuracy);
     let mut loaded = match run_folder(arguments) {
-        Some(folder) => load_run_scene(folder, &arguments.set)?,
-        None => load_scene(&arguments.scene, &arguments.set)?,
+        Some(folder) => load_run_scene(folder, &overrides)?,
+        None => load_scene(&arguments.scene, &overrides)?,
     };
     let time = &mut loaded.scene.time;
     match (arguments.until, arguments.steps) {

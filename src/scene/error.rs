@@ -7,6 +7,7 @@ use thiserror::Error;
 
 use super::expression::ExpressionError;
 use super::mesh_file::MeshFileError;
+use super::significant::significant;
 
 /// Characters of a line that an error shows at most.
 const EXCERPT_WIDTH: usize = 96;
@@ -150,6 +151,26 @@ pub enum Problem {
     /// Δt cannot be given and chosen.
     #[error("time.step keeps Δt, time.tolerance has it chosen: give one of them, not both")]
     StepAndTolerance,
+    /// A mesh cannot be given and chosen.
+    #[error(
+        "accuracy has a mesh of the unit square made: give one of accuracy and [mesh], not both; --accuracy takes the place \
+         of any mesh but that of a file"
+    )]
+    AccuracyAndMesh,
+    /// Nor can steps.
+    #[error(
+        "accuracy has the steps chosen: give one of accuracy and time.step, time.tolerance, time.scheme, not both"
+    )]
+    AccuracyAndSteps,
+    /// With so few nodes there is no interface.
+    #[error(
+        "the interface would have fewer than two edges: the largest error that means anything is accuracy = {}",
+        significant(*largest, 2)
+    )]
+    AccuracyTooLow {
+        /// The largest.
+        largest: f64,
+    },
     /// There is nothing to anchor.
     #[error(
         "anchoring.kind = \"{kind}\" needs a director to anchor, and the scene has no [nematic]; \

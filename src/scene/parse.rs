@@ -1,5 +1,6 @@
 //! From TOML to a [`Scene`].
 
+use super::accuracy::Wanted;
 use super::document;
 use super::error::SceneError;
 use super::nodal_file::{Context, ReadFile};
@@ -28,17 +29,22 @@ impl Scene {
         read: &'a mut ReadFile<'a>,
     ) -> Result<Self, SceneError> {
         let (sources, node) = document::read(text, origin, overrides)?;
-        let top = Reader::top(&sources, &node);
+        let mut top = Reader::top(&sources, &node);
         let names = tables().into_iter().map(|table| table.name);
-        let keys: Vec<&str> = ["name"].into_iter().chain(names).collect();
+        let keys: Vec<&str> = ["name", "accuracy"].into_iter().chain(names).collect();
         top.allow(&keys)?;
+        let accuracy = Wanted::read(&mut top)?;
         let name = top.get("name");
         let name = name.map_or(Ok(Self::default().name), |field| read_name(&field))?;
         let context = Context {
             read,
             mesh: Mesh::default(),
         };
-        Self::read(name, &top, context)
+        let mut scene = Self::read(name, &top, context)?;
+        if let Some(accuracy) = accuracy {
+            accuracy.give(&mut scene)?;
+        }
+        Ok(scene)
     }
 }
 
