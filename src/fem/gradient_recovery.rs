@@ -1,5 +1,7 @@
 //! How well a P1 function resolves what it stands for, from the function itself.
 //!
+//! The same gradients serve to interpolate with the quadratics that they make of the function.
+//!
 //! The gradient is recovered at the nodes, as the mean over the triangles around, weighted by their
 //! areas; on a regular mesh it is of one order better than that of the triangles (Zienkiewicz and Zhu).
 //! Along an edge from a to b a cubic with these slopes differs in the middle from the straight line by
@@ -31,6 +33,12 @@ impl GradientRecovery {
             }
         }
         sum.sqrt()
+    }
+
+    /// The recovered gradients at the nodes.
+    pub fn gradients(&mut self, mesh: &Mesh, values: &[f64]) -> &[Vector] {
+        self.recover(mesh, values);
+        &self.gradients
     }
 
     fn recover(&mut self, mesh: &Mesh, values: &[f64]) {

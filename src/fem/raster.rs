@@ -6,7 +6,7 @@
 //! proportional to triangles plus samples, whatever the triangulation.
 
 use super::Mesh;
-use crate::geometry::{BoundingBox, Point};
+use crate::geometry::{BoundingBox, Point, Vector};
 
 /// How far outside a triangle (in barycentric coordinates) a sample may lie and still be taken as
 /// inside: far more than rounding, far less than what shows.
@@ -122,6 +122,24 @@ impl Place {
         corners
             .map(|(&node, weight)| weight * nodal[node as usize])
             .sum()
+    }
+
+    /// The value there of the quadratic that goes through a P1 function's values and, in the middle of each edge, through that
+    /// of the cubic with these gradients at its ends.
+    pub fn quadratic_value(&self, mesh: &Mesh, nodal: &[f64], gradients: &[Vector]) -> f64 {
+        let bubble = |[a, b]: [usize; 2]| {
+            let [from, to] = [a, b].map(|corner| self.nodes[corner] as usize);
+            let along = mesh.nodes()[to] - mesh.nodes()[from];
+            0.5 * self.weights[a] * self.weights[b] * (gradients[from] - gradients[to]).dot(&along)
+        };
+        let bubbles = [[0, 1], [1, 2], [2, 0]].map(bubble);
+        self.value(nodal) + bubbles.iter().sum::<f64>()
+    }
+
+    /// The largest value at the corners of its triangle.
+    pub fn greatest(&self, nodal: &[f64]) -> f64 {
+        let values = self.nodes.iter().map(|node| nodal[*node as usize]);
+        values.fold(f64::NEG_INFINITY, f64::max)
     }
 }
 

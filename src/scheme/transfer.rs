@@ -7,7 +7,8 @@
 //!   (∇φ, ∇v) = (ω_old − G(φ_old)/ε², v) for all new v,   ∫φ = ∫φ_old,
 //!
 //! by the quadrature of the run on the new mesh. On the old mesh itself that is the equation of ω: nothing changes there. d
-//! is interpolated, which keeps |d| ≤ 1. ω and μ follow from the new φ. The energy law is one of steps: what the energy did
+//! is interpolated by quadratics, for linear interpolation smooths it each time (E_nem falls by 0.4 % a transfer, and after
+//! fifty of them the vesicle is another one), and never becomes longer than at the corners of a triangle. ω and μ follow from the new φ. The energy law is one of steps: what the energy did
 //! here the caller reports.
 
 use std::sync::Arc;
@@ -16,7 +17,7 @@ use thiserror::Error;
 
 use super::checkpoint::{RestoreError, SchemeCheckpoint};
 use super::{Scheme, space_on};
-use crate::fem::{FemError, Locator, Mesh, Place, Space, solve_poisson};
+use crate::fem::{FemError, GradientRecovery, Locator, Mesh, Place, Space, solve_poisson};
 use crate::geometry::Vector;
 use crate::linalg::{LinalgError, vector};
 use crate::physics::{Bending, PatchFields};
@@ -74,7 +75,8 @@ impl Scheme {
             &interpolate(&state.phi),
         )?;
         let director = state.director.as_ref();
-        let director = director.map(|d| d.each_ref().map(|component| interpolate(component)));
+        let director =
+            director.map(|director| interpolated(self.space.mesh(), director, &at_nodes));
         let mut scheme = Self::on_space(scene, space, self.initial_area, (phi, director))?;
         scheme.interval = self.interval;
         scheme
@@ -133,7 +135,128 @@ impl Scheme {
     }
 }
 
+/// A director at places of a mesh.
+fn interpolated(mesh: &Mesh, director: &[Vec<f64>; 2], places: &[Place]) -> [Vec<f64>; 2] {
+    let mut recovery = GradientRecovery::default();
+    let mut components = director.each_ref().map(|component| {
+        let gradients = recovery.gradients(mesh, component);
+        let value = |place: &Place| place.quadratic_value(mesh, component, gradients);
+        places.iter().map(value).collect::<Vec<f64>>()
+    });
+    let nodes = director[0].iter().zip(&director[1]);
+    let lengths: Vec<f64> = nodes.map(|(x, y)| x.hypot(*y)).collect();
+    let [x, y] = &mut components;
+    for ((x, y), place) in x.iter_mut().zip(y).zip(places) {
+        let (length, longest) = (x.hypot(*y), place.greatest(&lengths));
+        if length > longest {
+            (*x, *y) = (*x * longest / length, *y * longest / length);
+        }
+    }
+    components
+}
+
 fn find(locator: &Locator<'_>, place: crate::geometry::Point) -> Result<Place, TransferError> {
     let [x, y] = place.into();
     locator.find(place).ok_or(TransferError::Outside { x, y })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::initial_fields;
+    use super::*;
+
+    /// A circle, with a mesh as fine for it as that of the paper.
+    const CIRCLE: &str = r#"
+        mesh = { kind = "delaunay", size = 0.024 }
+        vesicle = { shape = "circle", radius = 0.25 }
+        membrane.interface_width = 0.0288
+        nematic.initial = [0.6, 0.8]
+        anchoring.kind = "parallel"
+        area.target = 1.1
+    "#;
+
+    fn scheme(settings: &[&str]) -> (Scene, Scheme) {
+        let scene = Scene::of_text(CIRCLE, settings);
+        let mesh = Mesh::of(&scene).expect("a mesh");
+        let initial = initial_fields(&scene, &mesh).expect("initial fields");
+        let mut scheme =
+            Scheme::new(&scene, mesh, initial.phi, initial.director).expect("a scheme");
+        for _ in 0..3 {
+            scheme.step(1e-6).expect("a step");
+        }
+        (scene, scheme)
+    }
+
+    fn other_mesh(settings: &[&str]) -> Arc<Mesh> {
+        let scene = Scene::of_text(CIRCLE, &[settings, &["mesh.seed=2"]].concat());
+        Mesh::of(&scene).expect("a mesh")
+    }
+
+    #[test]
+    fn on_the_same_mesh_nothing_changes() {
+        for settings in [
+            &[][..],
+            &["solver.quadrature=lumped"],
+            &["domain.boundary=clamped"],
+            &["membrane.spontaneous_curvature='1.5 + x'"],
+        ] {
+            let (scene, scheme) = scheme(settings);
+            let same = scheme.on_mesh(&scene, scheme.space().mesh().clone());
+            let same = same.expect("a scheme");
+            let fields = same.state().phi.iter().zip(&scheme.state().phi);
+            let worst = fields.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(worst < 1e-10, "{settings:?}: {worst:.1e}");
+            assert_eq!(same.state().director, scheme.state().director);
+            let energies = same.report().energies.iter().zip(&scheme.report().energies);
+            for (now, before) in energies {
+                let change = (now.value / before.value - 1.0).abs();
+                assert!(change < 1e-6, "{settings:?}: {now:?} {before:?}");
+            }
+        }
+    }
+
+    /// ∫φ to rounding and the bending energy to a third, on another mesh of the same size; interpolation raises it many times.
+    #[test]
+    fn by_omega_the_energy_is_kept_and_by_interpolation_it_is_not() {
+        for settings in [
+            &[][..],
+            &["solver.quadrature=lumped"],
+            &["domain.boundary=clamped"],
+        ] {
+            let (scene, scheme) = scheme(settings);
+            let mesh = other_mesh(settings);
+            let there = scheme.on_mesh(&scene, mesh.clone()).expect("a scheme");
+            let bending = |scheme: &Scheme| scheme.report().energies[0].value;
+            let ratio = bending(&there) / bending(&scheme);
+            assert!((0.7..1.34).contains(&ratio), "{settings:?}: {ratio}");
+            let drift = there.report().phase_integral - scheme.report().phase_integral;
+            assert!(drift.abs() < 1e-14, "{settings:?}: {drift:.1e}");
+            let longest = there
+                .state()
+                .director
+                .iter()
+                .flat_map(|[x, y]| x.iter().zip(y));
+            let longest = longest.map(|(x, y)| x.hypot(*y)).fold(0.0, f64::max);
+            let before = scheme
+                .state()
+                .director
+                .iter()
+                .flat_map(|[x, y]| x.iter().zip(y));
+            let before = before.map(|(x, y)| x.hypot(*y)).fold(0.0, f64::max);
+            assert!(longest <= before * (1.0 + 1e-14), "{longest} {before}");
+
+            let locator = Locator::new(scheme.space().mesh());
+            let places = mesh
+                .nodes()
+                .iter()
+                .map(|node| locator.find(*node).expect("inside"));
+            let phi = places
+                .map(|place| place.value(&scheme.state().phi))
+                .collect();
+            let director = there.state().director.clone();
+            let interpolated = Scheme::new(&scene, mesh, phi, director).expect("a scheme");
+            let ratio = bending(&interpolated) / bending(&scheme);
+            assert!(ratio > 4.0, "{settings:?}: {ratio}");
+        }
+    }
 }

@@ -245,6 +245,18 @@ mod tests {
         let refined = refine.expect("it stays refined");
         let close = |a: f64, b: f64| (a - b).abs() < 1e-15;
         assert!(close(size, 0.015) && close(refined.size, 0.005) && refined.band == 0.1);
+        let text = "mesh = { kind = 'adaptive', size = 0.08, interface = 0.01, band = 0.03 }";
+        let scene = Scene::of_text(text, &[]);
+        let own = Discretisation::of(&scene);
+        assert_eq!((own.cells, fixed_mesh(&scene)), (100, None));
+        assert_eq!(own.mesh.words(200), "mesh.interface 0.00500");
+        let Mesh::Adaptive { size, refine, .. } = (Discretisation { cells: 200, ..own })
+            .applied_to(&scene)
+            .mesh
+        else {
+            panic!("a mesh of another kind");
+        };
+        assert!(close(size, 0.04) && close(refine.size, 0.005) && refine.band == 0.03);
     }
 
     #[test]

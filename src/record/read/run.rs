@@ -201,6 +201,70 @@ mod tests {
         assert!(error.contains("history.csv has no column dt"), "{error}");
     }
 
+    /// Each snapshot has its own mesh, and what each energy did in a transfer is in `run.json`.
+    #[test]
+    fn a_run_whose_mesh_follows_the_membrane_reads_back() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut scene = scene("[nematic]\n");
+        scene.mesh = crate::scene::Mesh::Adaptive {
+            size: 0.2,
+            refine: crate::scene::Refinement {
+                band: 0.1,
+                size: 0.08,
+            },
+            seed: 1,
+        };
+        let claimed = RunFolder::at(folder.path(), IfOccupied::Refuse).expect("a folder");
+        let builder =
+            RecorderBuilder::begin(claimed, &scene, Settings::default()).expect("written");
+        let mut simulation = Simulation::new(&scene).expect("a small scene");
+        let mut recorder = builder.start(&simulation, Duration::ZERO).expect("written");
+        let mut nodes = vec![simulation.mesh().nodes().to_vec()];
+        for _ in 0..3 {
+            simulation.advance().expect("a solvable step");
+            recorder
+                .step(&mut simulation, Duration::ZERO)
+                .expect("written");
+            nodes.push(simulation.mesh().nodes().to_vec());
+            if simulation.report().step == 1 {
+                assert_eq!(simulation.renew_mesh(), Ok(true));
+            }
+        }
+        let before = simulation.report().total_energy;
+        let summary = recorder
+            .finish(&mut simulation, Ending::Done)
+            .expect("written");
+        assert!(
+            summary.largest_energy_rise <= 1e-9 * before.abs(),
+            "{summary:?}"
+        );
+        let run = read_run(folder.path()).expect("a run");
+        assert_eq!(run.fields.len(), 4);
+        for (fields, nodes) in run.fields.iter().zip(&nodes) {
+            assert_eq!(fields.mesh.nodes(), nodes);
+            assert_eq!(fields.state.phi.len(), nodes.len());
+        }
+        assert!(Arc::ptr_eq(&run.fields[2].mesh, &run.fields[3].mesh));
+        assert!(!Arc::ptr_eq(&run.fields[1].mesh, &run.fields[2].mesh));
+        assert_eq!(run.mesh_changes, [(1, 1e-7)]);
+        let text = fs::read_to_string(folder.path().join("run.json")).expect("a file");
+        let summary: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        let event = &summary["events"][0];
+        assert_eq!(
+            (&event["kind"], &event["step"]),
+            (&"mesh-changed".into(), &1.into())
+        );
+        for name in [
+            "nodes_before",
+            "nodes_after",
+            "E_total",
+            "E_bending",
+            "E_nematic",
+        ] {
+            assert!(event["values"][name].is_number(), "{event}");
+        }
+    }
+
     #[test]
     fn fields_of_another_mesh_are_told() {
         let folder = tempfile::tempdir().expect("a folder");

@@ -314,3 +314,23 @@ fn files_of_nodal_values() {
         "phi0.txt:1:1: a line must hold 2 finite numbers (nematic.initial.values); '1' is not",
     );
 }
+
+#[test]
+fn a_mesh_that_follows_the_membrane() {
+    let adaptive = "[mesh]\nkind = \"adaptive\"\n";
+    for (text, words) in [
+        (
+            "interface = 0.1",
+            "mesh.interface must be a number from 0.00005 to 0.08",
+        ),
+        ("band = 0", "mesh.band must be"),
+        ("refine = { band = 0.1, size = 0.01 }", "refine"),
+        (
+            "[vesicle]\nshape = \"file\"\nvalues = \"phi0.txt\"",
+            "the nodes of a mesh that follows the membrane change, and 'phi0.txt' has values at nodes (vesicle.values)",
+        ),
+    ] {
+        let message = message(&format!("{adaptive}{text}"));
+        assert!(message.contains(words), "{message}");
+    }
+}
