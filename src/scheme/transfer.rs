@@ -17,8 +17,10 @@ use thiserror::Error;
 
 use super::checkpoint::{RestoreError, SchemeCheckpoint};
 use super::{Scheme, space_on};
-use crate::fem::{FemError, GradientRecovery, Locator, Mesh, Place, Space, solve_poisson};
-use crate::geometry::Vector;
+use crate::fem::{
+    FemError, GradientRecovery, Locator, Mesh, Place, QuadratureRule, Space, solve_poisson,
+};
+use crate::geometry::{Point, Vector};
 use crate::linalg::{LinalgError, vector};
 use crate::physics::{Bending, PatchFields};
 use crate::scene::{Boundary, Scene};
@@ -99,6 +101,16 @@ impl Scheme {
 
     /// (ω − G(φ)/ε², v) for all v of another space, whose points are at these places of this one.
     fn load_of_omega(&self, scene: &Scene, space: &Space, at_points: &[Place]) -> Vec<f64> {
+        if space.rule() == QuadratureRule::Lumped {
+            // The equation of ω holds node by node, and G between nodes is none of its business.
+            let source = self.nodal_source(scene);
+            let sources = at_points.iter().map(|place| place.value(&source));
+            let weights = space.nodal_weights().iter();
+            return weights
+                .zip(sources)
+                .map(|(weight, source)| weight * source)
+                .collect();
+        }
         let bending = Bending::new(&scene.membrane, space);
         let whole = space.whole();
         let mut fields = PatchFields::new(false);
@@ -115,6 +127,19 @@ impl Scheme {
             &mut load,
         );
         load
+    }
+
+    /// ω − G(φ)/ε² at the nodes of this space, with the lumped rule.
+    fn nodal_source(&self, scene: &Scene) -> Vec<f64> {
+        let bending = Bending::new(&scene.membrane, &self.space);
+        let whole = self.space.whole();
+        let mut fields = PatchFields::new(false);
+        fields.set_phi(&whole, &self.state.phi);
+        let mut source = Vec::new();
+        bending.omega_density(&whole, &fields, &mut source);
+        let pairs = source.iter_mut().zip(&self.state.omega);
+        pairs.for_each(|(source, omega)| *source = omega - *source);
+        source
     }
 
     /// The scheme of the same scene on another mesh, at a checkpoint from there.
@@ -155,14 +180,14 @@ fn interpolated(mesh: &Mesh, director: &[Vec<f64>; 2], places: &[Place]) -> [Vec
     components
 }
 
-fn find(locator: &Locator<'_>, place: crate::geometry::Point) -> Result<Place, TransferError> {
+fn find(locator: &Locator<'_>, place: Point) -> Result<Place, TransferError> {
     let [x, y] = place.into();
     locator.find(place).ok_or(TransferError::Outside { x, y })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::initial_fields;
+    use super::super::{State, initial_fields};
     use super::*;
 
     /// A circle, with a mesh as fine for it as that of the paper.
@@ -203,10 +228,14 @@ mod tests {
             let (scene, scheme) = scheme(settings);
             let same = scheme.on_mesh(&scene, scheme.space().mesh().clone());
             let same = same.expect("a scheme");
-            let fields = same.state().phi.iter().zip(&scheme.state().phi);
-            let worst = fields.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            let fields = |scheme: &Scheme| {
+                let State { phi, director, .. } = scheme.state();
+                let director = director.iter().flatten().flatten();
+                phi.iter().chain(director).copied().collect::<Vec<f64>>()
+            };
+            let pairs = fields(&same).into_iter().zip(fields(&scheme));
+            let worst = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(worst < 1e-10, "{settings:?}: {worst:.1e}");
-            assert_eq!(same.state().director, scheme.state().director);
             let energies = same.report().energies.iter().zip(&scheme.report().energies);
             for (now, before) in energies {
                 let change = (now.value / before.value - 1.0).abs();
@@ -256,7 +285,7 @@ mod tests {
             let director = there.state().director.clone();
             let interpolated = Scheme::new(&scene, mesh, phi, director).expect("a scheme");
             let ratio = bending(&interpolated) / bending(&scheme);
-            assert!(ratio > 4.0, "{settings:?}: {ratio}");
+            assert!(ratio > 2.0, "{settings:?}: {ratio}");
         }
     }
 }
