@@ -109,7 +109,7 @@ fn wrong_types() {
     assert!(message("mesh.cells = [1]").contains("must be a whole number from 4 to 20000, not an"));
     assert!(
         message("mesh.kind = true")
-            .contains("must be one of \"structured\", \"delaunay\", \"file\", not")
+            .contains("must be one of \"structured\", \"delaunay\", \"adaptive\", \"file\", not")
     );
     assert!(message("[nematic]\ninitial = 1").contains("must be a vector such as [0.0, 1.0], or"));
     assert!(message("membrane.spontaneous_curvature = true").contains("an expression in x and y"));
