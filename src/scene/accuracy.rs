@@ -134,7 +134,7 @@ mod tests {
     fn an_override_takes_the_place_of_mesh_and_steps() {
         let text = "mesh.cells = 120\ntime.step = 1e-7\ntime.scheme = 'first-order'";
         let scene = read(text, &["accuracy=1e-2"]).expect("a scene");
-        assert_eq!(edge_and_tolerance(&scene), (0.0083, Some(5e-3)));
+        assert_eq!(edge_and_tolerance(&scene), (0.00829, Some(5e-3)));
         assert_eq!(scene.time.scheme, TimeScheme::Secant);
     }
 

@@ -49,7 +49,7 @@ fn unknown_keys() {
     // The guide's example of an effect is there in tests only.
     assert_eq!(
         message("[aera]").replace("noise, tension,", "noise,"),
-        "a.toml:1:2: unknown key 'aera' at the top level; did you mean 'area'? Allowed: name, \
+        "a.toml:1:2: unknown key 'aera' at the top level; did you mean 'area'? Allowed: name, accuracy, \
          domain, mesh, vesicle, time, membrane, area, nematic, anchoring, field, pull, \
          noise, solver",
     );
