@@ -37,12 +37,8 @@ const ROUNDS: usize = 24;
 /// Rounds of moving after a mesh was adapted.
 const ADAPTING_ROUNDS: usize = 6;
 
-/// A node of a mesh that is adapted stays in place where the mean length of its edges over the wanted one lies between these,
-/// and no other node is nearer than so many wanted lengths. Where edges are shorter nodes are thinned out, where they are
-/// longer nodes are scattered.
-const DENSER: f64 = 0.85;
+/// About a node whose edges are longer than the wanted ones by this factor, nodes are scattered where a mesh is adapted.
 const SPARSER: f64 = 1.2;
-const NEAREST: f64 = 0.45;
 
 /// Angles below this, in degrees, are refined away.
 const LEAST_ANGLE: f64 = 28.0;
@@ -103,9 +99,8 @@ fn moved(
     numbered(&nodes, &triangles)
 }
 
-/// A mesh of another size, made from one whose size was another: nodes stay in place where they are as dense as wanted; of the
-/// others some go, some come, and those and their neighbours are moved. What stays needs no transfer, and the whole takes a
-/// third of the time of a new mesh.
+/// A mesh of another size, made from one whose size was another: some of its nodes go, some come, and all are moved. (Where
+/// those that are dense enough stay in place the error of case 3 at 2,150 nodes is 1.5e-2 in place of 1.1e-2.)
 ///
 /// # Errors
 /// `Triangulation` where the library refuses, which it should not.
@@ -115,37 +110,20 @@ pub(super) fn adapted(before: &Mesh, size: &MeshSize, seed: u64) -> Result<Mesh,
     let fixed = nodes.len();
     let mut sites = Sites::new(&nodes);
     let old = || before.nodes().iter().zip(before.on_boundary());
-    let is_old = |node: &Point| old().any(|(other, on_wall)| *on_wall && other == node);
-    // Whether nodes stay where they are; of the wall, whether they are the old ones.
-    let mut is_settled: Vec<bool> = nodes.iter().map(is_old).collect();
     for ((at, on_wall), edge) in old().zip(mean_edges(before)) {
-        if *on_wall {
-            continue;
-        }
         let wanted = table.at(*at);
-        let settled = (DENSER..=SPARSER).contains(&(edge / wanted));
-        let radius = if settled { NEAREST } else { RADIUS };
-        let fits = settled || is_inside(*at, wanted);
-        if fits && !sites.tree.is_near(*at, radius * wanted) {
+        let fits = !on_wall && is_inside(*at, wanted);
+        if fits && !sites.tree.is_near(*at, RADIUS * wanted) {
             if edge > SPARSER * wanted {
                 sites.active.push(nodes.len() as u32);
             }
             sites.tree.insert(*at);
             nodes.push(*at);
-            is_settled.push(settled);
         }
     }
     scatter(&table, seed, &mut nodes, sites, &mut || false)?;
-    is_settled.resize(nodes.len(), false);
     let triangulation = triangulate(&nodes)?;
-    let mut is_free = vec![false; nodes.len()];
-    for corners in triangulation.triangles() {
-        if !corners.iter().all(|node| is_settled[*node as usize]) {
-            corners
-                .iter()
-                .for_each(|node| is_free[*node as usize] = true);
-        }
-    }
+    let mut is_free = vec![true; nodes.len()];
     is_free[..fixed].fill(false);
     let rounds = ADAPTING_ROUNDS;
     moved(
@@ -500,8 +478,7 @@ mod tests {
         assert!(extremes[0] > low && extremes[1] < high, "{extremes:?}");
     }
 
-    /// A mesh that follows a circle on its way: as good as a new one, of as many nodes, and the same each time. Where nothing
-    /// changes nodes stay.
+    /// A mesh that follows a circle on its way: as good as a new one, of as many nodes, and the same each time.
     #[test]
     fn meshes_are_adapted_to_another_size() {
         let refinement = Refinement {
@@ -525,14 +502,6 @@ mod tests {
             quality(&mesh);
             let count = mesh.nodes().len() as f64 / first.nodes().len() as f64;
             assert!((0.85..1.2).contains(&count), "{step}: {count}");
-            if step == 0 {
-                let stays = first
-                    .nodes()
-                    .iter()
-                    .filter(|node| mesh.nodes().contains(node));
-                let share = stays.count() as f64 / first.nodes().len() as f64;
-                assert!(share > 0.5, "{share}");
-            }
         }
         let again = adapted(&first, &about(0.32), 5).expect("a mesh");
         let same = adapted(&first, &about(0.32), 5).expect("a mesh");

@@ -143,7 +143,7 @@ impl Table for Mesh {
             size of &["delaunay"], size, edge.clone(), "the wanted length of an edge";
             size of &["adaptive"], far, edge.clone(), "the wanted length of an edge far from the membrane";
             interface of &["adaptive"], interface, edge, "the wanted length of an edge at the membrane, at most `size`";
-            band of &["adaptive"], band, POSITIVE.words, "how far from the membrane edges have that length; the mesh is made again when the membrane has moved by two fifths of it";
+            band of &["adaptive"], band, POSITIVE.words, "how far from the membrane edges have that length; the mesh is made again when the membrane has moved by a third of it";
             refine of &["delaunay"], DefaultValue::Absent, "such as `{ band = 0.1, size = 0.005 }`", "the length of an edge nearer to the initial membrane than `band`";
             path of &["file"], DefaultValue::Required, PATH, "a mesh of Gmsh";
             seed of &["structured", "delaunay", "adaptive"], of(SEED), u64::words(&SEEDS), "of the random numbers that move or scatter the nodes";
