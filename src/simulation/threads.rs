@@ -1,5 +1,7 @@
 //! The threads of a run.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 /// Nodes for which another thread pays: with fewer, handing the work over takes what it saves.
 const NODES_A_THREAD: usize = 1500;
 
@@ -33,11 +35,45 @@ impl Threads {
     }
 
     /// Does this in the threads. A panic there is one here.
+    ///
+    /// Until it is done the other threads keep looking for work: one that has gone to sleep is woken in the time of a whole
+    /// product with a matrix, and a step has hundreds.
     pub(super) fn run<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
-        match &self.pool {
-            Some(pool) => pool.install(work),
-            None => work(),
+        let Some(pool) = &self.pool else {
+            return work();
+        };
+        pool.install(|| {
+            let is_done = AtomicBool::new(false);
+            let own = rayon::current_thread_index();
+            rayon::scope(|scope| {
+                scope.spawn_broadcast(|_, thread| {
+                    if own != Some(thread.index()) {
+                        attend(&is_done);
+                    }
+                });
+                // Also where the work panics.
+                let _ending = Ending(&is_done);
+                work()
+            })
+        })
+    }
+}
+
+/// Works on what there is until all is done.
+fn attend(is_done: &AtomicBool) {
+    while !is_done.load(Ordering::Acquire) {
+        if rayon::yield_now() != Some(rayon::Yield::Executed) {
+            std::hint::spin_loop();
         }
+    }
+}
+
+/// Says that all is done when it goes.
+struct Ending<'a>(&'a AtomicBool);
+
+impl Drop for Ending<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Release);
     }
 }
 
