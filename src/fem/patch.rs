@@ -67,11 +67,6 @@ impl<'a> Patch<'a> {
         }
     }
 
-    /// Its groups of triangles: entries of loads and matrices are written group by group.
-    pub fn groups(&self) -> usize {
-        self.elements().div_ceil(LANES)
-    }
-
     fn triangles(&self) -> &'a [[u32; 3]] {
         &self.space.mesh().triangles()[self.element_range()]
     }

@@ -135,7 +135,9 @@ impl Effect for Anchoring {
             ..
         } = room;
         for (axis, steps) in [&mut *x, &mut *y].into_iter().enumerate() {
-            let pairs = new_director.values[axis].iter().zip(&old_director.values[axis]);
+            let pairs = new_director.values[axis]
+                .iter()
+                .zip(&old_director.values[axis]);
             steps.clear();
             steps.extend(pairs.map(|(new, old)| new - old));
         }

@@ -151,12 +151,7 @@ impl Effect for Field {
         })
     }
 
-    fn add_director_force(
-        &self,
-        step: &PatchStep<'_>,
-        form: &mut DirectorForm,
-        room: &mut Room,
-    ) {
+    fn add_director_force(&self, step: &PatchStep<'_>, form: &mut DirectorForm, room: &mut Room) {
         let (patch, old, new, scheme) = (step.patch, step.old, step.new, step.scheme);
         let (Some(old_director), Some(new_director), true) =
             (&old.director, &new.director, self.on)

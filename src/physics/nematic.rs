@@ -48,9 +48,12 @@ impl Nematic {
     ) {
         let [along_x, along_y] = &director.gradients;
         elements.clear();
-        elements.extend(along_x.iter().zip(along_y).map(|(x, y)| {
-            0.5 * self.weight * (x.norm_squared() + y.x * y.x + y.y * y.y)
-        }));
+        elements.extend(
+            along_x
+                .iter()
+                .zip(along_y)
+                .map(|(x, y)| 0.5 * self.weight * (x.norm_squared() + y.x * y.x + y.y * y.y)),
+        );
         density.resize(patch.points(), 0.0);
         patch.from_elements(elements, density);
         let scale = self.weight * self.stiffness;
@@ -128,12 +131,7 @@ impl Effect for Nematic {
 
     /// λ_nem [(I(φⁿ) ∇d_θ, ∇e) + (I(φⁿ) p, e)] with p_Δt = p̃(dⁿ) + (1/η_d²)(d − dⁿ) (3.33) for p, or the secant p_sec,
     /// whose derivative is at most that of p_Δt.
-    fn add_director_force(
-        &self,
-        step: &PatchStep<'_>,
-        form: &mut DirectorForm,
-        room: &mut Room,
-    ) {
+    fn add_director_force(&self, step: &PatchStep<'_>, form: &mut DirectorForm, room: &mut Room) {
         let (patch, old, new, scheme) = (step.patch, step.old, step.new, step.scheme);
         let (Some(old_director), Some(new_director)) = (&old.director, &new.director) else {
             return;

@@ -129,12 +129,7 @@ impl Effect for Noise {
     }
 
     /// −(ξ, e).
-    fn add_director_force(
-        &self,
-        step: &PatchStep<'_>,
-        form: &mut DirectorForm,
-        room: &mut Room,
-    ) {
+    fn add_director_force(&self, step: &PatchStep<'_>, form: &mut DirectorForm, room: &mut Room) {
         let (patch, old) = (step.patch, step.old);
         let [load_x, load_y] = &mut form.load;
         self.at_points(patch, &old.phi, &mut room.numbers, |point, xi| {
