@@ -9,7 +9,7 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::Modifier;
 use ratatui::text::{Line, Span};
-use ratatui::widgets::{Block, Widget};
+use ratatui::widgets::{Block, Borders, Widget};
 
 /// The colours of the vesicles: viridis, among the app's maps.
 const MAP: usize = 1;
@@ -19,6 +19,10 @@ const LEVELS: usize = crate::tui::colour_map::LEVELS;
 const LEAST: [u16; 2] = [7, 4];
 /// and at most so wide.
 const WIDEST: u16 = 26;
+/// A cell of which these quarters are filled: 1 the upper left one, 2 the upper right, 4 the lower left, 8 the lower right.
+const QUADRANTS: [&str; 16] = [
+    " ", "▘", "▝", "▀", "▖", "▌", "▞", "▛", "▗", "▚", "▐", "▜", "▄", "▙", "▟", "█",
+];
 /// The list of values beside the map.
 const LIST: u16 = 36;
 /// Letters of a value on an axis, at most.
@@ -152,7 +156,7 @@ fn grid(map: &SweepMap, theme: &Theme, area: Rect, buffer: &mut Buffer) {
     // A cell of the terminal is twice as high as wide; the vesicles have a shape of their own.
     let [[x0, x1], [y0, y1]] = map.region;
     let aspect = (y1 - y0 + 1) as f64 / (x1 - x0 + 1) as f64;
-    let wanted = (0.5 * aspect * f64::from(width - 2)).round() as u16 + 2;
+    let wanted = (0.5 * aspect * f64::from(width - 2)).round() as u16 + 1;
     let height = (room_y / rows.len() as u16).min(wanted).max(LEAST[1]);
     let name = arranged.y.as_ref().map_or("", |y| &*y.key);
     put(
@@ -177,18 +181,24 @@ fn grid(map: &SweepMap, theme: &Theme, area: Rect, buffer: &mut Buffer) {
                 height,
             };
             let cell = arranged.cell(panel, column, row);
-            if map.cursor == [column, row] {
-                let block = Block::bordered().border_set(theme.glyphs().border);
-                block
-                    .border_style(theme.style(Role::Accent))
-                    .render(place, buffer);
-            }
+            // A line on either side costs no height, and the vesicles are higher than wide. The last row is the gap.
             let inner = Rect {
                 x: place.x + 1,
-                y: place.y + 1,
+                y: place.y,
                 width: width - 2,
-                height: height - 2,
+                height: height - 1,
             };
+            if map.cursor == [column, row] {
+                let sides = Rect {
+                    height: inner.height,
+                    ..place
+                };
+                let block = Block::new().borders(Borders::LEFT | Borders::RIGHT);
+                block
+                    .border_set(theme.glyphs().border)
+                    .border_style(theme.style(Role::Accent))
+                    .render(sides, buffer);
+            }
             vesicle(map, cell.row, cell.value, theme, inner, buffer);
         }
     }
@@ -248,34 +258,38 @@ fn vesicle(
     let (columns, rows) = (f64::from(area.width), f64::from(area.height) * 2.0);
     let samples = ((x1 - x0 + 1) as f64 / columns).max((y1 - y0 + 1) as f64 / rows);
     let center = [0.5 * (x0 + x1) as f64, 0.5 * (y0 + y1) as f64];
-    // Whether the greater part of a half cell is inside.
+    // Whether the greater part of a quarter of a cell is inside.
     let is_inside = |column: f64, row: f64| {
-        let part = |center: f64, of: f64, at: f64| {
+        let part = |center: f64, of: f64, at: f64, size: f64| {
             let first = center + 0.5 + (at - 0.5 * of) * samples;
             // The casts saturate.
-            let end = (first + samples).round().max(0.0) as usize;
+            let end = (first + size * samples).round().max(0.0) as usize;
             let first = first.round().max(0.0) as usize;
             first.min(SAMPLES)..end.clamp(first + 1, SAMPLES.max(first + 1)).min(SAMPLES)
         };
-        let (xs, ys) = (part(center[0], columns, column), part(center[1], rows, row));
+        let xs = part(center[0], columns, column, 0.5);
+        let ys = part(center[1], rows, row, 1.0);
         let all = xs.len() * ys.len();
         let inside = ys.flat_map(|y| xs.clone().map(move |x| y * SAMPLES + x));
         2 * inside.filter(|sample| picture[*sample]).count() > all
     };
-    let lower_half = "▄";
+    let has_blocks = theme.glyphs().upper_half.is_some();
     for row in 0..area.height {
         for column in 0..area.width {
-            let [upper, lower] =
-                [0.0, 1.0].map(|half| is_inside(f64::from(column), 2.0 * f64::from(row) + half));
+            let quarters = [(0.0, 0.0), (0.5, 0.0), (0.0, 1.0), (0.5, 1.0)].map(|(right, down)| {
+                is_inside(f64::from(column) + right, 2.0 * f64::from(row) + down)
+            });
+            let shape = (0..4)
+                .filter(|it| quarters[*it])
+                .map(|it| 1 << it)
+                .sum::<usize>();
             let Some(cell) = buffer.cell_mut((area.x + column, area.y + row)) else {
                 continue;
             };
-            let symbol = match (theme.glyphs().upper_half, upper, lower) {
-                (_, false, false) => continue,
-                (Some(_), true, true) => theme.glyphs().contour,
-                (Some(half), true, false) => half,
-                (Some(_), false, true) => lower_half,
-                (None, ..) => theme.glyphs().contour,
+            let symbol = match (has_blocks, shape.count_ones()) {
+                (_, 0) | (false, 1) => continue,
+                (true, _) => QUADRANTS[shape],
+                (false, _) => theme.glyphs().contour,
             };
             cell.set_symbol(symbol);
             if theme.paints() {
