@@ -35,7 +35,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "N", value_parser = numbers::threads, allow_negative_numbers = true)]
     threads: Option<usize>,
 
-    /// Show a run that is computed faster for so many seconds from 0 to its end; 0: as fast as it is computed
+    /// Take at least this long to show a run from 0 to its end; 0: show it as fast as it is computed
     #[arg(long, value_name = "SECONDS", default_value_t = brake::DEFAULT_SECONDS,
           value_parser = numbers::pace, allow_negative_numbers = true)]
     pace: f64,

@@ -1,8 +1,8 @@
 //! `vesica check FILE...`: whether scenes can be run.
 
 use super::error::CliError;
-use super::numbers;
 use super::output;
+use super::overrides::Overrides;
 use super::run::some_step;
 use crate::fem::MeshQuality;
 use crate::record::{load_scene, step_count};
@@ -24,13 +24,8 @@ pub(super) struct Arguments {
     #[arg(required = true, value_name = "FILE")]
     scenes: Vec<OsString>,
 
-    /// Override a value of each scene, such as time.step=2e-7
-    #[arg(long, value_name = "KEY=VALUE")]
-    set: Vec<String>,
-
-    /// Choose mesh and steps for about this error of φ at the end, in L2, such as 1e-2; in place of those of the scene
-    #[arg(long, value_name = "E", value_parser = numbers::accuracy, allow_negative_numbers = true)]
-    accuracy: Option<f64>,
+    #[command(flatten)]
+    overrides: Overrides,
 
     /// Try no step: whether the first can be solved and what the run would take is not found out
     #[arg(long)]
@@ -60,7 +55,7 @@ pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
 /// Checks a scene; whether all was found out that was tried.
 fn check_one(source: &OsStr, arguments: &Arguments) -> Result<bool, CliError> {
     let name = source.display();
-    let overrides = numbers::with_accuracy(&arguments.set, arguments.accuracy);
+    let overrides = arguments.overrides.all();
     let (scene, found) = examine(source, &overrides)?;
     // Before the first step is tried: it may be what is warned of that makes it fail.
     for warning in &found.warnings {
@@ -71,9 +66,11 @@ fn check_one(source: &OsStr, arguments: &Arguments) -> Result<bool, CliError> {
         // Nobody is there who might not want to wait: Ctrl-C ends the process.
         false => Some(run_estimate(&scene, &mut || true).map_err(CliError::Foreseen)?),
     };
-    if let (Some(error), Mesh::Adaptive { refine, .. }, Some(tolerance)) =
-        (arguments.accuracy, &scene.mesh, scene.time.tolerance)
-    {
+    if let (Some(error), Mesh::Adaptive { refine, .. }, Some(tolerance)) = (
+        arguments.overrides.accuracy,
+        &scene.mesh,
+        scene.time.tolerance,
+    ) {
         let (edge, band) = (refine.size, refine.band);
         output::line(format_args!(
             "{name}: for an error of {error:e}: mesh.interface = {edge}, mesh.band = {band}, time.tolerance = {tolerance:e}"

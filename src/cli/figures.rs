@@ -2,12 +2,11 @@
 
 use super::error::CliError;
 use super::output;
+use super::picture_size::PictureSize;
 use super::progress::Progress;
 use super::run::{Stop, simulate, some_step};
 use super::signals::EndSignal;
-use crate::figure::{
-    Director, Existing, FigureOptions, LARGEST_WIDTH, LEAST_WIDTH, RunData, check_free, save_set,
-};
+use crate::figure::{Director, Existing, FigureOptions, RunData, check_free, save_set};
 use crate::record::{
     Ending, IfOccupied, RecordError, RecordedRun, RecorderBuilder, RunFolder, Settings, clean,
     load_scene, read_run,
@@ -55,15 +54,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
 
-    /// The width of each figure in pixels
-    #[arg(long, value_name = "PX", default_value_t = 2000,
-          value_parser = clap::value_parser!(u32).range(i64::from(LEAST_WIDTH)..=i64::from(LARGEST_WIDTH)))]
-    width: u32,
-
-    /// The resolution in dots an inch, for print
-    #[arg(long, value_name = "N", default_value_t = 300,
-          value_parser = clap::value_parser!(u32).range(1..=10_000))]
-    dpi: u32,
+    #[command(flatten)]
+    size: PictureSize,
 
     /// Draw the director without heads: d and −d mean the same physics
     #[arg(long)]
@@ -127,8 +119,6 @@ pub(super) fn figures(arguments: &Arguments) -> Result<(), CliError> {
         runs.extend(data(run, &command));
     }
     let options = FigureOptions {
-        width: arguments.width,
-        dpi: arguments.dpi,
         director: if arguments.headless {
             Director::Strokes
         } else {
@@ -139,7 +129,7 @@ pub(super) fn figures(arguments: &Arguments) -> Result<(), CliError> {
         } else {
             Existing::Refuse
         },
-        ..FigureOptions::default()
+        ..arguments.size.options()
     };
     let files = save_set(&runs, &options, &folder)?;
     let pictures = files
@@ -347,7 +337,7 @@ fn compute(jobs: &[Job], signal: &EndSignal) -> Vec<Outcome> {
         .collect()
 }
 
-/// Simulates one, in so many threads at most.
+/// Simulates one scene, in at most this number of threads.
 fn compute_one(
     job: &Job,
     threads: usize,
@@ -417,7 +407,7 @@ impl fmt::Display for Command<'_> {
         for set in &arguments.set {
             write!(f, " --set {}", quoted(set))?;
         }
-        write!(f, " --width {} --dpi {}", arguments.width, arguments.dpi)?;
+        write!(f, " {}", arguments.size)?;
         if arguments.headless {
             f.write_str(" --headless")?;
         }

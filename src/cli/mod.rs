@@ -14,6 +14,8 @@ mod figures;
 mod measure_error;
 mod numbers;
 mod output;
+mod overrides;
+mod picture_size;
 mod presets;
 mod progress;
 mod run;

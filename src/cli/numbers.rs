@@ -26,12 +26,6 @@ pub(super) fn accuracy(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "it must be a finite number > 0, such as 1e-2".to_owned())
 }
 
-/// It as an override of a scene, after the others.
-pub(super) fn with_accuracy(overrides: &[String], accuracy: Option<f64>) -> Vec<String> {
-    let accuracy = accuracy.map(|error| format!("accuracy={error:e}"));
-    overrides.iter().cloned().chain(accuracy).collect()
-}
-
 /// A number of threads.
 pub(super) fn threads(text: &str) -> Result<usize, String> {
     const MOST: usize = 256;

@@ -4,6 +4,7 @@ use super::error::CliError;
 use super::measure_error::{self, MeasuredRun};
 use super::numbers;
 use super::output;
+use super::overrides::Overrides;
 use super::progress::Progress;
 use super::set_up::{Outcome, set_up};
 use super::signals::EndSignal;
@@ -39,13 +40,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
-    /// Override a value of the scene, such as anchoring.kind=parallel
-    #[arg(long, value_name = "KEY=VALUE")]
-    set: Vec<String>,
-
-    /// Choose mesh and steps for about this error of φ at the end, in L2, such as 1e-2; in place of those of the scene
-    #[arg(long, value_name = "E", value_parser = numbers::accuracy, allow_negative_numbers = true)]
-    accuracy: Option<f64>,
+    #[command(flatten)]
+    overrides: Overrides,
 
     /// End at the step nearest to this time, in place of time.end
     #[arg(long, value_name = "T", conflicts_with = "steps", value_parser = numbers::time,
@@ -427,7 +423,7 @@ fn tell(event: &EventRecord) {
 
 /// The scene with all overrides, and what to call its runs.
 fn scene(arguments: &Arguments) -> Result<(Scene, OsString), CliError> {
-    let overrides = numbers::with_accuracy(&arguments.set, arguments.accuracy);
+    let overrides = arguments.overrides.all();
     let mut loaded = match run_folder(arguments) {
         Some(folder) => load_run_scene(folder, &overrides)?,
         None => load_scene(&arguments.scene, &overrides)?,

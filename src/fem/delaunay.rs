@@ -77,7 +77,7 @@ pub(super) fn delaunay(
     )
 }
 
-/// The mesh of these nodes, of which the first ones are the wall's, after so many rounds of moving those that are free.
+/// The mesh of these nodes after `rounds` rounds in which the free ones move; the first `fixed` nodes are the wall's.
 fn moved(
     table: &Table,
     (mut nodes, fixed): (Vec<Point>, usize),

@@ -90,7 +90,7 @@ fn pieces_of<const N: usize>(
     );
 }
 
-/// Calls f(number, item, parts) for every item with its part of slices, in which each item has so many entries.
+/// Calls f(number, item, parts) for every item with its part of the slices: `entries` entries of each, fewer for the last.
 pub fn over_items<T: Send, D: Divide>(
     items: &mut [T],
     (slices, entries): (D, usize),

@@ -1,7 +1,7 @@
 //! One number in place of mesh and steps: `accuracy`, the error of φ that is wanted at the end, in L2.
 //!
 //! Half of it is left to the mesh and half to the steps. With edges h at the membrane the error of the mesh was found to be
-//! about 8e-3 (h/ε)^2.5, and that of the steps about `time.tolerance`, in cases 3 and 4 (docs/guide/accuracy.md has the
+//! about 1.2e-2 (h/ε)³, and that of the steps about `time.tolerance`, in cases 3 and 4 (docs/guide/accuracy.md has the
 //! measurements, and what other scenes have).
 
 use super::error::{Problem, SceneError};
@@ -10,15 +10,14 @@ use super::tables::{Mesh, Refinement, Scene, TimeScheme};
 
 const WANTED: Bound = Bound::new("a finite number > 0, such as 1e-2", |v| v > 0.0);
 
-/// The error of the mesh over (h/ε)^2.5.
-const OF_MESH: f64 = 8e-3;
-const ORDER: f64 = 2.5;
+/// The error of the mesh over (h/ε)³.
+const OF_MESH: f64 = 1.2e-2;
 
 /// The error of the steps over `time.tolerance`.
 const OF_STEPS: f64 = 1.0;
 
-/// Edges at the membrane, over ε: with longer ones the interface, which is some 4 ε wide, has fewer than two or so.
-const LONGEST: f64 = 2.1;
+/// Edges at the membrane, over ε: with longer ones the interface, which is some 4 ε wide, has fewer than two.
+const LONGEST: f64 = 2.0;
 
 /// The band of fine edges on either side of the membrane, over ε.
 const BAND: f64 = 3.0;
@@ -71,10 +70,10 @@ impl<'a> Wanted<'a> {
             }));
         }
         let width = scene.membrane.interface_width;
-        let edge = (0.5 * self.error / OF_MESH).powf(ORDER.recip());
+        let edge = (0.5 * self.error / OF_MESH).cbrt();
         if edge > LONGEST {
             return Err(self.field.error(Problem::AccuracyTooLow {
-                largest: 2.0 * OF_MESH * LONGEST.powf(ORDER),
+                largest: 2.0 * OF_MESH * LONGEST.powi(3),
             }));
         }
         let size = rounded(edge * width);
@@ -118,8 +117,8 @@ mod tests {
     fn mesh_and_steps_follow_from_one_number() {
         let text = "accuracy = 1e-2\nmembrane.interface_width = 0.02\ntime.end = 1e-4";
         let scene = read(text, &[]).expect("a scene");
-        // 8e-3 (h/ε)^2.5 = 5e-3.
-        assert_eq!(edge_and_tolerance(&scene), (0.0166, Some(5e-3)));
+        // 1.2e-2 (h/ε)³ = 5e-3.
+        assert_eq!(edge_and_tolerance(&scene), (0.0149, Some(5e-3)));
         assert_eq!(scene.time.end, 1e-4);
         // The scene that is written says mesh and steps, and needs no calibration of a later version.
         let written = scene.to_toml();
@@ -127,14 +126,14 @@ mod tests {
         assert_eq!(read(&written, &[]).as_ref(), Ok(&scene));
         let finer = read(text, &["accuracy=1e-3"]).expect("a scene");
         let (edge, tolerance) = edge_and_tolerance(&finer);
-        assert!(edge < 0.5 * 0.0166 && tolerance == Some(5e-4));
+        assert!(edge < 0.5 * 0.0149 && tolerance == Some(5e-4));
     }
 
     #[test]
     fn an_override_takes_the_place_of_mesh_and_steps() {
         let text = "mesh.cells = 120\ntime.step = 1e-7\ntime.scheme = 'first-order'";
         let scene = read(text, &["accuracy=1e-2"]).expect("a scene");
-        assert_eq!(edge_and_tolerance(&scene), (0.00829, Some(5e-3)));
+        assert_eq!(edge_and_tolerance(&scene), (0.00747, Some(5e-3)));
         assert_eq!(scene.time.scheme, TimeScheme::Secant);
     }
 

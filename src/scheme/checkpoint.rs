@@ -64,7 +64,7 @@ impl SchemeCheckpoint {
         &self.state
     }
 
-    /// φ and d, if they are values at so many nodes.
+    /// φ and d, if they have a value at each of `nodes` nodes.
     pub(super) fn fields(&self, nodes: usize) -> Result<Fields, RestoreError> {
         let State { phi, director, .. } = &self.state;
         let fields = std::iter::once(phi).chain(director.iter().flatten());

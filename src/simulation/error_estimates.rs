@@ -4,7 +4,7 @@ use crate::scene::Scene;
 use crate::scheme::Phase;
 use serde::{Deserialize, Serialize};
 
-/// The estimate of the mesh's error is trusted where ε is at least so many edges at the membrane.
+/// The estimate of the mesh's error is trusted where ε is at least this number of edges long at the membrane.
 const RESOLVED: f64 = 2.0;
 
 /// Where an error comes from.

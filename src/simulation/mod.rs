@@ -268,8 +268,7 @@ impl Simulation {
         field.or_else(|| Some(values.find(|(_, value)| !value.is_finite())?.0))
     }
 
-    /// Has the steps be computed in so many threads; at first there is only the caller's. The numbers that come out are the
-    /// same.
+    /// Sets the number of threads that compute the steps; at first it is 1. It changes no result.
     pub fn set_threads(&mut self, count: usize) {
         if count != self.threads.count() {
             self.threads = Threads::new(count);

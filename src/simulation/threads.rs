@@ -16,7 +16,7 @@ pub(super) struct Threads {
 }
 
 impl Threads {
-    /// So many, or the caller's alone where the system gives no more.
+    /// `count` threads, or the caller's alone where the system gives no more.
     pub(super) fn new(count: usize) -> Self {
         let name = |number| format!("step {number}");
         let pool = (count > 1).then(|| {
@@ -77,7 +77,7 @@ impl Drop for Ending<'_> {
     }
 }
 
-/// How many threads pay for a run with so many nodes, of those that it may have.
+/// The number of threads that pay for a run with `nodes` nodes; `most` is the largest that it may have.
 pub fn threads_that_pay(nodes: usize, most: usize) -> usize {
     most.min(nodes / NODES_A_THREAD).clamp(1, MOST)
 }

@@ -75,7 +75,7 @@ impl App {
         }
     }
 
-    /// The same, where the cases come in so many forms.
+    /// The same, where each case has this number of forms.
     pub fn with_forms(mut self, forms: usize) -> Self {
         self.forms = forms;
         self.follow_form();

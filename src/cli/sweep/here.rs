@@ -147,7 +147,7 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// Runs all points, so many at a time.
+    /// Runs all points, `jobs` at a time.
     fn all(&self, jobs: usize, signal: &EndSignal) {
         thread::scope(|scope| {
             let show = || {

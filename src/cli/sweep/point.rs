@@ -110,7 +110,7 @@ pub(super) enum PointRunError {
     Record(#[from] RecordError),
 }
 
-/// Runs a point to its end, from where it is, in so many threads at most.
+/// Runs a point to its end, or resumes it, in at most `threads` threads.
 pub(super) fn run_point(
     folder: &SweepFolder,
     point: &Point,

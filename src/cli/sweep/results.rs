@@ -4,7 +4,8 @@ use super::{count_of, job_lines};
 use crate::cli::error::CliError;
 use crate::cli::figures::quoted;
 use crate::cli::output;
-use crate::figure::{Existing, FigureOptions, LARGEST_WIDTH, LEAST_WIDTH, SweepView, save_sweep};
+use crate::cli::picture_size::PictureSize;
+use crate::figure::{Existing, FigureOptions, SweepView, save_sweep};
 use crate::record::write_whole;
 use crate::study::sweep::{Point, PointState, SweepFolder, Table, Values};
 use std::ffi::OsStr;
@@ -66,15 +67,8 @@ pub(super) struct FigureArguments {
     #[arg(long)]
     curves: bool,
 
-    /// The width of each figure in pixels
-    #[arg(long, value_name = "PX", default_value_t = 2000,
-          value_parser = clap::value_parser!(u32).range(i64::from(LEAST_WIDTH)..=i64::from(LARGEST_WIDTH)))]
-    width: u32,
-
-    /// The resolution in dots an inch, for print
-    #[arg(long, value_name = "N", default_value_t = 300,
-          value_parser = clap::value_parser!(u32).range(1..=10_000))]
-    dpi: u32,
+    #[command(flatten)]
+    size: PictureSize,
 
     /// Replace figures that the folder holds
     #[arg(long)]
@@ -106,7 +100,7 @@ impl FigureArguments {
             text += &format!(" --where {}", quoted(&format!("{key}={value}")));
         }
         text += if self.curves { " --curves" } else { "" };
-        text + &format!(" --width {} --dpi {}", self.width, self.dpi)
+        text + &format!(" {}", self.size)
     }
 }
 
@@ -125,13 +119,11 @@ pub(super) fn figure(arguments: &FigureArguments) -> Result<(), CliError> {
         curves: arguments.curves,
     };
     let options = FigureOptions {
-        width: arguments.width,
-        dpi: arguments.dpi,
         existing: match arguments.force {
             true => Existing::Replace,
             false => Existing::Refuse,
         },
-        ..FigureOptions::default()
+        ..arguments.size.options()
     };
     let files = save_sweep(&sweep, &view, &arguments.command(), &options, &folder)?;
     let pictures = files

@@ -16,16 +16,16 @@ use std::process::Command;
 /// Tasks of an array where the cluster does not say: Slurm's own default of MaxArraySize.
 const MAX_ARRAY_SIZE: usize = 1001;
 
-/// The time limit is so many times what was predicted, for nodes are shared, and slower or faster,
+/// The time limit over the predicted time: nodes are shared, and some are slower than others.
 const TIME_FACTOR: f64 = 3.0;
-/// and this many seconds more,
+/// Seconds that are added to it.
 const TIME_MORE: f64 = 300.0;
-/// but not below this: the signal before the limit comes up to three minutes early.
+/// The shortest time limit, in seconds: the signal before the limit comes up to three minutes early.
 const LEAST_TIME: f64 = 600.0;
-/// Seconds before the limit at which a run is told to save.
+/// A run gets the signal to save this number of seconds before the time limit.
 const SIGNAL_BEFORE: u32 = 120;
 
-/// Memory is asked for by so much more than was predicted, and so many bytes.
+/// The memory that is requested over the predicted memory, and the bytes that are added to it.
 const MEMORY_FACTOR: f64 = 1.3;
 const MEMORY_MORE: f64 = 64e6;
 
@@ -162,8 +162,8 @@ pub(super) fn slurm(arguments: &Arguments) -> Result<(), CliError> {
     Ok(())
 }
 
-/// A task takes about so many seconds, unless its number of points is given: below some minutes the batch system has
-/// more work with a task than the task has.
+/// The time that a task is to take, in seconds, unless its number of points is given: starting a task costs the batch
+/// system more than a shorter one would compute.
 const TASK_SECONDS: f64 = 600.0;
 
 /// The points of each task.

@@ -22,7 +22,7 @@ pub(super) struct PlaceAxis {
     /// The edges of the cells around them: one more.
     pub edges: Vec<f64>,
     labels: Vec<Label>,
-    /// Every so many values have a tick.
+    /// From one value with a tick to the next.
     stride: usize,
 }
 

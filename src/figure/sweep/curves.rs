@@ -42,7 +42,7 @@ pub(super) fn draw(arranged: &Arranged, width: u32, size: f64) -> Result<Drawing
     })
 }
 
-/// The colour of a curve, of so many: of a map where there are more than colours.
+/// The colour of curve `number` of `of` curves: from a colour map where the curves outnumber the line colours.
 fn colour(number: usize, of: usize) -> RGBColor {
     if of <= LINE_COLOURS.len() {
         return LINE_COLOURS[number];

@@ -26,7 +26,7 @@ pub struct WorkerConfig {
     pub gathering: Duration,
     /// This many states, evenly from t = 0 to T, are sent as [`WorkerEvent::Snapshot`]: none is lost.
     pub snapshots: u64,
-    /// Its steps are computed in so many threads at most; in fewer where that does not pay.
+    /// The largest number of threads that compute its steps; fewer do where more would not pay.
     pub threads: usize,
 }
 

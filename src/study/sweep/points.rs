@@ -251,7 +251,7 @@ struct Sizes {
 /// So many are kept: comparing with more takes longer than checking.
 const KEPT_SIZES: usize = 16;
 
-/// About so many steps are chosen.
+/// About the number of steps of a run that chooses them.
 const CHOSEN_STEPS: u64 = 40;
 
 impl Sizes {
