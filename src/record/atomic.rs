@@ -75,6 +75,11 @@ pub(super) fn folder_beside(parent: &Path) -> io::Result<PathBuf> {
     builder.tempdir_in(parent).map(|folder| folder.keep())
 }
 
+/// A name for what stands for a moment only: [`clean`] removes what has it.
+pub(crate) fn unfinished_name(name: &str) -> String {
+    format!("{PREFIX}{name}{SUFFIX}")
+}
+
 /// What a process that was killed had left behind.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Leftover {

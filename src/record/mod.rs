@@ -49,7 +49,7 @@ mod vtu;
 
 pub use app_checkpoint::{KeptAt, KeptNote, KeptRows, KeptRun, KeptRuns, RunKeeper, Search};
 pub use atomic::Leftover;
-pub(crate) use atomic::{clean, write_new, write_whole};
+pub(crate) use atomic::{clean, unfinished_name, write_new, write_whole};
 pub(crate) use bounded_read::{read_bytes, read_file_text, read_text};
 pub use checkpoint::{CheckpointError, Problem};
 pub use error::RecordError;

@@ -17,7 +17,7 @@ use super::lock::{Holder, PointLock};
 use super::plan::Plan;
 use super::points::{Needs, Origin, Point, folder_of, identity, name, points};
 use crate::record::{
-    LARGEST_SCENE, LoadedScene, RunFolder, Status, load_scene, make_folder, read_file_text,
+    LARGEST_SCENE, LoadedScene, RunFolder, Status, clean, load_scene, make_folder, read_file_text,
     read_text, write_scene, write_whole,
 };
 use crate::scene::{Scene, preset};
@@ -128,6 +128,13 @@ struct Stored {
     needs: Vec<Needs>,
 }
 
+/// Removes what killed processes have left half written. The folders of the points are cleaned by their runs.
+fn clean_all(path: &Path) {
+    for folder in [path, &path.join(BASE), &path.join(POINTS)] {
+        clean(folder);
+    }
+}
+
 /// How a point stands.
 #[derive(Debug, Clone, PartialEq)]
 pub enum PointState {
@@ -184,6 +191,7 @@ impl SweepFolder {
         }
         make_folder(&path.join(POINTS))?;
         make_folder(&path.join(BASE))?;
+        clean_all(path);
         write_scene(&path.join(BASE), &sweep.base)?;
         let plan = path.join(PLAN);
         write_whole(&plan, |file| file.write_all(sweep.plan.text.as_bytes()))?;
@@ -259,6 +267,7 @@ impl SweepFolder {
         if old.len() != new.len() {
             return Err(changed(format!("{} there, {} here", old.len(), new.len())));
         }
+        clean_all(&folder.path);
         Ok(folder)
     }
 

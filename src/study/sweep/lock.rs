@@ -5,7 +5,7 @@
 //! A lock is stale when its process has gone (on this host), when it is of this very batch job, which runs once at
 //! a time, or when it was not written for [`STALE_AFTER`] by the clock of the file system.
 
-use crate::record::{RecordError, read_file_text, write_new};
+use crate::record::{RecordError, read_file_text, unfinished_name, write_new};
 use nix::errno::Errno;
 use nix::sys::signal::kill;
 use nix::unistd::Pid;
@@ -201,9 +201,15 @@ fn write_again(path: &Path, content: &str) {
     }
 }
 
+/// Where a stale lock stands for a moment: of a process that is killed then, it is a leftover as any other.
+fn aside(path: &Path, own: &Holder) -> PathBuf {
+    let name = path.file_stem().unwrap_or_default().display();
+    path.with_file_name(unfinished_name(&format!("{name}-{}-{}", own.host, own.pid)))
+}
+
 /// Takes a stale lock away. Where another has taken it away and locked meanwhile, that lock is put back.
 fn remove_stale(path: &Path, own: &Holder) {
-    let aside = path.with_extension(format!("stale-{}-{}", own.host, own.pid));
+    let aside = aside(path, own);
     if fs::rename(path, &aside).is_err() {
         return;
     }

@@ -188,7 +188,21 @@ fn a_folder_keeps_the_sweep() {
     }
     let error = SweepFolder::create(&path, &sweep, Vec::new()).expect_err("there");
     assert!(matches!(error, SweepError::Occupied { .. }));
+    let left_behind = [
+        ".vesica-a.part",
+        "base/.vesica-b.part",
+        "points/.vesica-c.part",
+    ];
+    for name in left_behind {
+        fs::write(path.join(name), "half").expect("written");
+    }
     assert!(SweepFolder::resume(&path, &sweep).is_ok());
+    for name in left_behind {
+        assert!(
+            !path.join(name).exists(),
+            "{name} of a process that was killed"
+        );
+    }
     let other = read(here.path(), "[vary]\n\"area.target\" = [0.9, 1.1]\n").expect("right");
     let error = SweepFolder::resume(&path, &other).expect_err("changed");
     assert!(error.to_string().contains("0002-"), "{error}");
