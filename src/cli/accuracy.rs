@@ -4,6 +4,7 @@ use super::error::CliError;
 use super::numbers;
 use super::output;
 use super::run::some_step;
+use super::shell::{scenes, settings};
 use super::signals::EndSignal;
 use crate::figure::{FigureOptions, save_study};
 use crate::record::load_scene;
@@ -11,6 +12,7 @@ use crate::signals::EndingSignal;
 use crate::study::{
     Budget, ComparedRun, ComparedRuns, ErrorSize, Point, Study, StudyError, StudyNews, chart, study,
 };
+use clap_complete::ArgValueCompleter;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -29,6 +31,7 @@ the budget; what would not fit is left out. A budget that does not pay for an an
 that does. Ctrl-C ends the study with what there is.")]
 pub(super) struct Arguments {
     /// A preset's name (see `vesica presets`) or a TOML file
+    #[arg(add = ArgValueCompleter::new(scenes))]
     scene: OsString,
 
     /// Where the diagram and its data go
@@ -52,8 +55,12 @@ pub(super) struct Arguments {
     #[arg(long)]
     full: bool,
 
+    /// Print what was found as JSON
+    #[arg(long)]
+    json: bool,
+
     /// Override a value of the scene, such as anchoring.kind=parallel
-    #[arg(long, value_name = "KEY=VALUE")]
+    #[arg(long, value_name = "KEY=VALUE", add = ArgValueCompleter::new(settings))]
     set: Vec<String>,
 }
 
@@ -107,7 +114,10 @@ pub(super) fn accuracy(arguments: &Arguments) -> Result<(), CliError> {
         }
         (result, _) => result?,
     };
-    print(&result)?;
+    match arguments.json {
+        true => output::json(&result)?,
+        false => print(&result)?,
+    }
     let name = loaded.name.to_string_lossy();
     let command = format!(
         "vesica accuracy {name}{}{}{} --budget {}{}",
@@ -131,7 +141,7 @@ pub(super) fn accuracy(arguments: &Arguments) -> Result<(), CliError> {
     );
     let options = FigureOptions::default();
     let files = save_study(&result, &name, &command, &options, &arguments.out)?;
-    for file in &files {
+    for file in files.iter().filter(|_| !arguments.json) {
         output::line(file.display())?;
     }
     match ended {
