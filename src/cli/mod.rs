@@ -58,10 +58,6 @@ enum Command {
     Run(run::Arguments),
     /// Draw the figures of a report
     Figures(figures::Arguments),
-    /// Compute a run again and tell whether its numbers are the same
-    Verify(verify::Arguments),
-    /// Pack a run into one file, with a description for programs and people
-    Export(export::Arguments),
     /// Tell what each effect of a scene costs
     Effects(effects::Arguments),
     /// List the built-in scenes
@@ -74,6 +70,10 @@ enum Command {
     Accuracy(accuracy::Arguments),
     /// Simulate a scene many times with other values, here or on a cluster
     Sweep(sweep::Arguments),
+    /// Compute a run again and tell whether its numbers are the same
+    Verify(verify::Arguments),
+    /// Pack a run into one file, with a description for programs and people
+    Export(export::Arguments),
     /// Print what a shell needs to complete commands, scenes and keys
     Completions(shell::CompletionArguments),
     /// Print the manual
