@@ -23,12 +23,16 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! The interface is what the examples of the package use, of [`scene`], [`simulation`], [`scheme`], [`physics`], [`fem`],
+//! [`geometry`] and [`figure`]: it changes by the rules of semantic versioning. The rest is public for the program, its
+//! tests and its benchmarks, and may change in any version.
+//!
 //! Modules import downward only, in this order:
 //!
 //! | module | what is in it |
 //! | --- | --- |
-//! | [`cli`] | the program's subcommands |
-//! | [`tui`] | the terminal app |
+//! | `cli` | the program's subcommands |
+//! | `tui` | the terminal app |
 //! | [`figure`] | the pictures of a report |
 //! | [`study`] | runs about runs: accuracy against time, the cost of each effect, sweeps |
 //! | [`record`] | the files that a run leaves and resumes from |
@@ -42,6 +46,7 @@
 
 #![warn(missing_docs)]
 
+#[doc(hidden)]
 pub mod cli;
 pub mod fem;
 pub mod figure;
@@ -54,6 +59,7 @@ pub mod scheme;
 mod signals;
 pub mod simulation;
 pub mod study;
+#[doc(hidden)]
 pub mod tui;
 
 /// The guide's example of an effect is built with the tests; this one follows it through the program.

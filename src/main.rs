@@ -1,5 +1,8 @@
 //! The `vesica` program: arguments in, exit status out.
 
+#[cfg(all(target_arch = "x86_64", target_os = "linux", target_feature = "avx2"))]
+mod processor;
+
 use std::process::ExitCode;
 
 /// Counts what each thread holds, for `vesica effects`.

@@ -4,6 +4,7 @@ use super::error::CliError;
 use super::numbers;
 use super::output;
 use super::run::some_step;
+use super::shell::{scenes, settings};
 use super::signals::EndSignal;
 use crate::figure::{FigureOptions, save_study};
 use crate::record::load_scene;
@@ -13,6 +14,7 @@ use crate::study::{
     Budget, ComparedRun, ComparedRuns, ErrorSize, Offer, Point, Study, StudyError, StudyNews,
     chart, price_words, study,
 };
+use clap_complete::ArgValueCompleter;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -34,6 +36,7 @@ The list of prices comes first: what vesica run SCENE --accuracy E will take for
 beside the budget.")]
 pub(super) struct Arguments {
     /// A preset's name (see `vesica presets`) or a TOML file
+    #[arg(add = ArgValueCompleter::new(scenes))]
     scene: OsString,
 
     /// Where the diagram and its data go
@@ -57,12 +60,16 @@ pub(super) struct Arguments {
     #[arg(long)]
     full: bool,
 
+    /// Print what was found as JSON, without the list of prices
+    #[arg(long)]
+    json: bool,
+
     /// The list of prices alone: nodes, seconds and memory for five errors of φ
-    #[arg(long, conflicts_with_all = ["out", "budget", "beside", "against", "full"])]
+    #[arg(long, conflicts_with_all = ["out", "budget", "beside", "against", "full", "json"])]
     prices: bool,
 
     /// Override a value of the scene, such as anchoring.kind=parallel
-    #[arg(long, value_name = "KEY=VALUE")]
+    #[arg(long, value_name = "KEY=VALUE", add = ArgValueCompleter::new(settings))]
     set: Vec<String>,
 }
 
@@ -71,7 +78,9 @@ pub(super) fn accuracy(arguments: &Arguments) -> Result<(), CliError> {
     let loaded = load_scene(&arguments.scene, &arguments.set)?;
     some_step(&loaded.scene.time)?;
     let signal = EndSignal::listen()?;
-    print_prices(&loaded.scene, &signal)?;
+    if !arguments.json {
+        print_prices(&loaded.scene, &signal)?;
+    }
     if arguments.prices {
         return Ok(());
     }
@@ -120,7 +129,10 @@ pub(super) fn accuracy(arguments: &Arguments) -> Result<(), CliError> {
         }
         (result, _) => result?,
     };
-    print(&result)?;
+    match arguments.json {
+        true => output::json(&result)?,
+        false => print(&result)?,
+    }
     let name = loaded.name.to_string_lossy();
     let command = format!(
         "vesica accuracy {name}{}{}{} --budget {}{}",
@@ -144,7 +156,7 @@ pub(super) fn accuracy(arguments: &Arguments) -> Result<(), CliError> {
     );
     let options = FigureOptions::default();
     let files = save_study(&result, &name, &command, &options, &arguments.out)?;
-    for file in &files {
+    for file in files.iter().filter(|_| !arguments.json) {
         output::line(file.display())?;
     }
     match ended {

@@ -2,6 +2,7 @@
 
 use super::error::CliError;
 use super::numbers;
+use super::shell::{scenes, settings};
 use crate::scene::preset;
 use crate::study::sweep::SweepFolder;
 use crate::tui::brake;
@@ -10,6 +11,7 @@ use crate::tui::state::Slot;
 use crate::tui::theme::ColorTier;
 use crate::tui::{self, Failed, Options, SweepMap, SweepOutcome};
 use clap::ValueEnum;
+use clap_complete::ArgValueCompleter;
 use std::ffi::{OsStr, OsString};
 use std::io::{self, IsTerminal};
 use std::path::Path;
@@ -20,10 +22,11 @@ use std::path::Path;
 pub(super) struct Arguments {
     /// The scene that the terminal app opens: a preset's name, a TOML file, or the folder of a run or of a sweep
     /// [default: case3-quick]
+    #[arg(add = ArgValueCompleter::new(scenes))]
     pub scene: Option<OsString>,
 
     /// Override a value of the scene, such as anchoring.kind=parallel
-    #[arg(long, value_name = "KEY=VALUE")]
+    #[arg(long, value_name = "KEY=VALUE", add = ArgValueCompleter::new(settings))]
     set: Vec<String>,
 
     /// Frames a second, at most

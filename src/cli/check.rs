@@ -4,11 +4,14 @@ use super::error::CliError;
 use super::output;
 use super::overrides::Overrides;
 use super::run::some_step;
+use super::shell::scenes;
 use crate::fem::MeshQuality;
 use crate::record::{load_scene, step_count};
 use crate::scene::{self, Mesh, Scene, Warning, significant};
 use crate::simulation::{self, Examination, memory_needed};
 use crate::study::{Foresight, MOST_NODES, run_estimate};
+use clap_complete::ArgValueCompleter;
+use serde::Serialize;
 use std::ffi::{OsStr, OsString};
 
 /// Arguments of `vesica check`.
@@ -21,7 +24,7 @@ Exit status: 0 every scene is ok, or well formed where no step was tried; 1 a fi
 time (\"undecided\"); 2 a scene cannot be run, or the arguments are wrong.")]
 pub(super) struct Arguments {
     /// Scenes: TOML files or presets
-    #[arg(required = true, value_name = "FILE")]
+    #[arg(required = true, value_name = "FILE", add = ArgValueCompleter::new(scenes))]
     scenes: Vec<OsString>,
 
     #[command(flatten)]
@@ -30,35 +33,110 @@ pub(super) struct Arguments {
     /// Try no step: whether the first can be solved and what the run would take is not found out
     #[arg(long)]
     quick: bool,
+
+    /// Print what was found as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// What was found out about a scene, for programs.
+#[derive(Debug, Default, Serialize)]
+struct Verdict {
+    /// As it was named.
+    scene: String,
+    /// "ok", "undecided", "well formed" (no step was tried) or "wrong".
+    verdict: &'static str,
+    /// Why it is wrong or undecided.
+    reason: Option<String>,
+    warnings: Vec<String>,
+    /// Nodes of the mesh; where that was not made, about so many.
+    nodes: Option<usize>,
+    /// Steps; `null`: they are chosen, and how many was not found out.
+    steps: Option<u64>,
+    /// Computing time of the run on this machine, where a step was tried.
+    seconds: Option<f64>,
+    /// Memory that the run needs.
+    memory_bytes: Option<u64>,
+    /// The least and the greatest angle of a triangle, in degrees, where the mesh was made.
+    angles: Option<[f64; 2]>,
+    /// The shortest, the mean and the longest edge, where the mesh was made.
+    edges: Option<[f64; 3]>,
+}
+
+impl Verdict {
+    fn new(source: &OsStr, scene: &Scene, found: &Found, foresight: Option<&Foresight>) -> Self {
+        let estimate = match foresight {
+            Some(Foresight::Price(estimate)) => Some(estimate),
+            _ => None,
+        };
+        let unsolved = match foresight {
+            Some(Foresight::Unsolved(unsolved)) => Some(unsolved.to_string()),
+            _ => None,
+        };
+        let quality = found.quality;
+        Verdict {
+            scene: source.to_string_lossy().into_owned(),
+            verdict: match (estimate, &unsolved) {
+                (Some(_), _) => "ok",
+                (None, Some(_)) => "undecided",
+                (None, None) => "well formed",
+            },
+            reason: unsolved,
+            warnings: found.warnings.iter().map(ToString::to_string).collect(),
+            nodes: Some(found.nodes),
+            steps: estimate.map(|it| it.steps).or(step_count(&scene.time)),
+            seconds: estimate.map(|it| it.seconds),
+            memory_bytes: Some(estimate.map_or_else(|| memory_needed(scene), |it| it.memory)),
+            angles: quality.map(|it| [it.least_angle, it.greatest_angle]),
+            edges: quality.map(|it| it.edges),
+        }
+    }
+
+    fn wrong(source: &OsStr, error: &CliError) -> Self {
+        Verdict {
+            scene: source.to_string_lossy().into_owned(),
+            verdict: "wrong",
+            reason: Some(error.to_string()),
+            ..Verdict::default()
+        }
+    }
 }
 
 /// Checks every scene, also after one that is wrong.
 pub(super) fn check(arguments: &Arguments) -> Result<(), CliError> {
     let (mut wrong, mut undecided) = (0, 0);
+    let mut verdicts = Vec::new();
     for source in &arguments.scenes {
         match check_one(source, arguments) {
-            Ok(true) => {}
-            Ok(false) => undecided += 1,
+            Ok((is_decided, verdict)) => {
+                undecided += usize::from(!is_decided);
+                verdicts.push(verdict);
+            }
             Err(error @ CliError::Output(_)) => return Err(error),
             Err(error) => {
                 wrong += 1;
+                verdicts.push(Verdict::wrong(source, &error));
                 match error {
+                    _ if arguments.json => {}
                     CliError::Load(_) => output::error(error),
                     _ => output::error(format_args!("{}: {error}", source.display())),
                 }
             }
         }
     }
+    if arguments.json {
+        output::json(&verdicts)?;
+    }
     ending(wrong, undecided, arguments.scenes.len())
 }
 
-/// Checks a scene; whether all was found out that was tried.
-fn check_one(source: &OsStr, arguments: &Arguments) -> Result<bool, CliError> {
+/// Checks a scene; whether all was found out that was tried, and what.
+fn check_one(source: &OsStr, arguments: &Arguments) -> Result<(bool, Verdict), CliError> {
     let name = source.display();
     let overrides = arguments.overrides.all();
     let (scene, found) = examine(source, &overrides)?;
     // Before the first step is tried: it may be what is warned of that makes it fail.
-    for warning in &found.warnings {
+    for warning in found.warnings.iter().filter(|_| !arguments.json) {
         output::warning(format_args!("{name}: {warning}"));
     }
     let foresight = match arguments.quick {
@@ -66,6 +144,11 @@ fn check_one(source: &OsStr, arguments: &Arguments) -> Result<bool, CliError> {
         // Nobody is there who might not want to wait: Ctrl-C ends the process.
         false => Some(run_estimate(&scene, &mut || true).map_err(CliError::Foreseen)?),
     };
+    let verdict = Verdict::new(source, &scene, &found, foresight.as_ref());
+    let is_decided = !matches!(foresight, Some(Foresight::Unsolved(_)));
+    if arguments.json {
+        return Ok((is_decided, verdict));
+    }
     if let (Some(error), Mesh::Adaptive { refine, .. }, Some(tolerance)) = (
         arguments.overrides.accuracy,
         &scene.mesh,
@@ -83,7 +166,7 @@ fn check_one(source: &OsStr, arguments: &Arguments) -> Result<bool, CliError> {
     }
     let needs = needs(foresight.as_ref(), &scene);
     output::line(format_args!("{name}: {needs}"))?;
-    Ok(!matches!(foresight, Some(Foresight::Unsolved(_))))
+    Ok((is_decided, verdict))
 }
 
 /// What came out of a scene's first step.
@@ -134,7 +217,8 @@ fn examine(source: &OsStr, overrides: &[String]) -> Result<(Scene, Found), CliEr
         } = simulation::examine(&scene).map_err(CliError::SetUp)?;
         Found {
             warnings,
-            nodes: nodes.to_string(),
+            nodes,
+            nodes_are_estimated: false,
             quality: Some(quality),
         }
     } else {
@@ -142,11 +226,8 @@ fn examine(source: &OsStr, overrides: &[String]) -> Result<(Scene, Found), CliEr
         let is_estimate = matches!(scene.mesh, Mesh::Delaunay { .. } | Mesh::Adaptive { .. });
         Found {
             warnings: scene::warnings(&scene, None),
-            nodes: format!(
-                "{}{}",
-                if is_estimate { "about " } else { "" },
-                nodes(&scene)
-            ),
+            nodes: nodes(&scene),
+            nodes_are_estimated: is_estimate,
             quality: None,
         }
     };
@@ -156,8 +237,10 @@ fn examine(source: &OsStr, overrides: &[String]) -> Result<(Scene, Found), CliEr
 /// What is reported of a scene.
 struct Found {
     warnings: Vec<Warning>,
-    /// How many there are, in words.
-    nodes: String,
+    /// How many there are,
+    nodes: usize,
+    /// or about.
+    nodes_are_estimated: bool,
     /// Of the mesh, if it was made.
     quality: Option<MeshQuality>,
 }
@@ -190,7 +273,12 @@ fn nodes(scene: &Scene) -> usize {
 
 fn describe(scene: &Scene, found: &Found) -> String {
     let steps = step_count(&scene.time);
-    let nodes = &found.nodes;
+    let about = if found.nodes_are_estimated {
+        "about "
+    } else {
+        ""
+    };
+    let nodes = format_args!("{about}{}", found.nodes);
     match steps {
         Some(steps) => format!("{nodes} nodes, {steps} steps"),
         None => format!("{nodes} nodes, chosen steps"),

@@ -3,10 +3,12 @@
 use super::error::CliError;
 use super::numbers;
 use super::output;
+use super::shell::{scenes, settings};
 use super::signals::EndSignal;
 use crate::record::load_scene;
 use crate::simulation::node_count;
 use crate::study::{Plan, prices, prices_table};
+use clap_complete::ArgValueCompleter;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::ffi::OsString;
 use std::io::IsTerminal;
@@ -18,11 +20,16 @@ The scene is run as it is and again without each of its effects, all of them in 
 nothing is saved. `ms` is the median of a step.")]
 pub(super) struct Arguments {
     /// A preset's name (see `vesica presets`) or a TOML file
+    #[arg(add = ArgValueCompleter::new(scenes))]
     scene: OsString,
 
     /// Override a value of the scene, such as solver.quadrature=lumped
-    #[arg(long, value_name = "KEY=VALUE")]
+    #[arg(long, value_name = "KEY=VALUE", add = ArgValueCompleter::new(settings))]
     set: Vec<String>,
+
+    /// Print what was found as JSON
+    #[arg(long)]
+    json: bool,
 
     /// Steps before anything is timed; the first of a run are harder than the rest
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = numbers::count,
@@ -67,6 +74,9 @@ pub(super) fn effects(arguments: &Arguments) -> Result<(), CliError> {
                 Some(cells) => format!("{cells} × {cells} cells"),
                 None => format!("about {:.0} nodes", node_count(&scene)),
             };
+            if arguments.json {
+                return output::json(&prices);
+            }
             let Plan { warm_up, steps } = plan;
             output::line(format_args!(
                 "{}: {mesh}, steps {} to {}\n",

@@ -5,6 +5,7 @@ use super::sweep::SlurmError;
 use crate::figure::{FigureError, SweepFigureError};
 use crate::record::{CheckpointError, LoadError, ReadError, RecordError, Whereabouts};
 use crate::scene::UnknownPreset;
+use crate::signals::EndingSignal;
 use crate::simulation::SimulationError;
 use crate::study::sweep::SweepError;
 use crate::study::{ComparedRunError, StudyError};
@@ -60,8 +61,6 @@ pub(super) enum CliError {
     MeasurementInterrupted {
         /// What ended them.
         signal: &'static str,
-        /// Its number.
-        number: i32,
         /// The run's folder.
         folder: PathBuf,
     },
@@ -175,8 +174,6 @@ pub(super) enum CliError {
     Interrupted {
         /// The signal's name.
         signal: &'static str,
-        /// The signal's number.
-        number: i32,
         /// The last step.
         step: u64,
         /// " of N", where N steps were planned.
@@ -194,8 +191,6 @@ pub(super) enum CliError {
     SetUpInterrupted {
         /// The signal's name.
         signal: &'static str,
-        /// The signal's number.
-        number: i32,
         /// The run's folder.
         folder: PathBuf,
     },
@@ -291,8 +286,6 @@ pub(super) enum CliError {
     SweepInterrupted {
         /// The signal's name.
         signal: &'static str,
-        /// The signal's number.
-        number: i32,
         /// How many points are done.
         done: usize,
         /// Of how many.
@@ -322,6 +315,24 @@ pub(super) enum CliError {
     /// The batch system did not take the jobs.
     #[error(transparent)]
     Slurm(#[from] SlurmError),
+    /// A file is there that is not to be replaced.
+    #[error("{} is there already: give another file with --out, or --force to replace it", path.display())]
+    Exists {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A run cannot be computed again.
+    #[error("the run failed when it was repeated: {0}")]
+    Repeat(#[source] SimulationError),
+    /// A run does not give the same numbers again; how they differ was printed already.
+    #[error("{} does not give the same numbers again", folder.display())]
+    Differs {
+        /// The run's folder.
+        folder: PathBuf,
+    },
+    /// A signal ended the repetition of a run.
+    #[error("ended by {}; nothing was found out", .0.name)]
+    VerifyEnded(EndingSignal),
     /// Signals cannot be received.
     #[error("cannot set up the handling of Ctrl-C: {0}")]
     Signals(#[source] io::Error),
@@ -334,7 +345,8 @@ impl CliError {
     /// The exit status of wrong arguments and wrong scenes.
     pub const USAGE: u8 = 2;
     const FAILED: u8 = 1;
-    /// A task was stopped and its state is saved: it is to be started again. EX_TEMPFAIL of sysexits.h.
+    /// A signal ended a run, a sweep or a task, and all of it is saved: it is to be started again. EX_TEMPFAIL of
+    /// sysexits.h.
     pub const SAVED: u8 = 75;
 
     /// What the process ends with.
@@ -355,6 +367,7 @@ impl CliError {
             | CliError::Read(_)
             | CliError::ComparedRun(_)
             | CliError::SetInRun { .. }
+            | CliError::Exists { .. }
             | CliError::Slurm(SlurmError::Arguments { .. })
             | CliError::Figure(
                 FigureError::Width { .. }
@@ -380,7 +393,11 @@ impl CliError {
             ) => CliError::USAGE,
             CliError::SweepFigure(SweepFigureError::Figure(_)) => CliError::FAILED,
             CliError::SweepFigure(_) => CliError::USAGE,
-            CliError::PointSaved { .. } => CliError::SAVED,
+            CliError::PointSaved { .. }
+            | CliError::Interrupted { .. }
+            | CliError::SetUpInterrupted { .. }
+            | CliError::SweepInterrupted { .. }
+            | CliError::MeasurementInterrupted { .. } => CliError::SAVED,
             CliError::PointsFailed { .. }
             | CliError::TaskFailed { .. }
             | CliError::Slurm(_)
@@ -397,17 +414,16 @@ impl CliError {
             | CliError::AppFailed { is_of_scene: false }
             | CliError::Figure(_)
             | CliError::RunsFailed { .. }
+            | CliError::Repeat(_)
+            | CliError::Differs { .. }
             | CliError::Signals(_)
             | CliError::Thread(_)
             | CliError::Output(_) => CliError::FAILED,
             // A signal's number is below 65.
-            CliError::Interrupted { number, .. }
-            | CliError::SetUpInterrupted { number, .. }
-            | CliError::FiguresInterrupted { number, .. }
-            | CliError::SweepInterrupted { number, .. }
+            CliError::FiguresInterrupted { number, .. }
             | CliError::AccuracyInterrupted { number, .. }
             | CliError::StudyEnded { number, .. }
-            | CliError::MeasurementInterrupted { number, .. }
+            | CliError::VerifyEnded(EndingSignal { number, .. })
             | CliError::AppEnded { number } => 128_u8.saturating_add(*number as u8),
         }
     }
@@ -421,6 +437,8 @@ impl CliError {
             | CliError::SweepInterrupted { .. }
             | CliError::PointSaved { .. }
             | CliError::AccuracyInterrupted { .. }
+            | CliError::VerifyEnded(_)
+            | CliError::Differs { .. }
             | CliError::StudyEnded { .. } => output::note(self),
             // It has left a line that says how far it came, and what failed.
             CliError::AppEnded { .. } | CliError::AppFailed { .. } => {}

@@ -5,6 +5,7 @@ use super::output;
 use super::picture_size::PictureSize;
 use super::progress::Progress;
 use super::run::{Stop, simulate, some_step};
+use super::shell::{scenes, settings};
 use super::signals::EndSignal;
 use crate::figure::{Director, Existing, FigureOptions, RunData, check_free, save_set};
 use crate::record::{
@@ -17,6 +18,7 @@ use crate::simulation::{
     Simulation, SimulationError, check_outlines, cores, free_memory, memory_needed,
     threads_that_pay,
 };
+use clap_complete::ArgValueCompleter;
 use indicatif::MultiProgress;
 use std::ffi::{OsStr, OsString};
 use std::fmt;
@@ -43,7 +45,7 @@ and CSV. A scene is simulated first, and its run is kept below the figures' fold
 is drawn as it is.")]
 pub(super) struct Arguments {
     /// Presets (see `vesica presets`), TOML files, or folders of runs
-    #[arg(required = true, value_name = "SCENE")]
+    #[arg(required = true, value_name = "SCENE", add = ArgValueCompleter::new(scenes))]
     scenes: Vec<OsString>,
 
     /// The figures' folder [default: figures/NAMES, then figures/NAMES-2, …]
@@ -51,7 +53,7 @@ pub(super) struct Arguments {
     out: Option<PathBuf>,
 
     /// Override a value of each scene, such as anchoring.kind=parallel
-    #[arg(long, value_name = "KEY=VALUE")]
+    #[arg(long, value_name = "KEY=VALUE", add = ArgValueCompleter::new(settings))]
     set: Vec<String>,
 
     #[command(flatten)]
@@ -354,7 +356,7 @@ fn compute_one(
     let mut simulation = match (simulation, ended) {
         (Ok(simulation), _) => simulation,
         (Err(SimulationError::Ended), Some(signal)) => {
-            preparation.end(Ending::Interrupted)?;
+            preparation.end(Ending::Interrupted(signal.name))?;
             return Ok(Outcome::Stopped(signal));
         }
         (Err(error), _) => {
@@ -382,7 +384,7 @@ fn compute_one(
 }
 
 /// What is drawn of a run; nothing, if no fields were saved.
-fn data((name, run): (String, RecordedRun), command: &str) -> Option<RunData> {
+pub(super) fn data((name, run): (String, RecordedRun), command: &str) -> Option<RunData> {
     (!run.fields.is_empty()).then(|| RunData {
         name,
         scene: Arc::new(run.scene),

@@ -129,10 +129,9 @@ impl MeasuredRun {
             Some(computed) => computed,
             None => {
                 let signal = signal.received();
-                let (name, number) = signal.map_or(("a signal", 2), |it| (it.name, it.number));
+                let name = signal.map_or("a signal", |it| it.name);
                 return Err(CliError::MeasurementInterrupted {
                     signal: name,
-                    number,
                     folder: folder.to_owned(),
                 });
             }

@@ -1,8 +1,8 @@
 //! The command line: one file a subcommand.
 //!
-//! Exit status: 0 done; 1 the run failed, or a check did not come to an end; 2 the arguments or the scene are wrong; 128 + n the run
-//! was ended early, but cleanly, by signal n (130 for Ctrl-C, as shells have it); 75 a task of a sweep was ended by a
-//! signal and is to be started again.
+//! Exit status: 0 done; 1 the run failed, or a check did not come to an end; 2 the arguments or the scene are wrong; 75 a
+//! run, a sweep or a task of one was ended by a signal, and is saved and to be started again; 128 + n something else was
+//! ended by signal n (130 for Ctrl-C, as shells have it).
 
 mod accuracy;
 mod allocator;
@@ -10,6 +10,7 @@ mod app;
 mod check;
 mod effects;
 mod error;
+mod export;
 mod figures;
 mod measure_error;
 mod numbers;
@@ -20,8 +21,10 @@ mod presets;
 mod progress;
 mod run;
 mod set_up;
+mod shell;
 mod signals;
 mod sweep;
+mod verify;
 
 use crate::scene::preset;
 use clap::{CommandFactory, Parser, Subcommand};
@@ -67,10 +70,19 @@ enum Command {
     Accuracy(accuracy::Arguments),
     /// Simulate a scene many times with other values, here or on a cluster
     Sweep(sweep::Arguments),
+    /// Compute a run again and tell whether its numbers are the same
+    Verify(verify::Arguments),
+    /// Pack a run into one file, with a description for programs and people
+    Export(export::Arguments),
+    /// Print what a shell needs to complete commands, scenes and keys
+    Completions(shell::CompletionArguments),
+    /// Print the manual
+    Man(shell::ManArguments),
 }
 
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
+    shell::answer();
     allocator::share_one();
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
@@ -80,8 +92,12 @@ pub fn main() -> ExitCode {
         Some(Command::Run(arguments)) => run::run(&arguments),
         Some(Command::Figures(arguments)) => figures::figures(&arguments),
         Some(Command::Accuracy(arguments)) => accuracy::accuracy(&arguments),
+        Some(Command::Verify(arguments)) => verify::verify(&arguments),
+        Some(Command::Export(arguments)) => export::export(&arguments),
         Some(Command::Effects(arguments)) => effects::effects(&arguments),
         Some(Command::Sweep(arguments)) => sweep::sweep(&arguments),
+        Some(Command::Completions(arguments)) => shell::completions(&arguments),
+        Some(Command::Man(arguments)) => shell::man(&arguments),
         Some(Command::Presets) => presets::list(),
         Some(Command::Preset(arguments)) => presets::print(&arguments),
         Some(Command::Check(arguments)) => check::check(&arguments),

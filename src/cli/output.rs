@@ -3,6 +3,7 @@
 //! `println!` and `eprintln!` panic when the other side of a pipe is gone; these do not.
 
 use super::CliError;
+use serde::Serialize;
 use std::fmt::Display;
 use std::io::{self, Write};
 
@@ -28,6 +29,15 @@ pub(super) fn print(text: &str) -> Result<(), CliError> {
 /// Those of [`print`].
 pub(super) fn line(text: impl Display) -> Result<(), CliError> {
     print(&format!("{text}\n"))
+}
+
+/// Prints a value on the standard output as JSON.
+///
+/// # Errors
+/// Those of [`print`].
+pub(super) fn json(value: &impl Serialize) -> Result<(), CliError> {
+    let text = serde_json::to_string_pretty(value);
+    line(text.map_err(|error| CliError::Output(error.into()))?)
 }
 
 /// Tells an error on the standard error.

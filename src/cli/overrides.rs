@@ -1,12 +1,14 @@
 //! What the command line changes in a scene.
 
 use super::numbers;
+use super::shell::settings;
+use clap_complete::ArgValueCompleter;
 
 /// Values that take the place of a scene's own.
 #[derive(Debug, clap::Args)]
 pub(super) struct Overrides {
     /// Override a value of the scene, such as anchoring.kind=parallel
-    #[arg(long, value_name = "KEY=VALUE")]
+    #[arg(long, value_name = "KEY=VALUE", add = ArgValueCompleter::new(settings))]
     set: Vec<String>,
 
     /// Choose mesh and steps for about this error of φ at the end, in L2, such as 1e-2; in place of those of the scene

@@ -7,6 +7,7 @@ use super::output;
 use super::overrides::Overrides;
 use super::progress::Progress;
 use super::set_up::{Outcome, set_up};
+use super::shell::scenes;
 use super::signals::EndSignal;
 use crate::record::{
     Ending, EventRecord, Found, IfOccupied, RecordError, Recorder, RecorderBuilder, Resumption,
@@ -19,6 +20,7 @@ use crate::simulation::{
     Simulation, SimulationError, StepProgress, check_memory, check_outlines, cores,
     threads_that_pay,
 };
+use clap_complete::ArgValueCompleter;
 use std::ffi::{OsStr, OsString};
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -30,10 +32,11 @@ const RUNS: &str = "runs";
 /// Arguments of `vesica run`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Exit status: 0 done; 1 the run failed; 2 the arguments or the scene are wrong; 130 ended by Ctrl-C \
-(in general 128 + the signal's number), with everything written up to the last step.")]
+Exit status: 0 done; 1 the run failed; 2 the arguments or the scene are wrong; 75 ended by a signal, such as \
+Ctrl-C, with everything saved: --resume continues it; 128 + n ended at once by a second signal n.")]
 pub(super) struct Arguments {
     /// A preset's name (see `vesica presets`) or a TOML file; with --resume also a run's folder
+    #[arg(add = ArgValueCompleter::new(scenes))]
     scene: OsString,
 
     /// The run's folder [default: runs/NAME, then runs/NAME-2, …]
@@ -63,12 +66,13 @@ pub(super) struct Arguments {
     snapshots: Option<u64>,
 
     /// Save the state every so many seconds, to go on from; 0: after every step [default: 30]
-    #[arg(long, value_name = "SECONDS", value_parser = numbers::seconds,
+    #[arg(long, value_name = "SECONDS", env = "VESICA_CHECKPOINT", value_parser = numbers::seconds,
           allow_negative_numbers = true)]
     checkpoint: Option<Duration>,
 
     /// Compute in N threads; the numbers are the same [default: as many as there are and pay]
-    #[arg(long, value_name = "N", value_parser = numbers::threads, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", env = "VESICA_THREADS", value_parser = numbers::threads,
+          allow_negative_numbers = true)]
     threads: Option<usize>,
 
     /// Measure the error: compute the same scene beside it FACTOR times finer, in mesh and steps, on another core, and
@@ -76,6 +80,10 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "FACTOR", num_args = 0..=1, require_equals = true,
           default_missing_value = "2", value_parser = numbers::factor)]
     measure_error: Option<f64>,
+
+    /// Leave the computer's name out of run.json, as where VESICA_NO_HOST is set
+    #[arg(long)]
+    no_host: bool,
 
     /// Replace the run that the folder holds
     #[arg(long, conflicts_with = "resume")]
@@ -98,6 +106,7 @@ impl Arguments {
             every: self.every.unwrap_or(default.every),
             snapshots: self.snapshots.unwrap_or(default.snapshots),
             checkpoint: self.checkpoint.unwrap_or(default.checkpoint),
+            host: default.host && !self.no_host,
         }
     }
 
@@ -139,7 +148,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         Outcome::Ready(simulation) => arguments.with_threads(*simulation),
         Outcome::Signal(signal) => {
             let folder = preparation.folder().to_owned();
-            preparation.end(Ending::Interrupted)?;
+            preparation.end(Ending::Interrupted(signal.name))?;
             return Err(ended_in_set_up(signal, folder));
         }
         Outcome::Failed(error) => {
@@ -234,7 +243,7 @@ fn reopen(
     let (recorder, problems) = resumption.start(scene, settings, &mut simulation)?;
     problems.iter().for_each(output::warning);
     if is_over && is_beyond {
-        recorder.finish(&mut simulation, Ending::Interrupted)?;
+        recorder.finish(&mut simulation, Ending::Interrupted("an earlier end"))?;
         return Ok(());
     }
     let report = simulation.report();
@@ -246,10 +255,9 @@ fn reopen(
     record(simulation, recorder, signal, arguments)
 }
 
-fn ended_in_set_up(EndingSignal { name, number, .. }: EndingSignal, folder: PathBuf) -> CliError {
+fn ended_in_set_up(EndingSignal { name, .. }: EndingSignal, folder: PathBuf) -> CliError {
     CliError::SetUpInterrupted {
         signal: name,
-        number,
         folder,
     }
 }
@@ -284,12 +292,11 @@ fn record(
             }
             Err(CliError::Run { error, whereabouts })
         }
-        Stop::Signal(EndingSignal { name, number, .. }) => {
+        Stop::Signal(EndingSignal { name, .. }) => {
             let summary = finished.map_err(unrecorded)?;
             let within = summary.underway.filter(|underway| underway.refused > 0);
             Err(CliError::Interrupted {
                 signal: name,
-                number,
                 step: summary.steps,
                 of: steps.map_or(String::new(), |steps| format!(" of {steps}")),
                 within: within.map_or(String::new(), |StepProgress { step, t, .. }| {
@@ -323,7 +330,7 @@ impl Stop {
     pub fn ending(&self) -> Ending {
         match self {
             Stop::Done => Ending::Done,
-            Stop::Signal(_) => Ending::Interrupted,
+            Stop::Signal(signal) => Ending::Interrupted(signal.name),
             Stop::Failed(error) => Ending::Failed(error.to_string()),
         }
     }

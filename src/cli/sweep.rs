@@ -30,7 +30,7 @@ PLAN is a TOML file that says which scene, and which of its values vary; every p
 is run. Each point is a run's folder in DIR/points. See the guide: docs/guide/sweeps.md.
 
 Exit status: 0 all points are done; 1 some failed, and the others are done; 2 the arguments or the plan are wrong, \
-and nothing was started; 130 ended by Ctrl-C, with everything saved."
+and nothing was started; 75 ended by a signal, such as Ctrl-C, with everything saved: --resume continues it."
 )]
 pub(super) struct Arguments {
     #[command(subcommand)]

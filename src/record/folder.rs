@@ -419,6 +419,29 @@ pub(super) fn check_writable(folder: &Path, step: u64) -> Result<(), RecordError
     }
 }
 
+/// Where a run's scene may have files, relative to its folder: the scene, and the inputs beside it.
+pub(super) fn scene_files() -> impl Iterator<Item = String> {
+    let inputs = input_names().map(|name| format!("{INPUTS}/{name}"));
+    std::iter::once(SCENE.to_owned()).chain(inputs)
+}
+
+/// The files of the run in a folder that others can read, relative to the folder, and of each whether it is an input.
+/// Checkpoints are not among them: only the version that wrote them reads them.
+pub(crate) fn files_of_run(folder: &Path) -> Vec<(String, bool)> {
+    let inputs: Vec<String> = scene_files().collect();
+    let records = FILES.into_iter().map(str::to_owned);
+    let records = records.filter(|file| ![SCENE, NEWEST, OLDER].contains(&file.as_str()));
+    let mut fields: Vec<String> = snapshots(folder, |_| true)
+        .filter_map(|path| Some(format!("{FIELDS}/{}", path.file_name()?.to_str()?)))
+        .collect();
+    fields.sort();
+    fields.push(format!("{FIELDS}/{SERIES}"));
+    let inputs = inputs.into_iter().map(|file| (file, true));
+    let records = records.chain(fields).map(|file| (file, false));
+    let is_there = |(file, _): &(String, bool)| folder.join(file).is_file();
+    inputs.chain(records).filter(is_there).collect()
+}
+
 fn input_names() -> impl Iterator<Item = &'static str> {
     let values = NodalKey::all().into_iter().map(|key| key.file_name);
     values.chain([MESH_NAME])

@@ -13,7 +13,7 @@
 //! | `final.vtu` | the fields at the end | at the end, whole |
 //! | `checkpoint.bin` | the state, for the run to be resumed; `checkpoint-older.bin` is the one before | every half minute and at the end, whole |
 //! | `history.csv.as-found` and the like | a table as somebody has left it who changed it, where not all of that is in the table now | when the run is resumed |
-//! | `run.json` | version, times, totals, warnings, events, status ([`RunSummary`]) | replaced whole |
+//! | `run.json` | version, times, totals, warnings, events, status ([`RunSummary`]); which programs computed it, where and from what | replaced whole |
 //!
 //! *Whole* means written beside its place and then renamed: a reader sees all of a file or none.
 //! The tables appear whole with their first line and then grow: their lines are collected in
@@ -34,9 +34,11 @@ mod history;
 mod lenient;
 mod load_scene;
 mod number;
+mod provenance;
 mod read;
 mod recorder;
 mod resume;
+mod ro_crate;
 mod scalar_columns;
 mod scene_file;
 mod shortened;
@@ -47,6 +49,9 @@ mod table_checks;
 mod table_repair;
 mod vtu;
 
+/// Bytes of `run.json`, at most.
+const LARGEST_SUMMARY: u64 = 1 << 28;
+
 pub use app_checkpoint::{KeptAt, KeptNote, KeptRows, KeptRun, KeptRuns, RunKeeper, Search};
 pub use atomic::Leftover;
 pub(crate) use atomic::{clean, unfinished_name, write_new, write_whole};
@@ -54,13 +59,19 @@ pub(crate) use bounded_read::{read_bytes, read_file_text, read_text};
 pub use checkpoint::{CheckpointError, Problem};
 pub use error::RecordError;
 pub use folder::{IfOccupied, RunFolder, Whereabouts, write_error_table};
-pub(crate) use folder::{clear as clear_run, make as make_folder};
+pub(crate) use folder::{clear as clear_run, files_of_run, make as make_folder};
 pub use history::HISTORY_COLUMNS;
 pub(crate) use number::push_cells;
 pub use number::{Number, ShortNumber};
-pub use read::{ReadError, RecordedRun, Snapshot, StoredFields, WrongArray, read_fields, read_run};
+pub(crate) use provenance::sha256;
+pub use provenance::{Build, InputRecord, Session, changed_inputs};
+pub use read::{
+    ReadError, RecordedRun, RecordedSummary, Snapshot, StoredFields, WrongArray, read_fields,
+    read_run, read_summary,
+};
 pub use recorder::{Recorder, RecorderBuilder, Settings};
 pub use resume::{Found, Resumption};
+pub use ro_crate::{CRATE_FILE, CrateDescription, CrateFile, Role, ro_crate};
 pub use scalar_columns::Columns;
 
 pub use crate::simulation::{Schedule, step_count};

@@ -3,6 +3,7 @@
 use super::checkpoint::{Content, Keeper};
 use super::folder::{FINAL, SERIES, SUMMARY};
 use super::history::Tables;
+use super::provenance::{Session, host_is_allowed, inputs};
 use super::scene_file::{identity, write_scene};
 use super::summary::{EventRecord, seconds};
 use super::{Ending, RecordError, RunFolder, RunSummary, Schedule, Whereabouts, vtu};
@@ -31,6 +32,8 @@ pub struct Settings {
     pub snapshots: u64,
     /// Time from one checkpoint to the next; zero: one after every step.
     pub checkpoint: Duration,
+    /// Whether the computer is named in `run.json`.
+    pub host: bool,
 }
 
 impl Settings {
@@ -48,6 +51,7 @@ impl Default for Settings {
             every: 1,
             snapshots: 5,
             checkpoint: Settings::CHECKPOINT,
+            host: host_is_allowed(),
         }
     }
 }
@@ -73,16 +77,21 @@ impl RecorderBuilder {
         settings: Settings,
     ) -> Result<RecorderBuilder, RecordError> {
         let schedule = settings.schedule(scene);
-        let preparation = RecorderBuilder {
+        let mut preparation = RecorderBuilder {
             summary: RunSummary::new(scene, schedule.steps),
             folder,
             settings,
             schedule,
             scene: identity(scene),
         };
+        let session = Session::begin(0, settings.host);
+        preparation.summary.sessions.push(session);
+        preparation.summary.take_settings(settings);
         // First the file that marks the folder as a run's, however early the process is killed.
         preparation.summary.write(&preparation.summary_path())?;
-        write_scene(preparation.folder.path(), scene)?;
+        let path = preparation.folder.path();
+        write_scene(path, scene)?;
+        preparation.summary.inputs = inputs(path)?;
         Ok(preparation)
     }
 
@@ -242,6 +251,7 @@ impl Recorder {
         self.take_events(simulation);
         self.summary.linear_method = Some(simulation.linear_method());
         self.summary.take_mesh(simulation.mesh());
+        self.summary.take_threads(simulation.threads());
         self.summary.seconds = seconds(computing);
         self.summary.underway = None;
 
@@ -350,7 +360,9 @@ impl Recorder {
         };
         let written = tables.and(fields).and(snapshots).and(saved).and(lost);
         self.summary.end(match (ending, &written) {
-            (Ending::Done | Ending::Interrupted, Err(error)) => Ending::Failed(error.to_string()),
+            (Ending::Done | Ending::Interrupted(_), Err(error)) => {
+                Ending::Failed(error.to_string())
+            }
             (ending, _) => ending,
         });
         let summarised = self.summarise();
@@ -556,7 +568,7 @@ mod tests {
             snapshots: 0,
             ..Settings::default()
         };
-        let run = record(folder.path(), settings, 2, Ending::Interrupted);
+        let run = record(folder.path(), settings, 2, Ending::Interrupted("SIGTERM"));
         assert_eq!(steps(folder.path(), "history.csv"), ["0", "2"]);
         assert!(!folder.path().join(FIELDS).exists());
         assert!(folder.path().join("final.vtu").exists());

@@ -8,18 +8,16 @@ use super::folder::{
     remove_snapshots,
 };
 use super::history::{FoundTables, Tables};
+use super::provenance::{Session, inputs};
 use super::read::LARGEST;
 use super::scene_file::{identity, write_scene};
 use super::shortened::shortened;
 use super::summary::{EventRecord, Status};
-use super::{RecordError, Recorder, RunFolder, RunSummary, Settings, vtu};
+use super::{LARGEST_SUMMARY, RecordError, Recorder, RunFolder, RunSummary, Settings, vtu};
 use crate::scene::Scene;
 use crate::simulation::{Simulation, SimulationCheckpoint};
 use std::ffi::OsStr;
 use std::path::Path;
-
-/// Bytes of `run.json`, at most.
-const LARGEST_SUMMARY: u64 = 1 << 28;
 
 /// Snapshots that are named one by one.
 const NAMED_SNAPSHOTS: usize = 4;
@@ -149,6 +147,17 @@ impl Resumption {
         serde_json::from_str(&text).ok()
     }
 
+    /// The processes that computed the run so far, if its `run.json` can be read.
+    fn sessions(&self) -> Vec<Session> {
+        let recorded = self
+            .recorded_summary()
+            .and_then(|mut summary| Some(summary.get_mut("sessions")?.take()));
+        let sessions = recorded.and_then(|value| serde_json::from_value(value).ok());
+        let mut sessions: Vec<Session> = sessions.unwrap_or_default();
+        sessions.iter_mut().for_each(Session::end_if_killed);
+        sessions
+    }
+
     /// Says in the `run.json` of a run whose process has gone without a word that it was interrupted.
     ///
     /// # Errors
@@ -223,10 +232,16 @@ impl Resumption {
         let lost = lose_snapshots(&self.folder().join(FIELDS), &mut content.written);
         let mut remarks = tables.remarks_of_take_up();
         remarks.extend(lost);
+        let sessions = self.sessions();
         let tables = self.cut_back(scene, &content, tables)?;
         let schedule = settings.schedule(scene);
         let mut summary =
             RunSummary::resumed(scene, schedule.steps, content.totals.clone(), simulation);
+        summary.inputs = inputs(self.folder())?;
+        summary.sessions = sessions;
+        summary.sessions.push(Session::begin(step, settings.host));
+        summary.take_threads(simulation.threads());
+        summary.take_settings(settings);
         summary.events.push(EventRecord {
             kind: "resumed".into(),
             step,
@@ -469,7 +484,7 @@ mod tests {
                     .within_step(&mut simulation, Duration::ZERO)
                     .unwrap();
                 recorder
-                    .finish(&mut simulation, Ending::Interrupted)
+                    .finish(&mut simulation, Ending::Interrupted("SIGTERM"))
                     .unwrap();
                 let run = summary(path);
                 let rows = Columns::read(path).unwrap();
@@ -496,7 +511,13 @@ mod tests {
         for run in [&mut wanted, &mut found] {
             let events = run["events"].as_array_mut().unwrap();
             events.retain(|event| event["kind"] != "resumed");
-            for clock in ["started", "ended", "setup_seconds", "milliseconds"] {
+            for clock in [
+                "started",
+                "ended",
+                "setup_seconds",
+                "milliseconds",
+                "sessions",
+            ] {
                 run.as_object_mut().unwrap().remove(clock);
             }
         }

@@ -1,9 +1,10 @@
 //! `run.json`: a run in a few numbers.
 
-use super::RecordError;
 use super::atomic::write_whole;
 use super::folder::SUMMARY;
+use super::provenance::{InputRecord, Session};
 use super::scalar_columns::energy_column;
+use super::{RecordError, Settings};
 use crate::fem::Mesh;
 use crate::scene::Scene;
 use crate::simulation::{
@@ -39,8 +40,8 @@ pub enum Status {
 pub enum Ending {
     /// It reached its end.
     Done,
-    /// Someone ended it before.
-    Interrupted,
+    /// It was ended before, by this: a signal's name.
+    Interrupted(&'static str),
     /// It failed, and why.
     Failed(String),
 }
@@ -111,6 +112,14 @@ pub struct RunSummary {
     pub warnings: Vec<String>,
     /// What happened.
     pub events: Vec<EventRecord>,
+    /// Steps from one row of the tables to the next.
+    pub every: u64,
+    /// Snapshots of the fields, evenly from t = 0 to T.
+    pub snapshots: u64,
+    /// The files that it is computed from.
+    pub inputs: Vec<InputRecord>,
+    /// The processes that computed it: the one that began it, and one for every resumption.
+    pub sessions: Vec<Session>,
     #[serde(skip)]
     initial_phase_integral: f64,
     #[serde(skip)]
@@ -339,7 +348,7 @@ impl RunSummary {
         let (report, _) = simulation.last_whole();
         self.underway = simulation.underway();
         self.setup_seconds = seconds(setup);
-        self.threads = Some(simulation.threads());
+        self.take_threads(simulation.threads());
         self.take_mesh(simulation.mesh());
         self.linear_method = Some(simulation.linear_method());
         self.warnings = simulation
@@ -350,6 +359,20 @@ impl RunSummary {
         self.outline.start = report.outline;
         self.initial_phase_integral = report.phase_integral;
         self.reach(report);
+    }
+
+    /// Takes in what is recorded.
+    pub(super) fn take_settings(&mut self, settings: Settings) {
+        self.every = settings.every;
+        self.snapshots = settings.snapshots;
+    }
+
+    /// Takes in how many threads compute it.
+    pub(super) fn take_threads(&mut self, threads: usize) {
+        self.threads = Some(threads);
+        if let Some(session) = self.sessions.last_mut() {
+            session.threads = Some(threads);
+        }
     }
 
     /// Takes in the present mesh.
@@ -388,6 +411,9 @@ impl RunSummary {
 
     fn reach(&mut self, report: &Report) {
         self.steps = report.step;
+        if let Some(session) = self.sessions.last_mut() {
+            session.to_step = report.step;
+        }
         self.t = report.t;
         self.errors = report.budget;
         self.largest_error = report.budget.largest().map(|(part, _)| part);
@@ -397,10 +423,13 @@ impl RunSummary {
 
     /// Takes in how the run ends.
     pub(super) fn end(&mut self, ending: Ending) {
+        if let Some(session) = self.sessions.last_mut() {
+            session.end(&ending);
+        }
         self.ended = Some(now());
         (self.status, self.error) = match ending {
             Ending::Done => (Status::Done, None),
-            Ending::Interrupted => (Status::Interrupted, None),
+            Ending::Interrupted(_) => (Status::Interrupted, None),
             Ending::Failed(error) => (Status::Failed, Some(error)),
         };
     }
@@ -439,7 +468,7 @@ fn largest(so_far: f64, next: f64) -> f64 {
     }
 }
 
-fn now() -> String {
+pub(super) fn now() -> String {
     date(SystemTime::now())
 }
 

@@ -5,6 +5,7 @@
 //! which a clock around its formulas would not see; and the prices of two effects that share something
 //! (the director) do not add up to that of both.
 
+use serde::{Serialize, Serializer};
 use std::time::Duration;
 
 use crate::physics::EFFECTS;
@@ -33,11 +34,13 @@ impl Default for Plan {
 }
 
 /// What a step of a scene takes, and the run.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Cost {
-    /// The median of the steps.
+    /// The median of the steps; in seconds as JSON.
+    #[serde(rename = "step_seconds", serialize_with = "as_seconds")]
     pub step: Duration,
-    /// The median of their substeps 1.
+    /// The median of their substeps 1; in seconds as JSON.
+    #[serde(rename = "substep_1_seconds", serialize_with = "as_seconds")]
     pub substep_1: Duration,
     /// Iterations of substep 2, a step.
     pub newton: f64,
@@ -46,11 +49,16 @@ pub struct Cost {
     /// Iterations of substep 1, a step.
     pub director: f64,
     /// Bytes that the run holds; `None` where nobody counts.
+    #[serde(rename = "memory_bytes")]
     pub memory: Option<i64>,
 }
 
+fn as_seconds<S: Serializer>(duration: &Duration, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_f64(duration.as_secs_f64())
+}
+
 /// An effect, and what the scene costs without it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Price {
     /// The effect, or several that go together.
     pub effect: &'static str,
@@ -63,7 +71,7 @@ pub struct Price {
 }
 
 /// What the effects of a scene cost.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Prices {
     /// The scene as it is.
     pub whole: Cost,

@@ -7,5 +7,6 @@ mod accuracy;
 mod cli;
 mod figures;
 mod measured;
+mod provenance;
 mod resume;
 mod sweep;

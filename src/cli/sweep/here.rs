@@ -50,10 +50,9 @@ pub(super) fn run(plan: &Path, arguments: &Here) -> Result<(), CliError> {
     write_whole(&table, |file| file.write_all(text.as_bytes()))?;
     let all = folder.runs().count();
     let done = folder.runs().filter(|point| !is_left(point)).count();
-    if let Some(EndingSignal { name, number, .. }) = work.stopped() {
+    if let Some(EndingSignal { name, .. }) = work.stopped() {
         return Err(CliError::SweepInterrupted {
             signal: name,
-            number,
             done,
             all,
             folder: folder.path().to_owned(),

@@ -155,7 +155,7 @@ pub(super) fn run_point(
     let mut simulation = match (simulation, ended) {
         (Ok(simulation), _) => simulation,
         (Err(SimulationError::Ended), Some(signal)) => {
-            preparation.map_or(Ok(()), |it| it.end(Ending::Interrupted))?;
+            preparation.map_or(Ok(()), |it| it.end(Ending::Interrupted(signal.name)))?;
             return Ok(Ended::Stopped(signal));
         }
         (Err(error), _) => {

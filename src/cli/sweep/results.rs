@@ -8,6 +8,8 @@ use crate::cli::picture_size::PictureSize;
 use crate::figure::{Existing, FigureOptions, SweepView, save_sweep};
 use crate::record::write_whole;
 use crate::study::sweep::{Point, PointState, SweepFolder, Table, Values};
+use serde::Serialize;
+use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::PathBuf;
 
@@ -149,6 +151,10 @@ pub(super) struct StatusArguments {
     /// List the points that are done or waiting, too
     #[arg(long)]
     all: bool,
+
+    /// Print all points as JSON
+    #[arg(long, conflicts_with = "all")]
+    json: bool,
 }
 
 /// Prints how the points stand, from their folders alone.
@@ -158,6 +164,9 @@ pub(super) fn status(arguments: &StatusArguments) -> Result<(), CliError> {
         .runs()
         .map(|point| (point, folder.state(point)))
         .collect();
+    if arguments.json {
+        return output::json(&StatusReport::new(&states));
+    }
     let mut text = String::new();
     for (point, state) in &states {
         let detail = match state {
@@ -170,18 +179,64 @@ pub(super) fn status(arguments: &StatusArguments) -> Result<(), CliError> {
         };
         text += &format!("{}  {}{detail}\n", point.name, state.word());
     }
-    let counts: Vec<String> = ["done", "running", "saved", "failed", "waiting"]
+    let counts: Vec<String> = STATES
         .into_iter()
-        .map(|word| {
-            let count = states.iter().filter(|(_, state)| state.word() == word);
-            format!("{} {word}", count.count())
-        })
+        .map(|word| format!("{} {word}", count(&states, word)))
         .collect();
     output::print(&format!(
         "{text}{}: {}\n",
         count_of(states.len(), "point"),
         counts.join(", ")
     ))
+}
+
+/// The words for how points stand.
+const STATES: [&str; 5] = ["done", "running", "saved", "failed", "waiting"];
+
+/// How many points stand so.
+fn count(states: &[(&Point, PointState)], word: &str) -> usize {
+    let those = states.iter().filter(|(_, state)| state.word() == word);
+    those.count()
+}
+
+/// How the points of a sweep stand, for programs.
+#[derive(Debug, Serialize)]
+struct StatusReport {
+    /// How many stand so, by the word for it.
+    counts: BTreeMap<&'static str, usize>,
+    points: Vec<PointStatus>,
+}
+
+/// How a point stands.
+#[derive(Debug, Serialize)]
+struct PointStatus {
+    /// Its folder's name.
+    point: String,
+    state: &'static str,
+    /// Who works on it, or why it failed.
+    detail: Option<String>,
+    /// The values that it sets, as words.
+    values: String,
+}
+
+impl StatusReport {
+    fn new(states: &[(&Point, PointState)]) -> Self {
+        let counts = STATES.map(|word| (word, count(states, word)));
+        let points = states.iter().map(|(point, state)| PointStatus {
+            point: point.name.clone(),
+            state: state.word(),
+            detail: match state {
+                PointState::Running(holder) => Some(holder.to_string()),
+                PointState::Failed(reason) => Some(reason.clone()),
+                _ => None,
+            },
+            values: Values(&point.assignments).to_string(),
+        });
+        Self {
+            counts: counts.into(),
+            points: points.collect(),
+        }
+    }
 }
 
 /// Arguments of `vesica sweep rerun`.

@@ -423,7 +423,7 @@ fn a_recorded_run_is_found_up_to_its_checkpoint_and_left_as_it_is() {
             .unwrap();
     }
     recorder
-        .finish(&mut place.simulation, Ending::Interrupted)
+        .finish(&mut place.simulation, Ending::Interrupted("SIGTERM"))
         .unwrap();
     let read = || fs::read_to_string(recorded.join("history.csv")).unwrap();
     let text = read();

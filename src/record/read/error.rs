@@ -32,6 +32,15 @@ pub enum ReadError {
     /// The scene is not one.
     #[error(transparent)]
     Scene(#[from] LoadError),
+    /// A file is not the JSON that it should be.
+    #[error("{} is damaged, or not by vesica: {reason}", path.display())]
+    Json {
+        /// The file.
+        path: PathBuf,
+        /// Where, and what is wrong.
+        #[source]
+        reason: serde_json::Error,
+    },
     /// A table has no header.
     #[error("{} is empty: a table begins with the names of its columns", path.display())]
     EmptyTable {

@@ -3,6 +3,7 @@
 mod error;
 mod fields;
 mod run;
+mod summary;
 mod table;
 
 /// Bytes of a table, or of a file of fields, at most.
@@ -11,4 +12,5 @@ pub(super) const LARGEST: u64 = 1 << 32;
 pub use error::{ReadError, WrongArray};
 pub use fields::{StoredFields, read_fields};
 pub use run::{RecordedRun, Snapshot, read_run};
+pub use summary::{RecordedSummary, read_summary};
 pub(super) use table::{parse_table, read_table};

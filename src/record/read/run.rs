@@ -157,7 +157,7 @@ mod tests {
         }
         let state = simulation.state().clone();
         recorder
-            .finish(&mut simulation, Ending::Interrupted)
+            .finish(&mut simulation, Ending::Interrupted("SIGTERM"))
             .expect("it is written");
         (scene, state)
     }

@@ -1,0 +1,337 @@
+//! Where the numbers of a run come from: what `run.json` says of it, `vesica verify` and `vesica export`; and what
+//! packagers install.
+
+use super::cli::{command, done, folder_with_scene, stderr, stdout, vesica};
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+#[track_caller]
+fn ok(output: &Output) -> &str {
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(output));
+    stdout(output)
+}
+
+/// The SHA-256 of a file by another program; none where there is no such program.
+fn sha256sum(path: &Path) -> Option<String> {
+    let output = Command::new("sha256sum").arg(path).output().ok()?;
+    let text = String::from_utf8(output.stdout).ok()?;
+    text.split_whitespace().next().map(str::to_owned)
+}
+
+#[test]
+fn a_run_says_by_which_programs_it_was_computed_and_from_what() {
+    let folder = folder_with_scene();
+    let path = folder.path();
+    let values: String = (0..81).map(|_| "0.5\n").collect();
+    fs::write(path.join("phi0.txt"), values).expect("it is written");
+    let file = "vesicle={ shape = 'file', values = 'phi0.txt' }";
+    let arguments = [
+        "run",
+        "small.toml",
+        "--out",
+        "a",
+        "--set",
+        file,
+        "--steps",
+        "2",
+    ];
+    let run = done(path, &vesica(path, &arguments), "a");
+    let [session] = &run["sessions"].as_array().expect("a list")[..] else {
+        panic!("one process: {}", run["sessions"]);
+    };
+    assert_eq!(session["reason"], "done");
+    assert_eq!([&session["from_step"], &session["to_step"]], [0, 2]);
+    assert_eq!(session["threads"], run["threads"]);
+    assert!(session["host"].is_string() && session["ended"].is_string());
+    let command = session["command"].as_array().expect("a list");
+    assert_eq!(
+        command[1..]
+            .iter()
+            .map(|it| it.as_str().unwrap_or(""))
+            .collect::<Vec<_>>(),
+        arguments
+    );
+    let program = &session["program"];
+    assert_eq!(program["version"], env!("CARGO_PKG_VERSION"));
+    let compiler = program["compiler"].as_str().expect("a compiler");
+    assert!(compiler.starts_with("rustc "), "{compiler}");
+
+    let inputs = run["inputs"].as_array().expect("a list");
+    let names: Vec<&str> = inputs.iter().filter_map(|it| it["path"].as_str()).collect();
+    assert_eq!(names, ["scene.toml", "inputs/vesicle.txt"]);
+    for input in inputs {
+        let file = path.join("a").join(input["path"].as_str().expect("a path"));
+        if let Some(wanted) = sha256sum(&file) {
+            assert_eq!(input["sha256"], wanted.as_str());
+        }
+    }
+
+    // A resumption is a session of its own; what was there before stays. Nobody need know the computer.
+    let mut again = super::cli::command(path, &["run", "a", "--resume", "--steps", "3"]);
+    let output = again
+        .env("VESICA_NO_HOST", "1")
+        .output()
+        .expect("it starts");
+    let run = done(path, &output, "a");
+    let [first, second] = &run["sessions"].as_array().expect("a list")[..] else {
+        panic!("two processes: {}", run["sessions"]);
+    };
+    assert_eq!(first, session);
+    assert_eq!([&second["from_step"], &second["to_step"]], [2, 3]);
+    assert!(second["host"].is_null());
+    let hash = |run: &serde_json::Value| run["inputs"][0]["sha256"].clone();
+    assert_ne!(hash(&run), inputs[0]["sha256"], "the end has moved");
+
+    // That a process was killed is known from the next one.
+    let file = path.join("a/run.json");
+    let mut killed = run.clone();
+    killed["status"] = "running".into();
+    killed["sessions"][1]["reason"] = serde_json::Value::Null;
+    fs::write(&file, killed.to_string()).expect("it is written");
+    let arguments = ["run", "a", "--resume", "--steps", "4", "--no-host"];
+    let run = done(path, &vesica(path, &arguments), "a");
+    assert_eq!(run["sessions"][1]["reason"], "killed");
+    assert!(run["sessions"][2]["host"].is_null());
+}
+
+#[test]
+fn a_run_is_verified_and_a_digit_that_was_changed_is_found() {
+    let folder = folder_with_scene();
+    let path = folder.path();
+    for (name, more) in [
+        ("a", &[][..]),
+        (
+            "chosen",
+            &[
+                "--set",
+                "time={ tolerance = 1e-3, end = 1e-6 }",
+                "--every",
+                "2",
+            ],
+        ),
+    ] {
+        let arguments = [&["run", "small.toml", "--out", name], more].concat();
+        ok(&vesica(path, &arguments));
+        let output = vesica(path, &["verify", name]);
+        let told = ok(&output);
+        assert!(told.contains("the same, bit for bit"), "{told}");
+        assert!(told.contains("by the program that computed it"), "{told}");
+    }
+    let table = path.join("a/history.csv");
+    let text = fs::read_to_string(&table).expect("a table");
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    let mut cells: Vec<String> = lines[3].split(',').map(str::to_owned).collect();
+    let energy: f64 = cells[3].parse().expect("E_total");
+    cells[3] = format!("{:?}", energy.next_up());
+    lines[3] = cells.join(",");
+    fs::write(&table, lines.join("\n") + "\n").expect("it is written");
+    let output = vesica(path, &["verify", "a"]);
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    let told = stdout(&output);
+    assert!(
+        told.contains("E_total") && told.contains("from step 2 on"),
+        "{told}"
+    );
+    // The first steps are the same, and so are all within a tolerance; which that is stands in the JSON.
+    ok(&vesica(path, &["verify", "a", "--steps", "1"]));
+    let output = vesica(path, &["verify", "a", "--tolerance", "1e-12", "--json"]);
+    let verdict: serde_json::Value = serde_json::from_str(ok(&output)).expect("JSON");
+    assert_eq!([&verdict["identical"], &verdict["same"]], [false, true]);
+    assert_eq!(verdict["differences"][0]["column"], "E_total");
+    assert_eq!(verdict["rows"], 4);
+
+    // A scene that somebody has changed is not the run's.
+    let scene = path.join("a/scene.toml");
+    let text = fs::read_to_string(&scene).expect("a scene");
+    fs::write(&scene, text.replace("step = 1e-7", "step = 2e-7")).expect("it is written");
+    let output = vesica(path, &["verify", "a"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(
+        stderr(&output).contains("scene.toml is not the file"),
+        "{}",
+        stderr(&output)
+    );
+
+    for (arguments, part) in [
+        (&["verify", "nowhere"][..], "run.json"),
+        (&["verify", "."], "run.json"),
+    ] {
+        let output = vesica(path, arguments);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(stderr(&output).contains(part), "{}", stderr(&output));
+    }
+}
+
+/// Unpacks an archive with its own reader.
+fn unpack(archive: &Path, folder: &Path) {
+    let file = fs::File::open(archive).expect("it is there");
+    let mut archive = zip::ZipArchive::new(file).expect("an archive");
+    archive.extract(folder).expect("it can be unpacked");
+}
+
+#[test]
+fn a_run_is_exported_unpacked_verified_and_run_again() {
+    let folder = folder_with_scene();
+    let path = folder.path();
+    ok(&vesica(path, &["run", "small.toml", "--quiet"]));
+    let export = [
+        "export",
+        "runs/small",
+        "--author",
+        "A. Author",
+        "--no-figures",
+    ];
+    ok(&vesica(path, &export));
+    let output = vesica(path, &export);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert!(stderr(&output).contains("small.zip is there already"));
+    ok(&vesica(path, &[&export[..], &["--force"]].concat()));
+    unpack(&path.join("small.zip"), &path.join("small"));
+    let text = fs::read_to_string(path.join("small/ro-crate-metadata.json")).expect("it is there");
+    let crate_: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    for entity in crate_["@graph"].as_array().expect("a list") {
+        if entity["@type"] != "File" {
+            continue;
+        }
+        let file = path
+            .join("small")
+            .join(entity["@id"].as_str().expect("a path"));
+        let size = fs::metadata(&file).expect("it is there").len();
+        assert_eq!(entity["contentSize"], size.to_string());
+        if let Some(wanted) = sha256sum(&file) {
+            assert_eq!(entity["sha256"], wanted.as_str(), "{}", file.display());
+        }
+    }
+    assert!(!path.join("small/checkpoint.bin").exists());
+    let output = vesica(path, &["verify", "small"]);
+    assert!(ok(&output).contains("the same, bit for bit"));
+    let readme = fs::read_to_string(path.join("small/README.md")).expect("it is there");
+    assert!(readme.contains("vesica verify small"), "{readme}");
+    ok(&vesica(
+        path,
+        &["run", "small/scene.toml", "--out", "again"],
+    ));
+
+    let output = vesica(path, &["export", "."]);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    let output = vesica(path, &["export", "runs/small", "--license", "mine"]);
+    assert!(stderr(&output).contains("it must be a URL"));
+}
+
+/// Needs Python with rocrate-validator and runcrate:
+/// `python3 -m venv venv && venv/bin/pip install roc-validator runcrate`, and PYTHON=venv/bin/python.
+#[test]
+#[ignore = "needs Python with rocrate-validator and runcrate"]
+fn an_exported_run_is_a_valid_crate() {
+    let python = std::env::var("PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    let folder = folder_with_scene();
+    let path = folder.path();
+    ok(&vesica(path, &["run", "small.toml", "--steps", "2"]));
+    ok(&vesica(path, &["run", "small.toml", "--resume"]));
+    ok(&vesica(
+        path,
+        &["export", "runs/small", "--author", "A. Author"],
+    ));
+    unpack(&path.join("small.zip"), &path.join("small"));
+    let check = fs::canonicalize("tests/program/crate.py").expect("the script");
+    let output = Command::new(&python)
+        .arg(check)
+        .arg(path.join("small"))
+        .stdin(Stdio::null())
+        .output()
+        .expect("Python starts");
+    assert_eq!(
+        output.status.code(),
+        Some(0),
+        "{}{}",
+        stdout(&output),
+        stderr(&output)
+    );
+}
+
+#[test]
+fn shells_complete_scenes_and_keys_and_there_is_a_manual() {
+    let folder = folder_with_scene();
+    let path = folder.path();
+    for shell in ["bash", "zsh", "fish"] {
+        let output = vesica(path, &["completions", shell]);
+        let script = ok(&output);
+        assert!(script.contains("VESICA_COMPLETE"), "{script}");
+    }
+    // As the script for bash asks.
+    let asked = |words: &[&str]| {
+        let last = words.len() - 1;
+        let mut asking = command(path, &[&["--"], words].concat());
+        asking
+            .env("VESICA_COMPLETE", "bash")
+            .env("_CLAP_COMPLETE_INDEX", last.to_string())
+            .env("_CLAP_COMPLETE_COMP_TYPE", "9")
+            .env("_CLAP_COMPLETE_SPACE", "false")
+            .env("_CLAP_IFS", "\n");
+        ok(&asking.output().expect("it starts")).to_owned()
+    };
+    let told = asked(&["vesica", "run", "case3-"]);
+    assert!(told.lines().any(|line| line == "case3-quick"), "{told}");
+    let told = asked(&["vesica", "run", "sma"]);
+    assert!(told.contains("small.toml"), "{told}");
+    let told = asked(&["vesica", "run", "case3", "--set", "anchoring.k"]);
+    assert_eq!(told.trim(), "anchoring.kind=");
+    let told = asked(&["vesica", "ver"]);
+    assert_eq!(told.trim(), "verify");
+
+    assert!(ok(&vesica(path, &["man"])).contains(".TH vesica 1"));
+    ok(&vesica(path, &["man", "--out", "man"]));
+    for page in ["vesica.1", "vesica-run.1", "vesica-sweep-status.1"] {
+        assert!(path.join("man").join(page).is_file(), "{page}");
+    }
+}
+
+#[test]
+fn what_was_found_out_is_told_to_programs_too() {
+    let folder = folder_with_scene();
+    let path = folder.path();
+    fs::write(path.join("wrong.toml"), "mesh.cells = -1\n").expect("it is written");
+    let output = vesica(
+        path,
+        &["check", "small.toml", "wrong.toml", "--json", "--quick"],
+    );
+    assert_eq!(output.status.code(), Some(2));
+    let found: serde_json::Value = serde_json::from_str(stdout(&output)).expect("JSON");
+    assert_eq!(found[0]["verdict"], "well formed");
+    assert_eq!([&found[0]["nodes"], &found[0]["steps"]], [81, 3]);
+    assert_eq!(found[1]["verdict"], "wrong");
+    assert!(
+        found[1]["reason"]
+            .as_str()
+            .expect("words")
+            .contains("mesh.cells")
+    );
+
+    let output = vesica(
+        path,
+        &[
+            "effects",
+            "small.toml",
+            "--after",
+            "1",
+            "--steps",
+            "1",
+            "--json",
+        ],
+    );
+    let found: serde_json::Value = serde_json::from_str(ok(&output)).expect("JSON");
+    assert_eq!(found["effects"][0]["effect"], "nematic");
+    assert!(found["whole"]["step_seconds"].as_f64().expect("a number") > 0.0);
+
+    let plan = "scene = 'small.toml'\n[vary]\n'nematic.weight' = [1.0, 2.0]\n";
+    fs::write(path.join("plan.toml"), plan).expect("it is written");
+    ok(&vesica(
+        path,
+        &["sweep", "plan.toml", "--out", "s", "--quiet"],
+    ));
+    let output = vesica(path, &["sweep", "status", "s", "--json"]);
+    let found: serde_json::Value = serde_json::from_str(ok(&output)).expect("JSON");
+    assert_eq!(found["counts"]["done"], 2);
+    assert_eq!(found["points"][1]["state"], "done");
+}
