@@ -207,16 +207,6 @@ pub struct EventRecord {
     pub values: BTreeMap<Cow<'static, str>, f64>,
 }
 
-impl EventRecord {
-    /// After which step, and when, the mesh has followed the membrane, if that is what happened.
-    pub(super) fn mesh_change(&self) -> Option<(u64, f64)> {
-        (self.kind == MESH_CHANGED).then_some((self.step, self.t))
-    }
-}
-
-/// The kind of the event that the mesh has followed the membrane.
-const MESH_CHANGED: &str = "mesh-changed";
-
 /// The numbers of an event.
 fn values_of(kind: &EventKind) -> BTreeMap<Cow<'static, str>, f64> {
     let mut values = BTreeMap::new();
@@ -231,8 +221,8 @@ fn values_of(kind: &EventKind) -> BTreeMap<Cow<'static, str>, f64> {
                 values.insert(energy_column(energy.name).into(), after - before);
             }
         }
-        EventKind::FieldSwitched { jump } => {
-            values.insert("E_total".into(), *jump);
+        EventKind::ParametersChanged { work, .. } => {
+            values.insert("E_total".into(), *work);
         }
         _ => {}
     }

@@ -10,6 +10,7 @@ use super::super::state::{
 };
 use super::{leave, measuring, overlays, pacing, remark, saving};
 use crate::record::ShortNumber;
+use crate::scene::{AnchoringKind, Change};
 use crate::simulation::{Command, RunId, step_count};
 use crate::study::Recommendation;
 
@@ -188,7 +189,10 @@ fn begin_anew(app: &mut App, index: usize) -> Option<RunId> {
     let slot = app.slots.get_mut(index)?;
     slot.kept = None;
     // It may have gone beyond its end.
-    Arc::make_mut(&mut slot.scene).time.end = slot.loaded.time.end;
+    let scene = Arc::make_mut(&mut slot.scene);
+    scene.time.end = slot.loaded.time.end;
+    // What was changed by hand holds from the start.
+    scene.begin_with_changes(&slot.loaded.changes);
     let run = slot.run.take()?;
     // The next run begins with the anchoring that was asked for, confirmed or not.
     if let Some(kind) = run.control.anchoring {
@@ -263,7 +267,7 @@ fn go_beyond(app: &mut App, beyond: Beyond, effects: &mut Vec<Effect>) {
     Arc::make_mut(&mut slot.scene).time.end = end;
     if let Beyond::Anchor(kind) = beyond {
         run.control.anchoring = Some(kind);
-        effects.push(Effect::Tell(run.id, Command::Anchor(kind)));
+        effects.push(Effect::Tell(run.id, anchor(kind)));
     }
     effects.push(Effect::Tell(run.id, Command::Until(end)));
     run.control.reopen();
@@ -340,11 +344,19 @@ fn next_anchoring(app: &mut App, effects: &mut Vec<Effect>) {
             if matches!(run.status, Status::Failed(_)) {
                 text = format!("the anchoring is {kind} when the run is restarted: r");
             } else {
-                effects.push(Effect::Tell(run.id, Command::Anchor(kind)));
+                effects.push(Effect::Tell(run.id, anchor(kind)));
             }
         }
     }
     remark(app, text);
+}
+
+/// The command to change the anchoring.
+fn anchor(kind: AnchoringKind) -> Command {
+    Command::Change {
+        set: Change::of_anchoring(kind),
+        over: 0.0,
+    }
 }
 
 /// Moves to another stored picture; past the newest is the present.

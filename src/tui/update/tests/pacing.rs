@@ -51,7 +51,7 @@ fn a_quick_run_is_watched_and_never_ahead_of_what_is_shown() {
     watch(&mut rig, 0.2);
     // The state that was shown has got the other anchoring.
     assert_eq!(rig.run(2).history.marks.len(), 1);
-    assert_eq!(rig.run(2).history.marks[0].0, shown);
+    assert_eq!(rig.run(2).history.marks[0].step, shown);
     watch(&mut rig, 8.0);
     assert_eq!(rig.run(2).status, Status::Done);
     assert!(!time_counts(&rig.app));
