@@ -189,8 +189,8 @@ pub(super) fn read_changes(
             let reason = match (&begins, value) {
                 _ if !change.is_ramp() => continue,
                 (Some(ParameterValue::Number(_)), ParameterValue::Number(_)) => continue,
-                (Some(ParameterValue::Number(_)), _) => "would end at none",
-                (Some(_), _) => "is none before it",
+                (Some(ParameterValue::Number(_)), _) => "would not end at one",
+                (Some(_), _) => "is not one before it",
                 (None, _) => "has no value before it",
             };
             return Err(field.error(Problem::RampWithoutNumbers {

@@ -1,5 +1,6 @@
 //! What the app knows: plain data, changed by [`update`](super::update) alone and drawn by the panels.
 
+use super::knobs::Knobs;
 use crate::scene::Assignment;
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -312,6 +313,8 @@ pub enum Overlay {
     },
     /// The measured error of the run that is shown.
     Measured,
+    /// The parameters that can change while the run goes.
+    Knobs(Knobs),
     /// A long text to read: an error of a scene with its lines.
     Message {
         /// The heading.

@@ -32,6 +32,16 @@ pub enum Action {
     Play,
     /// Switch the anchoring.
     NextAnchoring,
+    /// Show the parameters that can change while the run goes.
+    Knobs,
+    /// Take the last change back.
+    TakeBack,
+    /// A smaller or a larger value.
+    Turn(i32),
+    /// The duration of the change.
+    Duration,
+    /// Make the change.
+    Apply,
     /// Into the gallery or out of it.
     Gallery,
     /// This many stored pictures back.
@@ -113,6 +123,8 @@ pub enum Place {
     Open,
     /// A long text.
     Message,
+    /// The parameters that can change; figures that mean nothing else are typed.
+    Knobs,
     /// Everywhere.
     Anywhere,
 }
@@ -125,6 +137,7 @@ impl Place {
             Some(Overlay::Help { .. }) => Self::Help,
             Some(Overlay::Confirm(_)) => Self::Confirm,
             Some(Overlay::Open { .. }) => Self::Open,
+            Some(Overlay::Knobs(_)) => Self::Knobs,
             Some(Overlay::Message { .. } | Overlay::Prices { .. } | Overlay::Measured) => {
                 Self::Message
             }
@@ -240,7 +253,8 @@ mod tests {
 
     use super::*;
 
-    const PLACES: [Place; 5] = [
+    const PLACES: [Place; 6] = [
+        Place::Knobs,
         Place::Main,
         Place::Help,
         Place::Confirm,

@@ -8,7 +8,7 @@ use super::super::state::{
     App, Beyond, Director, Ending, Field, Keeping, Notice, Overlay, Panel, Question, Run, Save,
     Screen, Slot, Status,
 };
-use super::{leave, measuring, overlays, pacing, remark, saving};
+use super::{knobs, leave, measuring, overlays, pacing, remark, saving};
 use crate::record::ShortNumber;
 use crate::scene::{AnchoringKind, Change};
 use crate::simulation::{Command, RunId, step_count};
@@ -27,6 +27,8 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
         Action::Brake => pacing::turn_brake(app),
         Action::Play => pacing::play_or_stop(app),
         Action::NextAnchoring => next_anchoring(app, effects),
+        Action::Knobs => knobs::open(app),
+        Action::TakeBack => knobs::take_back(app, effects),
         Action::Gallery => gallery(app),
         Action::Older(pictures) => scrub(app, |index, _| index.saturating_sub(pictures)),
         Action::Newer(pictures) => scrub(app, |index, _| index.saturating_add(pictures)),
@@ -75,7 +77,10 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
         | Action::Complete
         | Action::Load
         | Action::Erase
-        | Action::Clear => {}
+        | Action::Clear
+        | Action::Turn(_)
+        | Action::Duration
+        | Action::Apply => {}
     }
 }
 
