@@ -2,8 +2,8 @@
 
 use super::FigureError;
 use crate::fem::Mesh;
-use crate::record::{Columns, RunMark, ShortNumber};
 pub use crate::record::Snapshot;
+use crate::record::{Columns, RunMark, ShortNumber};
 use crate::scene::{AnchoringKind, Scene};
 use crate::scheme::State;
 use crate::simulation::Report;
@@ -105,9 +105,7 @@ impl RunLabel {
     }
 
     /// Those of several runs, no two with the same file.
-    pub fn of_all<'a>(
-        runs: impl Iterator<Item = (&'a str, &'a Scene)>,
-    ) -> Vec<RunLabel> {
+    pub fn of_all<'a>(runs: impl Iterator<Item = (&'a str, &'a Scene)>) -> Vec<RunLabel> {
         let mut times_seen: HashMap<String, u32> = HashMap::new();
         let mut labels: Vec<RunLabel> = Vec::new();
         for (name, scene) in runs {

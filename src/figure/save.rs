@@ -86,8 +86,7 @@ pub fn save_set(
             check_fields(&run.name, &snapshot.mesh, &snapshot.state, snapshot.t)?;
         }
     }
-    let labels =
-        RunLabel::of_all((runs.iter()).map(|run| (&*run.name, &*run.scene)));
+    let labels = RunLabel::of_all((runs.iter()).map(|run| (&*run.name, &*run.scene)));
     let mut groups: Vec<(String, std::ops::Range<usize>)> = Vec::new();
     for (number, label) in labels.iter().enumerate() {
         groups.push((label.file.clone(), number..number + 1));

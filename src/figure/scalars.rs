@@ -1,12 +1,12 @@
 //! Which scalars of a run are plotted, and how they are called.
 
-use crate::record::RunMark;
 use super::colour::LINE_COLOURS;
 use super::curves::{Curve, Look, Pattern, Plot};
 use super::data::{RunData, RunLabel};
 use super::number::extent;
 use super::table::Table;
 use super::text::Label;
+use crate::record::RunMark;
 
 /// A figure of scalars: its plots, and the same as a table.
 pub(super) struct ScalarFigure {

@@ -1,7 +1,5 @@
 //! Pictures as a whole: their text, their pixels, their files.
 
-use crate::record::{MarkKind, RunMark, ShortNumber};
-use crate::scene::Change;
 use super::canvas::{Drawing, Rectangle, write_label};
 use super::colour::Scale;
 use super::data::RunLabel;
@@ -11,6 +9,8 @@ use super::*;
 use crate::fem::Mesh;
 use crate::geometry::Point;
 use crate::record::Columns;
+use crate::record::{MarkKind, RunMark, ShortNumber};
+use crate::scene::Change;
 use crate::scene::{Anchoring, AnchoringKind, Area, Scene};
 use crate::scheme::State;
 use crate::simulation::{NamedValue, OutlineMeasure, Report};
@@ -112,8 +112,7 @@ fn options(width: u32) -> FigureOptions {
 /// Every drawing of these runs at this width.
 fn drawings(runs: &[RunData], width: u32) -> Vec<(&'static str, Drawing)> {
     let options = options(width);
-    let labels =
-        RunLabel::of_all((runs.iter()).map(|run| (&*run.name, &*run.scene)));
+    let labels = RunLabel::of_all((runs.iter()).map(|run| (&*run.name, &*run.scene)));
     let mut strips = Vec::new();
     for (run, label) in runs.iter().zip(&labels) {
         strips.push(Strip {

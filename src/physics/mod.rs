@@ -115,8 +115,7 @@ impl Effects {
             let place = present.iter().position(|effect| effect.name() == *name);
             let effect = place.map(|place| present.remove(place));
             // Noise needs a parameter of the nematic.
-            let is_same =
-                COMPARERS[number](before, scene) && before.nematic == scene.nematic;
+            let is_same = COMPARERS[number](before, scene) && before.nematic == scene.nematic;
             self.others.extend(match is_same {
                 true => effect,
                 false => MAKERS[number](context),

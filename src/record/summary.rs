@@ -98,7 +98,7 @@ pub struct RunSummary {
     pub krylov: u64,
     /// max |law_residual| of all steps.
     pub largest_law_residual: f64,
-    /// The largest rise of E_total in a step; 0 if it never rose.
+    /// The largest rise of E_total in a step, beyond the work of changes; 0 if it never rose.
     pub largest_energy_rise: f64,
     /// max |A − A⁰|, A = ∫φ.
     pub largest_phase_drift: f64,
@@ -370,7 +370,7 @@ impl RunSummary {
         let drift = (report.phase_integral - self.initial_phase_integral).abs();
         self.largest_phase_drift = largest(self.largest_phase_drift, drift);
         if let Some(before) = self.total_energy {
-            let rise = report.total_energy - before;
+            let rise = report.total_energy - before - report.change_work();
             self.largest_energy_rise = largest(self.largest_energy_rise, rise);
         }
         self.reach(report);

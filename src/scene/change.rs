@@ -227,7 +227,9 @@ fn read_change<'a>(
         if !key.contains('.') && matches!(field.value(), document::Value::Table(_)) {
             for (inner, field) in field.table()?.fields() {
                 let key = format!("{key}.{inner}");
-                change.set.push(read_assignment(key, &field, scene, context)?);
+                change
+                    .set
+                    .push(read_assignment(key, &field, scene, context)?);
                 fields.push(field);
             }
         } else {

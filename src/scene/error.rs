@@ -208,7 +208,9 @@ pub enum Problem {
         allowed: Vec<String>,
     },
     /// A change to values from a file.
-    #[error("{key} cannot change to values from a file while a run goes: give a number or a formula")]
+    #[error(
+        "{key} cannot change to values from a file while a run goes: give a number or a formula"
+    )]
     ChangeToFile {
         /// The parameter.
         key: String,

@@ -85,13 +85,8 @@ impl Scheme {
         if curvature(&before) != curvature(scene) {
             // ω depends on k.
             let State { phi, omega, .. } = &mut self.state;
-            self.membrane.solve_omega(
-                &self.space,
-                &mut self.effects,
-                &mut self.strips,
-                phi,
-                omega,
-            );
+            self.membrane
+                .solve_omega(&self.space, &mut self.effects, &mut self.strips, phi, omega);
         }
     }
 }

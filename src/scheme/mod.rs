@@ -133,7 +133,12 @@ impl Scheme {
         let timetable = Timetable::of(scene);
         // Changes at the time 0 come after the initial state.
         let parameters = timetable.start().clone();
-        Self::on_space((timetable, parameters), space, initial_area, (phi, director))
+        Self::on_space(
+            (timetable, parameters),
+            space,
+            initial_area,
+            (phi, director),
+        )
     }
 
     /// The scheme on a space, from any φ and d, given B(φ⁰), with the parameters of a scene that follow a timetable.

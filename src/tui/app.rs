@@ -206,8 +206,8 @@ impl Slot {
     /// more.
     pub fn figures(&self) -> Option<PresetFigures> {
         let run = self.run.as_ref();
-        let is_as_built_in = self.scene.time.end == self.loaded.time.end
-            && run.is_none_or(|run| run.changes == 0);
+        let is_as_built_in =
+            self.scene.time.end == self.loaded.time.end && run.is_none_or(|run| run.changes == 0);
         PresetFigures::of(self.preset?, self.anchoring()?).filter(|_| is_as_built_in)
     }
 }

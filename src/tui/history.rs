@@ -166,7 +166,10 @@ mod tests {
         history.marks.push(change(2, None));
         assert_eq!(history.energy_at_start(2), Some(8.0));
         assert_eq!(history.energy_at_start(3), None);
-        assert_eq!(history.changes().collect::<Vec<_>>(), [(1, "parallel"), (2, "parallel")]);
+        assert_eq!(
+            history.changes().collect::<Vec<_>>(),
+            [(1, "parallel"), (2, "parallel")]
+        );
         let names: Vec<_> = history
             .energies
             .iter()

@@ -118,8 +118,7 @@ impl Knobs {
     /// Takes a character of a number.
     pub fn type_in(&mut self, character: char) {
         let is_number = self.types_duration
-            || (self.lines.get(self.chosen))
-                .is_some_and(|knob| knob.value.number().is_some());
+            || (self.lines.get(self.chosen)).is_some_and(|knob| knob.value.number().is_some());
         if is_number && (character.is_ascii_digit() || "+-.eE".contains(character)) {
             self.typed.get_or_insert_default().push(character);
         }
@@ -163,12 +162,17 @@ mod tests {
     use super::*;
 
     fn knobs() -> Knobs {
-        let text = "area.target = 1.2\nnematic.weight = 3\n[anchoring]\n[field]\n[pull]\npotential = 'x'";
+        let text =
+            "area.target = 1.2\nnematic.weight = 3\n[anchoring]\n[field]\n[pull]\npotential = 'x'";
         Knobs::of(&Scene::of_text(text, &[]), 0.0)
     }
 
     fn choose(knobs: &mut Knobs, key: &str) {
-        knobs.chosen = knobs.lines.iter().position(|knob| knob.key == key).expect(key);
+        knobs.chosen = knobs
+            .lines
+            .iter()
+            .position(|knob| knob.key == key)
+            .expect(key);
     }
 
     fn set(knobs: &Knobs) -> Vec<String> {
@@ -179,8 +183,17 @@ mod tests {
     #[test]
     fn they_are_those_of_the_scene_s_tables() {
         let scene = Scene::of_text("[area]", &[]);
-        let keys: Vec<String> = Knobs::of(&scene, 0.0).lines.into_iter().map(|it| it.key).collect();
-        let wanted = ["membrane.mobility", "membrane.spontaneous_curvature", "area.target", "area.penalty"];
+        let keys: Vec<String> = Knobs::of(&scene, 0.0)
+            .lines
+            .into_iter()
+            .map(|it| it.key)
+            .collect();
+        let wanted = [
+            "membrane.mobility",
+            "membrane.spontaneous_curvature",
+            "area.target",
+            "area.penalty",
+        ];
         assert_eq!(keys, wanted);
         assert!(knobs().assignments().is_empty());
     }

@@ -53,7 +53,11 @@ fn a_pixel_has_the_colour_of_the_value_at_its_centre() {
         command: "",
     };
     let options = options(600);
-    let drawing = view::draw(&view, &RunLabel::new("ramp", &scene, f64::INFINITY), &options);
+    let drawing = view::draw(
+        &view,
+        &RunLabel::new("ramp", &scene, f64::INFINITY),
+        &options,
+    );
     let drawing = drawing.expect("room for it");
     let pixels = pixels::pixels(&drawing).expect("it is drawn");
     let file = png::encode(

@@ -1,13 +1,13 @@
 //! Keeping a run while it goes.
 
 use super::{Content, KeptRun, KeptRuns};
+use crate::record::RunMark;
 use crate::record::atomic::size;
 use crate::record::checkpoint::{APP, Keeper};
 use crate::record::folder::clear;
 use crate::record::history::{Tables, TablesRows};
 use crate::record::scene_file::write_scene;
 use crate::record::{RecordError, RunFolder};
-use crate::record::RunMark;
 use crate::scene::Change;
 use crate::simulation::{Event, Report, SimulationCheckpoint, StepProgress};
 use std::fs;

@@ -1,11 +1,11 @@
 use super::keeper::{STEPS_WITH_ROWS, has_row};
-use crate::record::RunMark;
-use crate::scene::Change;
 use super::*;
+use crate::record::RunMark;
 use crate::record::atomic::size;
 use crate::record::scene_file::tests::scene;
 use crate::record::{Ending, IfOccupied, RecorderBuilder, Settings};
 use crate::scene::AnchoringKind;
+use crate::scene::Change;
 use crate::simulation::{Report, Simulation};
 use std::time::Duration;
 use tempfile::TempDir;

@@ -35,7 +35,7 @@ pub(super) const RUN: Magic = *b"VESICACP";
 pub(super) const APP: Magic = *b"VESICAAP";
 
 /// Raised whenever the content becomes another.
-const VERSION: u32 = 6;
+const VERSION: u32 = 7;
 
 /// Magic, version, length.
 const HEADER: usize = 8 + 4 + 8;

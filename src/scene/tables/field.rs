@@ -1,10 +1,10 @@
 //! `[field]`.
 
 use super::{Rules, Scene};
-use crate::scene::change::{Assignment, Change};
-use crate::scene::parameter::ParameterValue;
 use crate::geometry::{Vector, direction};
+use crate::scene::change::{Assignment, Change};
 use crate::scene::error::SceneError;
+use crate::scene::parameter::ParameterValue;
 use crate::scene::reader::{FINITE, NOT_NEGATIVE, Reader};
 use crate::scene::warning::Warning;
 

@@ -5,9 +5,9 @@
 //! The tables of the effects are optional: without its table, a scene is without the effect. They are listed
 //! below; from the list follows all that must know of them.
 
+use super::change::{Change, read_changes};
 use super::error::{Problem, SceneError};
 use super::nodal_file::{Context, NodalKey, NodalValues};
-use super::change::{Change, read_changes};
 use super::parameter::{DefaultValue, Parameter, ParameterValue, Value};
 use super::reader::{Field as TomlField, Reader};
 use super::warning::Warning;

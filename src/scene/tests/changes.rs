@@ -7,9 +7,12 @@ use crate::scene::{ParameterValue, Scene, Timetable, warnings};
 
 /// The header of the error of a scene with these changes.
 fn message(changes: &str) -> String {
-    let text = format!("[area]\n[nematic]\n[field]\n[membrane]\nspontaneous_curvature = 'x'\n{changes}");
+    let text =
+        format!("[area]\n[nematic]\n[field]\n[membrane]\nspontaneous_curvature = 'x'\n{changes}");
     let files = [("k.txt", "1\n")];
-    let error = read_with(&text, &[], &files).expect_err(changes).to_string();
+    let error = read_with(&text, &[], &files)
+        .expect_err(changes)
+        .to_string();
     error.split('\n').next().unwrap_or_default().to_owned()
 }
 
@@ -24,30 +27,55 @@ fn a_change_says_what_is_wrong_and_where() {
         near.starts_with("a.toml:8:9: unknown parameter 'area.tagret'; did you mean 'area.target'? A change can set: membrane.mobility, "),
         "{near}"
     );
-    for fixed in ["mesh.cells = 30", "membrane.interface_width = 0.02", "solver.quadrature = 'lumped'"] {
+    for fixed in [
+        "mesh.cells = 30",
+        "membrane.interface_width = 0.02",
+        "solver.quadrature = 'lumped'",
+    ] {
         let fixed = change(fixed);
         assert!(fixed.contains("cannot change while a run goes"), "{fixed}");
     }
     for (set, part) in [
-        ("area.target = -1", "change[0].set.area.target must be a finite number > 0, not -1"),
+        (
+            "area.target = -1",
+            "change[0].set.area.target must be a finite number > 0, not -1",
+        ),
         ("area.target = nan", "must be a finite number > 0"),
         ("area.penalty = 0", "must be a finite number > 0"),
-        ("area.target = 'x'", "must be a finite number > 0, not a string"),
+        (
+            "area.target = 'x'",
+            "must be a finite number > 0, not a string",
+        ),
         ("anchoring.kind = 'paralel'", "did you mean 'parallel'?"),
         ("field.on = 1", "must be true or false, not a number"),
         ("pull.potential = 'x +'", "pull.potential"),
-        ("area.target = 1, 'area.target' = 2", "area.target is given more than once"),
-        ("", "must be a table such as { \"area.target\" = 1.1 }, not { }"),
+        (
+            "area.target = 1, 'area.target' = 2",
+            "area.target is given more than once",
+        ),
+        (
+            "",
+            "must be a table such as { \"area.target\" = 1.1 }, not { }",
+        ),
         ("targt = 1", "unknown parameter 'targt'"),
     ] {
         let text = change(set);
         assert!(text.contains(part), "{set}: {text}");
     }
     for (changes, part) in [
-        ("[[change]]\nset = { area.target = 1 }", "[[change]] needs the key 'at'"),
+        (
+            "[[change]]\nset = { area.target = 1 }",
+            "[[change]] needs the key 'at'",
+        ),
         ("[[change]]\nat = 1", "[[change]] needs the key 'set'"),
-        ("[[change]]\nat = -1\nset = { area.target = 1 }", "a.toml:7:6: change[0].at must be a finite number ≥ 0"),
-        ("[[change]]\nat = 1\nove = 1\nset = { area.target = 1 }", "did you mean 'over'?"),
+        (
+            "[[change]]\nat = -1\nset = { area.target = 1 }",
+            "a.toml:7:6: change[0].at must be a finite number ≥ 0",
+        ),
+        (
+            "[[change]]\nat = 1\nove = 1\nset = { area.target = 1 }",
+            "did you mean 'over'?",
+        ),
         ("[change]\nat = 1", "must be an array of tables"),
     ] {
         let text = message(changes);
@@ -59,22 +87,38 @@ fn a_change_says_what_is_wrong_and_where() {
 fn a_ramp_is_from_number_to_number() {
     let ramp = |set: &str| message(&format!("[[change]]\nat = 1\nover = 1\nset = {{ {set} }}"));
     for (set, part) in [
-        ("anchoring.kind = 'none'", "anchoring.kind has no value before it"),
+        (
+            "anchoring.kind = 'none'",
+            "anchoring.kind has no value before it",
+        ),
         ("field.on = false", "field.on is not one before it"),
         ("membrane.spontaneous_curvature = 1", "is not one before it"),
-        ("nematic.weight = 1, field.strength = 'x'", "must be a finite number"),
-        ("pull.potential = 1", "pull.potential has no value before it"),
+        (
+            "nematic.weight = 1, field.strength = 'x'",
+            "must be a finite number",
+        ),
+        (
+            "pull.potential = 1",
+            "pull.potential has no value before it",
+        ),
     ] {
         let text = ramp(set);
         assert!(text.contains(part), "{set}: {text}");
     }
     // An earlier change gives it one, wherever it stands.
-    read("[[change]]\nat = 2\nover = 1\nset = { area.target = 2 }\n[[change]]\nat = 1\nset = { area.penalty = 1 }");
+    read(
+        "[[change]]\nat = 2\nover = 1\nset = { area.target = 2 }\n[[change]]\nat = 1\nset = { area.penalty = 1 }",
+    );
 }
 
 #[test]
 fn a_change_brings_no_director_in() {
-    for set in ["nematic.weight = 1", "anchoring.kind = 'parallel'", "field.strength = 1", "noise.strength = 1"] {
+    for set in [
+        "nematic.weight = 1",
+        "anchoring.kind = 'parallel'",
+        "field.strength = 1",
+        "noise.strength = 1",
+    ] {
         let text = format!("[[change]]\nat = 1\nset = {{ {set} }}");
         let error = read_with(&text, &[], &[]).expect_err(set).to_string();
         assert!(error.contains("needs a director"), "{error}");
@@ -87,7 +131,8 @@ fn a_change_brings_no_director_in() {
 #[test]
 fn both_ways_to_write_a_parameter_are_the_same() {
     let nested = read("[area]\n[[change]]\nat = 1\nset = { area.target = 1.1, area.penalty = 2 }");
-    let quoted = read("[area]\n[[change]]\nat = 1\nset = { 'area.target' = 1.1, 'area.penalty' = 2 }");
+    let quoted =
+        read("[area]\n[[change]]\nat = 1\nset = { 'area.target' = 1.1, 'area.penalty' = 2 }");
     assert_eq!(nested, quoted);
     assert_eq!(read(&nested.to_toml()), nested);
 }
@@ -153,7 +198,10 @@ fn from_and_until_are_short_for_changes() {
     assert!(scene.changes.is_empty());
     let timetable = Timetable::of(&scene);
     let on = |t: f64| timetable.at(t).field.map(|field| field.on);
-    assert_eq!([1.0, 2.0, 3.0].map(on), [Some(false), Some(true), Some(false)]);
+    assert_eq!(
+        [1.0, 2.0, 3.0].map(on),
+        [Some(false), Some(true), Some(false)]
+    );
     assert_eq!(is_on(2.5), Some(ParameterValue::Switch(true)));
 }
 
@@ -161,7 +209,8 @@ fn from_and_until_are_short_for_changes() {
 fn what_is_changed_by_hand_holds_from_the_start_of_the_next_run() {
     let loaded = read("[area]\n[[change]]\nat = 1\nset = { area.target = 2 }");
     let mut scene = loaded.clone();
-    let by_hand = read("[area]\n[[change]]\nat = 0.5\nover = 1\nset = { area.penalty = 7 }").changes;
+    let by_hand =
+        read("[area]\n[[change]]\nat = 0.5\nover = 1\nset = { area.penalty = 7 }").changes;
     scene.add_change(&by_hand[0]).expect("a change");
     assert_eq!(scene.changes.len(), 2);
     scene.begin_with_changes(&loaded.changes);
@@ -173,7 +222,12 @@ fn what_is_changed_by_hand_holds_from_the_start_of_the_next_run() {
 fn a_change_after_the_end_is_told() {
     let scene = read("time.end = 1\n[area]\n[[change]]\nat = 1\nset = { area.target = 2 }");
     let warned = warnings(&scene, None);
-    assert!(warned.iter().any(|it| it.to_string().contains("after the end")), "{warned:?}");
+    assert!(
+        warned
+            .iter()
+            .any(|it| it.to_string().contains("after the end")),
+        "{warned:?}"
+    );
 }
 
 #[test]
@@ -181,7 +235,10 @@ fn the_guide_has_all_parameters_that_can_change() {
     let guide = include_str!("../../../docs/guide/changes.md");
     for key in Scene::tunable_parameters() {
         let is_of_the_guide = key.starts_with("tension.");
-        assert!(is_of_the_guide || guide.contains(&format!("`{key}`")), "{key}");
+        assert!(
+            is_of_the_guide || guide.contains(&format!("`{key}`")),
+            "{key}"
+        );
     }
 }
 

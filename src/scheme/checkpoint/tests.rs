@@ -1,7 +1,7 @@
 use super::*;
-use crate::scene::Timetable;
 use crate::fem::Mesh;
 use crate::scene::Scene;
+use crate::scene::Timetable;
 use crate::scheme::{StepError, initial_fields};
 
 const TEXT: &str = r#"

@@ -37,12 +37,6 @@ fn without_costs(report: &Report) -> Report {
     }
 }
 
-fn work(report: &Report) -> f64 {
-    let mut terms = report.ledger.iter();
-    let term = terms.find(|term| term.name == "change_work");
-    term.map_or(0.0, |term| -term.value)
-}
-
 /// The law of a step, over S: the sum of its ledger, which begins with the change of the energy since the step before.
 #[track_caller]
 fn law(before: &Report, report: &Report) -> f64 {
@@ -95,11 +89,15 @@ fn the_law_closes_through_a_change_of_every_parameter() {
             for pair in reports.windows(2) {
                 let name = format!("{key} over {over}, step {}", pair[1].step);
                 assert!(law(&pair[0], &pair[1]).abs() <= 1e-12, "{name}");
-                works.push(work(&pair[1]));
+                works.push(pair[1].change_work());
                 let scale = pair[1].law_scale();
                 // Without the work it would not close.
-                let missed = law(&pair[0], &pair[1]) + work(&pair[1]) / scale;
-                assert_eq!(missed.abs() > 1e-9, work(&pair[1]) != 0.0, "{name}: {missed:e}");
+                let missed = law(&pair[0], &pair[1]) + pair[1].change_work() / scale;
+                assert_eq!(
+                    missed.abs() > 1e-9,
+                    pair[1].change_work() != 0.0,
+                    "{name}: {missed:e}"
+                );
             }
             let worked = works.iter().map(|work| *work != 0.0);
             let is_dissipative = key.ends_with("mobility") || key.starts_with("noise");
@@ -115,8 +113,10 @@ fn the_law_closes_through_a_change_of_every_parameter() {
 #[test]
 fn a_change_back_and_forth_in_no_time_is_no_change() {
     let plain = run(&mut with(&ALL, ""), 6);
-    let there = "{ at = 2e-6, set = { area.target = 1.2, anchoring.kind = 'none', field.on = false } }";
-    let back = "{ at = 2e-6, set = { area.target = 1.1, anchoring.kind = 'parallel', field.on = true } }";
+    let there =
+        "{ at = 2e-6, set = { area.target = 1.2, anchoring.kind = 'none', field.on = false } }";
+    let back =
+        "{ at = 2e-6, set = { area.target = 1.1, anchoring.kind = 'parallel', field.on = true } }";
     let mut changed = with(&ALL, &format!("{there}, {back}"));
     for (plain, changed) in plain.iter().zip(run(&mut changed, 6)) {
         assert_eq!(plain.energies, changed.energies);
@@ -134,7 +134,9 @@ fn a_change_back_and_forth_in_no_time_is_no_change() {
 /// The distance of two runs' φ in the largest norm.
 fn distance(one: &Simulation, other: &Simulation) -> f64 {
     let pairs = one.state().phi.iter().zip(&other.state().phi);
-    pairs.map(|(one, other)| (one - other).abs()).fold(0.0, f64::max)
+    pairs
+        .map(|(one, other)| (one - other).abs())
+        .fold(0.0, f64::max)
 }
 
 #[test]
@@ -149,7 +151,10 @@ fn a_ramp_in_pieces_tends_to_the_ramp() {
         let piece = |number: usize| {
             let at = over * number as f64 / f64::from(pieces);
             let share = (number as f64 + 0.5) / f64::from(pieces);
-            format!("{{ at = {at}, set = {{ area.target = {} }} }}", 1.1 + 0.2 * share)
+            format!(
+                "{{ at = {at}, set = {{ area.target = {} }} }}",
+                1.1 + 0.2 * share
+            )
         };
         let pieces: Vec<String> = (0..pieces as usize).map(piece).collect();
         let mut stairs = with(&quiet, &pieces.join(", "));
@@ -158,7 +163,10 @@ fn a_ramp_in_pieces_tends_to_the_ramp() {
     });
     let mut plain = with(&quiet, "");
     run(&mut plain, STEPS);
-    assert!(distances[0] < 0.2 * distance(&whole, &plain), "{distances:?}");
+    assert!(
+        distances[0] < 0.2 * distance(&whole, &plain),
+        "{distances:?}"
+    );
     for pair in distances.windows(2) {
         assert!(pair[1] < 0.6 * pair[0], "{distances:?}");
     }
@@ -172,7 +180,8 @@ fn from_and_until_are_changes() {
         let settings = [other, "time.end=8e-6"];
         let mut one = with(&[&settings[..], &[field]].concat(), "");
         let off = "field={ weight = 300, on = false }";
-        let changes = "{ at = 4e-6, set = { field.on = false } }, { at = 2e-6, set = { field.on = true } }";
+        let changes =
+            "{ at = 4e-6, set = { field.on = false } }, { at = 2e-6, set = { field.on = true } }";
         let mut two = with(&[&settings[..], &[off]].concat(), changes);
         let both = [&mut one, &mut two].map(|simulation| {
             let mut reports = Vec::new();
@@ -191,7 +200,12 @@ fn from_and_until_are_changes() {
         // What is off is no effect.
         let has_field = |report: &Report| report.energies.iter().any(|it| it.name == "field");
         for report in &both[0] {
-            assert_eq!(has_field(report), report.t > 2e-6 && report.t <= 4e-6, "{}", report.t);
+            assert_eq!(
+                has_field(report),
+                report.t > 2e-6 && report.t <= 4e-6,
+                "{}",
+                report.t
+            );
         }
     }
 }
@@ -252,7 +266,7 @@ fn a_run_goes_on_in_the_middle_of_a_ramp() {
         assert!(second.report().t < 1e-5);
         let both = [&mut first, &mut second].map(|simulation| run(simulation, 5)[1..].to_vec());
         assert_eq!(both[0], both[1]);
-        assert!(work(&both[0][0]) != 0.0);
+        assert!(both[0][0].change_work() != 0.0);
         assert!(first.state() == second.state());
     }
 }
@@ -263,7 +277,12 @@ fn the_secant_scheme_keeps_its_order_through_a_ramp() {
     let ramp = "{ at = 0, over = 64e-6, set = { area.target = 1.3, anchoring.weight = 20 } }";
     let end = |steps: usize| {
         let step = format!("time.step={}", 64e-6 / steps as f64);
-        let settings = ["time.scheme=secant", "time.end=1", &step, "solver.tolerance=1e-10"];
+        let settings = [
+            "time.scheme=secant",
+            "time.end=1",
+            &step,
+            "solver.tolerance=1e-10",
+        ];
         let mut simulation = with(&settings, ramp);
         run(&mut simulation, steps);
         simulation

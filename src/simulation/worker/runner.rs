@@ -10,8 +10,7 @@ use std::time::{Duration, Instant};
 
 use super::super::claim::KeptFree;
 use super::super::{
-    Report, Schedule, Simulation, SimulationCheckpoint, SimulationError,
-    threads_that_pay,
+    Report, Schedule, Simulation, SimulationCheckpoint, SimulationError, threads_that_pay,
 };
 use super::mailbox::{Mailbox, SnapshotOf, SnapshotPool};
 use super::{Command, Continuity, Failure, Message, RunId, Setting, WorkerConfig, WorkerEvent};

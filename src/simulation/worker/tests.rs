@@ -1,5 +1,5 @@
-use std::sync::OnceLock;
 use crate::scene::Change;
+use std::sync::OnceLock;
 use std::sync::mpsc::{Receiver, TryRecvError};
 
 use rand::{Rng, RngExt, SeedableRng};
@@ -185,7 +185,10 @@ fn news_come_in_the_order_of_the_commands() {
     assert_eq!(word(&watched.next()), "anchoring.kind = \"none\" at 3e-6");
     worker.tell(Command::Resume);
     let words = watched.words_until("done");
-    assert_eq!(words, ["resumed", "[4]", "parameters-changed", "[5]", "[6]", "done"]);
+    assert_eq!(
+        words,
+        ["resumed", "[4]", "parameters-changed", "[5]", "[6]", "done"]
+    );
     for command in [
         Command::Pause,
         Command::Step,
@@ -195,7 +198,10 @@ fn news_come_in_the_order_of_the_commands() {
     ] {
         worker.tell(command);
     }
-    assert_eq!(word(&watched.next()), "anchoring.kind = \"homeotropic\" at 6e-6");
+    assert_eq!(
+        word(&watched.next()),
+        "anchoring.kind = \"homeotropic\" at 6e-6"
+    );
     let picture = worker.mailbox().fetch().unwrap();
     // It would be the next step's.
     assert_eq!(picture.anchoring, Some(AnchoringKind::None));
@@ -269,7 +275,10 @@ fn a_run_waits_at_its_horizon_until_that_moves() {
     let words = watched.words_until("at the horizon");
     assert_eq!(words, ["resumed", "[4]", "at the horizon"]);
     worker.tell(anchor(AnchoringKind::Homeotropic));
-    assert_eq!(word(&watched.next()), "anchoring.kind = \"homeotropic\" at 4e-6");
+    assert_eq!(
+        word(&watched.next()),
+        "anchoring.kind = \"homeotropic\" at 4e-6"
+    );
     assert_eq!(fetched(worker).0, 4);
     worker.tell(Command::Step);
     let words = watched.words_until("paused");
@@ -635,9 +644,7 @@ fn without_a_director_no_anchoring_is_told() {
     let scene = small(&["anchoring=false", "nematic=false"]);
     let watched = start(config(), scene);
     watched.words_until("paused");
-    watched
-        .worker
-        .tell(anchor(AnchoringKind::Parallel));
+    watched.worker.tell(anchor(AnchoringKind::Parallel));
     watched.worker.tell(Command::Step);
     assert_eq!(watched.words_until("paused"), ["refused", "[1]", "paused"]);
     let picture = watched.worker.mailbox().fetch().unwrap();

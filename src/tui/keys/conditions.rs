@@ -60,7 +60,9 @@ pub(super) fn when_it_can_change(app: &App) -> Result<(), &'static str> {
     match app.active_run() {
         None => Err("the run has not begun: e edits its scene"),
         Some(run) if run.setting.is_none() => Err("the run is still set up"),
-        Some(run) if run.is_done() => Err("the run is over: space continues it, then it can be changed"),
+        Some(run) if run.is_done() => {
+            Err("the run is over: space continues it, then it can be changed")
+        }
         Some(run) if run.is_over() => Err("the run has failed: r restarts it, e edits its scene"),
         Some(_) => Ok(()),
     }

@@ -4,9 +4,9 @@ use crossterm::event::KeyCode;
 
 use super::conditions::{
     always, at_present_with_director, brake, gallery, in_gallery, measure, next_panel, on_a_case,
-    on_one_run, other_form, pause_or_resume, play, when_a_step_is_left, when_it_can_change, when_not_over,
-    with_a_change, with_a_past,
-    with_director, with_notices, with_opened_scenes, with_picture,
+    on_one_run, other_form, pause_or_resume, play, when_a_step_is_left, when_it_can_change,
+    when_not_over, with_a_change, with_a_past, with_director, with_notices, with_opened_scenes,
+    with_picture,
 };
 use super::{Action, Binding, Key, Place};
 
@@ -142,7 +142,7 @@ pub static BINDINGS: &[Binding] = &[
         label: "P",
         plain_label: "P",
         brief: play,
-        words: "play the stored past again, from the start or the picture that is shown; again: stop",
+        words: "play the stored past again, from the start or the picture that is shown, of a run that is over in a loop; again: stop",
         when: with_a_past,
     },
     Binding {
@@ -332,7 +332,7 @@ pub static BINDINGS: &[Binding] = &[
         label: "+ -",
         plain_label: "+ -",
         brief: |_| "frame rate",
-        words: "more or fewer frames a second, 1 to 30",
+        words: "more or fewer frames a second, 1 to 30; while the past is played: faster or slower",
         when: always,
     },
     Binding {

@@ -23,7 +23,10 @@ pub fn draw(knobs: &Knobs, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
     let about = chosen.map_or_else(Vec::new, |knob| {
         text::wrap(&format!("{} Allowed: {}.", knob.words, knob.allowed), inner)
     });
-    let errors = knobs.error.as_deref().map_or_else(Vec::new, |error| text::wrap(error, inner));
+    let errors = knobs
+        .error
+        .as_deref()
+        .map_or_else(Vec::new, |error| text::wrap(error, inner));
     let height = knobs.lines.len() + about.len() + errors.len() + 6;
     let area = centred(screen, width, height.min(usize::from(u16::MAX)) as u16);
     let title = "Change parameters from the next step on";
@@ -34,7 +37,10 @@ pub fn draw(knobs: &Knobs, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
     let mut row = 0;
     for (index, knob) in knobs.lines.iter().enumerate().skip(first).take(room) {
         let is_chosen = index == knobs.chosen;
-        let typed = knobs.typed.as_deref().filter(|_| is_chosen && !knobs.types_duration);
+        let typed = knobs
+            .typed
+            .as_deref()
+            .filter(|_| is_chosen && !knobs.types_duration);
         text::line(buffer, inside, row, line(knob, is_chosen, typed, theme));
         row += 1;
     }
@@ -47,9 +53,10 @@ pub fn draw(knobs: &Knobs, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
                 Span::styled(format!("{typed} "), cursor(theme)),
             ])
         }
-        (_, false, over) if over > 0.0 => {
-            Line::raw(format!("over a time of {}, on a straight line", ShortNumber(over)))
-        }
+        (_, false, over) if over > 0.0 => Line::raw(format!(
+            "over a time of {}, on a straight line",
+            ShortNumber(over)
+        )),
         _ => Line::styled("at once; r gives it a time", theme.muted()),
     };
     text::line(buffer, inside, row, duration);
@@ -59,7 +66,12 @@ pub fn draw(knobs: &Knobs, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
         row += 1;
     }
     for words in errors {
-        text::line(buffer, inside, row, Span::styled(words, theme.style(Role::Bad)));
+        text::line(
+            buffer,
+            inside,
+            row,
+            Span::styled(words, theme.style(Role::Bad)),
+        );
         row += 1;
     }
 }
@@ -78,7 +90,11 @@ fn line(knob: &Knob, is_chosen: bool, typed: Option<&str>, theme: &Theme) -> Lin
     let value = match typed {
         Some(typed) => Span::styled(format!(" {typed} "), cursor(theme)),
         None => {
-            let style = if knob.is_turned() { theme.style(Role::Warning) } else { theme.strong() };
+            let style = if knob.is_turned() {
+                theme.style(Role::Warning)
+            } else {
+                theme.strong()
+            };
             Span::styled(format!(" {:<VALUE$}", knob.value.to_string()), style)
         }
     };

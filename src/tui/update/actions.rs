@@ -453,6 +453,9 @@ fn next(app: &mut App, by: isize) {
 }
 
 fn change_frame_rate(app: &mut App, faster: bool) {
+    if pacing::change_speed(app, faster) {
+        return;
+    }
     let present = app.frames_per_second;
     let mut rates = FRAME_RATES.into_iter();
     let rate = if faster {

@@ -113,7 +113,9 @@ fn request(
     over: f64,
     effects: &mut Vec<Effect>,
 ) -> Result<(), String> {
-    let Some((slot, run)) = app.active_slot().and_then(|slot| Some((slot, slot.run.as_ref()?)))
+    let Some((slot, run)) = app
+        .active_slot()
+        .and_then(|slot| Some((slot, slot.run.as_ref()?)))
     else {
         return Ok(());
     };

@@ -112,11 +112,14 @@ pub(super) fn hear(app: &mut App, message: WorkerMessage) {
             // The run has it, so it is one that the scene can have.
             let _ = Arc::make_mut(&mut slot.scene).add_change(&change);
         }
-        WorkerEvent::ChangeRefused(reason) => run.notify(Notice {
-            severity: Severity::Warning,
-            step: run.report.step,
-            text: format!("this cannot be changed: {reason}"),
-        }),
+        WorkerEvent::ChangeRefused(reason) => {
+            run.undoing = false;
+            run.notify(Notice {
+                severity: Severity::Warning,
+                step: run.report.step,
+                text: format!("this cannot be changed: {reason}"),
+            });
+        }
         WorkerEvent::Snapshot(picture) => run.snapshots.push(picture),
         // It was written down on the way.
         WorkerEvent::State(_) => {}

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::record::{MarkKind, RunMark};
 use crate::fem::{Mesh, OutlineMeasure};
 use crate::geometry::{Point, Vector};
 use crate::physics::NamedValue;
+use crate::record::{MarkKind, RunMark};
 use crate::scene::{AnchoringKind, Scene, find_preset};
 use crate::scheme::{Phase, State};
 use crate::simulation::{Costs, Report, RunId, RunSnapshot, Setting};

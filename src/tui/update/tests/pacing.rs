@@ -127,6 +127,13 @@ fn the_past_is_played_again_at_the_same_pace() {
     rig.keys("P");
     assert!(time_counts(&rig.app));
     rig.tell(Message::Passed(Duration::from_secs(7)));
+    // The run is over: it is played again from its start, and faster if that is asked for.
+    assert!(shown(&rig) < 60 && time_counts(&rig.app));
+    rig.keys("+");
+    rig.tell(Message::Passed(Duration::from_secs(2)));
+    assert!((390..=450).contains(&shown(&rig)), "{}", shown(&rig));
+    rig.keys("P");
+    rig.press(KeyCode::End);
     assert_eq!((rig.app.looking_back, rig.app.replay), (None, None));
     assert!(!time_counts(&rig.app));
     // Whoever scrubs does not want it to go on.
