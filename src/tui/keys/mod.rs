@@ -74,8 +74,8 @@ pub enum Action {
     Slower,
     /// Edit the scene and load it again.
     Edit,
-    /// Offer a run that is more accurate or cheaper.
-    Improve,
+    /// Show what other accuracies cost.
+    Accuracy,
     /// Measure the error of the run, or show it.
     Measure,
     /// Show what each effect costs.
@@ -121,6 +121,8 @@ pub enum Place {
     Confirm,
     /// Where a scene's name is typed; characters that mean nothing else are typed.
     Open,
+    /// The price list of accuracy.
+    Accuracy,
     /// A long text.
     Message,
     /// The parameters that can change; figures that mean nothing else are typed.
@@ -138,6 +140,7 @@ impl Place {
             Some(Overlay::Confirm(_)) => Self::Confirm,
             Some(Overlay::Open { .. }) => Self::Open,
             Some(Overlay::Knobs(_)) => Self::Knobs,
+            Some(Overlay::Accuracy(_)) => Self::Accuracy,
             Some(Overlay::Message { .. } | Overlay::Prices { .. } | Overlay::Measured) => {
                 Self::Message
             }
@@ -253,12 +256,13 @@ mod tests {
 
     use super::*;
 
-    const PLACES: [Place; 6] = [
+    const PLACES: [Place; 7] = [
         Place::Knobs,
         Place::Main,
         Place::Help,
         Place::Confirm,
         Place::Open,
+        Place::Accuracy,
         Place::Message,
     ];
 
