@@ -55,7 +55,7 @@ fn a_change_says_what_is_wrong_and_where() {
         ),
         (
             "",
-            "must be a table such as { \"area.target\" = 1.1 }, not { }",
+            "must be a table such as { \"area.target\" = 1.1 }, not {",
         ),
         ("targt = 1", "unknown parameter 'targt'"),
     ] {
