@@ -492,7 +492,7 @@ fn the_price_list_is_measured_and_a_line_of_it_is_run() {
     let name = rig.app.slots[2].scene.name.clone();
     for error in ["1e-1", "3e-2", "1e-2", "3e-3", "1e-3"] {
         let asked = format!("{name}, error {error}");
-        assert_eq!(asked_prices(&mut rig), [asked.clone()]);
+        assert_eq!(asked_prices(&mut rig), std::slice::from_ref(&asked));
         rig.tell(Message::Expected(asked, Some(Ok("about 3 s".into()))));
     }
     assert!(asked_prices(&mut rig).is_empty(), "all are known");
