@@ -150,13 +150,13 @@ fn no_anchoring_is_changed_in_the_past() {
     rig.press(KeyCode::Home);
     rig.keys("a");
     rig.work(2);
-    assert!(rig.run(2).history.marks.is_empty());
+    assert!(rig.app.slots[2].scene.changes.is_empty());
     let remark = rig.app.remark.as_deref().expect("a reason");
     assert!(remark.contains("End shows the present"), "{remark}");
     rig.press(KeyCode::End);
     rig.keys("a");
     rig.work(2);
-    assert_eq!(rig.run(2).history.marks.len(), 1);
+    assert_eq!(rig.app.slots[2].scene.changes.len(), 1);
 }
 
 #[test]

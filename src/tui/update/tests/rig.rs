@@ -97,12 +97,19 @@ impl Played {
         busy && !self.failed
     }
 
+    /// The anchoring of the next step.
+    pub(super) fn anchoring_to_be(&self) -> AnchoringKind {
+        self.scene.anchoring_at(self.report.t)
+    }
+
     fn take_step(&mut self, event: &mut Vec<WorkerEvent>) {
         let (step, t) = (self.report.step, self.report.t);
         let before = self.report.total_energy;
-        self.anchoring = self.scene.anchoring_at(t);
         self.measure();
-        let work = self.report.total_energy - before;
+        let of_the_same_state = self.report.total_energy;
+        self.anchoring = self.anchoring_to_be();
+        self.measure();
+        let work = self.report.total_energy - of_the_same_state;
         self.report.step += 1;
         self.report.t = self.report.step as f64 * self.scene.time.step;
         self.measure();
