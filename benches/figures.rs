@@ -41,9 +41,8 @@ fn run(name: &str) -> RunData {
     RunData {
         name: name.to_owned(),
         scene: Arc::new(scene),
-        mesh_changes: Vec::new(),
         history,
-        switches: Vec::new(),
+        marks: Vec::new(),
         snapshots: snapshots.collect(),
         command: format!("vesica figures {name}"),
     }

@@ -388,11 +388,10 @@ pub(super) fn data((name, run): (String, RecordedRun), command: &str) -> Option<
     (!run.fields.is_empty()).then(|| RunData {
         name,
         scene: Arc::new(run.scene),
-        mesh_changes: run.mesh_changes,
+        marks: run.marks,
         history: run.history,
         snapshots: run.fields,
         command: command.to_owned(),
-        switches: Vec::new(),
     })
 }
 

@@ -83,7 +83,7 @@ impl MeasuredRun {
             let (done, called_off) = (Arc::clone(&done), Arc::clone(&called_off));
             move || {
                 let mut samples = [Vec::new(), Vec::new()];
-                let runs = finer.compute(&times, &[], &mut |news| {
+                let runs = finer.compute(&times, &mut |news| {
                     match news {
                         FinerNews::Share(share) => {
                             done.store((PARTS as f64 * share) as u64, Ordering::Relaxed);

@@ -2,8 +2,8 @@
 
 use super::FigureError;
 use crate::fem::Mesh;
-use crate::record::Columns;
 pub use crate::record::Snapshot;
+use crate::record::{Columns, RunMark, ShortNumber};
 use crate::scene::{AnchoringKind, Scene};
 use crate::scheme::State;
 use crate::simulation::Report;
@@ -18,12 +18,10 @@ const PICTURES: usize = 5;
 pub struct RunData {
     /// What its files are called by, such as `case3`.
     pub name: String,
-    /// What was simulated, as it was at the start.
+    /// What was simulated.
     pub scene: Arc<Scene>,
-    /// After which steps the anchoring was switched by hand, and to what.
-    pub switches: Vec<(u64, AnchoringKind)>,
-    /// After which steps, and when, the mesh has followed the membrane.
-    pub mesh_changes: Vec<(u64, f64)>,
+    /// What its curves are marked with.
+    pub marks: Vec<RunMark>,
     /// The scalars over t.
     pub history: Columns,
     /// The fields at some times, in the order of time.
@@ -80,8 +78,8 @@ pub(super) struct RunLabel {
 }
 
 impl RunLabel {
-    /// That of one run.
-    pub fn new(name: &str, scene: &Scene, switches: &[(u64, AnchoringKind)]) -> RunLabel {
+    /// That of one run, with the changes of its scene before a time.
+    pub fn new(name: &str, scene: &Scene, until: f64) -> RunLabel {
         let mut file = file_name(name);
         let mut title = scene.name.clone();
         if let Some(anchoring) = &scene.anchoring {
@@ -91,27 +89,27 @@ impl RunLabel {
             }
             title = format!("{title}, {}", in_words(anchoring.kind));
         }
-        for (number, (step, kind)) in switches.iter().enumerate() {
-            if number == SWITCHES {
-                let more = switches.len() - SWITCHES;
+        let count = scene.changes.partition_point(|change| change.at < until);
+        for (number, change) in scene.changes[..count].iter().enumerate() {
+            if number == CHANGES {
+                let more = count - CHANGES;
                 file += "-and-so-on";
                 title = format!("{title}, and {more} more");
                 break;
             }
-            file = format!("{file}-{}", in_file(*kind));
-            title = format!("{title}, from step {step} {}", in_words(*kind));
+            let label = change.label();
+            file = format!("{file}-{}", file_name(&label.replace([' ', '"'], "")));
+            title = format!("{title}, from t = {} {label}", ShortNumber(change.at));
         }
         RunLabel { file, title }
     }
 
     /// Those of several runs, no two with the same file.
-    pub fn of_all<'a>(
-        runs: impl Iterator<Item = (&'a str, &'a Scene, &'a [(u64, AnchoringKind)])>,
-    ) -> Vec<RunLabel> {
+    pub fn of_all<'a>(runs: impl Iterator<Item = (&'a str, &'a Scene)>) -> Vec<RunLabel> {
         let mut times_seen: HashMap<String, u32> = HashMap::new();
         let mut labels: Vec<RunLabel> = Vec::new();
-        for (name, scene, switches) in runs {
-            let mut label = RunLabel::new(name, scene, switches);
+        for (name, scene) in runs {
+            let mut label = RunLabel::new(name, scene, f64::INFINITY);
             let plain = label.file.clone();
             let seen = times_seen.entry(plain.clone()).or_insert(0);
             loop {
@@ -129,8 +127,8 @@ impl RunLabel {
     }
 }
 
-/// So many switches of the anchoring are told one by one.
-const SWITCHES: usize = 3;
+/// So many changes are told one by one.
+const CHANGES: usize = 3;
 
 fn in_file(kind: AnchoringKind) -> &'static str {
     match kind {

@@ -25,7 +25,7 @@ pub fn save_view(
 ) -> Result<Vec<PathBuf>, FigureError> {
     options.check()?;
     check_fields(view.name, view.mesh, view.state, view.report.t)?;
-    let label = RunLabel::new(view.name, view.scene, &[]);
+    let label = RunLabel::new(view.name, view.scene, view.report.t);
     let (step, t) = (view.report.step, view.report.t);
     let (what, suffix) = what_and_suffix(view.field);
     let stem = format!("{}-step-{step:07}{suffix}", label.file);
@@ -86,8 +86,7 @@ pub fn save_set(
             check_fields(&run.name, &snapshot.mesh, &snapshot.state, snapshot.t)?;
         }
     }
-    let labels =
-        RunLabel::of_all((runs.iter()).map(|run| (&*run.name, &*run.scene, &*run.switches)));
+    let labels = RunLabel::of_all((runs.iter()).map(|run| (&*run.name, &*run.scene)));
     let mut groups: Vec<(String, std::ops::Range<usize>)> = Vec::new();
     for (number, label) in labels.iter().enumerate() {
         groups.push((label.file.clone(), number..number + 1));
@@ -128,7 +127,7 @@ pub fn save_set(
 /// # Errors
 /// [`FigureError::Occupied`] with the first file that is in the way.
 pub fn check_free(runs: &[(&str, &Scene)], folder: &Path) -> Result<(), FigureError> {
-    let labels = RunLabel::of_all(runs.iter().map(|(name, scene)| (*name, *scene, &[][..])));
+    let labels = RunLabel::of_all(runs.iter().map(|(name, scene)| (*name, *scene)));
     let names = labels.iter().map(|label| label.file.as_str());
     for name in names.chain((runs.len() > 1).then_some(ALL)) {
         let figures = scalars::FILES.into_iter().chain([SNAPSHOTS]);

@@ -6,6 +6,7 @@ use super::data::{RunData, RunLabel};
 use super::number::extent;
 use super::table::Table;
 use super::text::Label;
+use crate::record::RunMark;
 
 /// A figure of scalars: its plots, and the same as a table.
 pub(super) struct ScalarFigure {
@@ -195,7 +196,7 @@ fn plot(scalar: Scalar, runs: &[RunData]) -> Plot {
                 points: points.collect(),
                 look,
             });
-            curves.extend(marks(run, times, values, aside));
+            curves.extend(marks(run, values, aside));
         }
     }
     Plot {
@@ -205,24 +206,15 @@ fn plot(scalar: Scalar, runs: &[RunData]) -> Plot {
     }
 }
 
-/// An upright dashed line wherever the anchoring of a run was switched or its mesh has followed the membrane, as high as
-/// the run's curve.
-fn marks(run: &RunData, times: &[f64], values: &[f64], look: Look) -> Vec<Curve> {
+/// An upright dashed line at each mark of a run, as high as its curve.
+fn marks(run: &RunData, values: &[f64], look: Look) -> Vec<Curve> {
     // Where there is no value there is no line.
     let [low, high] = extent(values.iter().copied()).unwrap_or([f64::NAN; 2]);
-    let steps = run.history.column("step").unwrap_or_default();
-    let switched = run.switches.iter().filter_map(|(step, _)| {
-        let row = steps.iter().position(|other| *other == *step as f64)?;
-        times.get(row)
-    });
-    let changed = run.mesh_changes.iter().map(|(_, t)| t);
-    switched
-        .chain(changed)
-        .map(|t| Curve {
-            points: vec![(*t, low), (*t, high)],
-            look,
-        })
-        .collect()
+    let line = |mark: &RunMark| Curve {
+        points: vec![(mark.t, low), (mark.t, high)],
+        look,
+    };
+    run.marks.iter().map(line).collect()
 }
 
 fn table(scalars: &[Scalar], runs: &[RunData], labels: &[RunLabel]) -> Table {

@@ -9,6 +9,8 @@ use super::*;
 use crate::fem::Mesh;
 use crate::geometry::Point;
 use crate::record::Columns;
+use crate::record::{MarkKind, RunMark, ShortNumber};
+use crate::scene::Change;
 use crate::scene::{Anchoring, AnchoringKind, Area, Scene};
 use crate::scheme::State;
 use crate::simulation::{NamedValue, OutlineMeasure, Report};
@@ -95,8 +97,7 @@ fn run(name: &str, title: &str, snapshots: u64) -> RunData {
         scene: Arc::new(scene(title)),
         snapshots: (0..snapshots).map(snapshot).collect(),
         history,
-        switches: Vec::new(),
-        mesh_changes: Vec::new(),
+        marks: Vec::new(),
         command: format!("vesica figures {name}"),
     }
 }
@@ -111,8 +112,7 @@ fn options(width: u32) -> FigureOptions {
 /// Every drawing of these runs at this width.
 fn drawings(runs: &[RunData], width: u32) -> Vec<(&'static str, Drawing)> {
     let options = options(width);
-    let labels =
-        RunLabel::of_all((runs.iter()).map(|run| (&*run.name, &*run.scene, &*run.switches)));
+    let labels = RunLabel::of_all((runs.iter()).map(|run| (&*run.name, &*run.scene)));
     let mut strips = Vec::new();
     for (run, label) in runs.iter().zip(&labels) {
         strips.push(Strip {
@@ -154,7 +154,7 @@ const FIELDS: usize = 5;
 /// The views of a run at this width, of these of the fields.
 fn views(run: &RunData, width: u32, which: Range<usize>) -> Vec<(&'static str, Drawing)> {
     let mut drawings = Vec::new();
-    let label = RunLabel::new(&run.name, &run.scene, &run.switches);
+    let label = RunLabel::new(&run.name, &run.scene, f64::INFINITY);
     let interface_width = run.scene.membrane.interface_width;
     let density = Field::BendingDensity { interface_width };
     let fields: [_; FIELDS] = [
@@ -280,7 +280,7 @@ fn a_scene_has_only_the_energies_of_its_effects() {
         }],
         ..Report::default()
     });
-    let labels = [RunLabel::new("a", &bare.scene, &[])];
+    let labels = [RunLabel::new("a", &bare.scene, f64::INFINITY)];
     let figures = scalars::figures(std::slice::from_ref(&bare), &labels);
     let names: Vec<String> = figures[0]
         .plots
@@ -295,7 +295,7 @@ fn a_scene_has_only_the_energies_of_its_effects() {
 #[test]
 fn beta_is_the_target_times_the_first_area() {
     let runs = [run("a", "Case 3", 1)];
-    let labels = [RunLabel::new("a", &runs[0].scene, &[])];
+    let labels = [RunLabel::new("a", &runs[0].scene, f64::INFINITY)];
     let figure = &scalars::figures(&runs, &labels)[1];
     let plot = &figure.plots[1];
     let dashed = plot
@@ -357,16 +357,27 @@ fn a_switched_anchoring_is_named_and_marked() {
     let mut switched = run("a", "A", 3);
     let scene = Arc::make_mut(&mut switched.scene);
     scene.anchoring.get_or_insert_default().kind = AnchoringKind::Homeotropic;
-    let step = switched.history.column("step").unwrap()[1];
-    switched.switches = vec![(step as u64, AnchoringKind::Parallel)];
-    let label = RunLabel::new(&switched.name, &switched.scene, &switched.switches);
+    let t = switched.history.column("t").unwrap()[1];
+    let change = |kind: AnchoringKind| Change {
+        at: t,
+        over: 0.0,
+        set: Change::of_anchoring(kind),
+    };
+    scene.changes = vec![change(AnchoringKind::Parallel)];
+    switched.marks = vec![RunMark {
+        step: 1,
+        t,
+        kind: MarkKind::Mesh,
+    }];
+    let label = RunLabel::new(&switched.name, &switched.scene, f64::INFINITY);
     assert_eq!(label.file, "a-homeotropic-parallel");
     assert_eq!(
         label.title,
-        format!("A, homeotropic, from step {step} parallel")
+        format!("A, homeotropic, from t = {} parallel", ShortNumber(t))
     );
+    let before = RunLabel::new(&switched.name, &switched.scene, t);
+    assert_eq!(before.title, "A, homeotropic");
 
-    let t = switched.history.column("t").unwrap()[1];
     let runs = [switched];
     let figures = scalars::figures(&runs, &[label]);
     let upright = |plot: &curves::Plot| {
@@ -380,8 +391,9 @@ fn a_switched_anchoring_is_named_and_marked() {
             .all(|figure| figure.plots.iter().all(upright))
     );
 
-    let often = [AnchoringKind::None; 9].map(|kind| (1, kind));
-    let label = RunLabel::new("a", &runs[0].scene, &often);
+    let mut often = (*runs[0].scene).clone();
+    often.changes = [AnchoringKind::None; 9].map(change).to_vec();
+    let label = RunLabel::new("a", &often, f64::INFINITY);
     assert_eq!(label.file, "a-homeotropic-none-none-none-and-so-on");
     assert!(label.title.ends_with(", and 6 more"), "{}", label.title);
 }

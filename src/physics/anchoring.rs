@@ -9,9 +9,6 @@ use crate::fem::Patch;
 use crate::geometry::SymmetricTensor;
 use crate::scene::{self, AnchoringKind, Iteration};
 
-/// What the anchoring is called in a report.
-pub(super) const NAME: &str = "anchoring";
-
 /// The effect, where the scene has it; the kind "none" is no effect.
 pub(super) fn of_scene(context: &EffectContext<'_>) -> Option<Box<dyn Effect>> {
     let anchoring = context.scene.anchoring.as_ref()?;
@@ -53,7 +50,7 @@ impl Anchoring {
 
 impl Effect for Anchoring {
     fn name(&self) -> &'static str {
-        NAME
+        "anchoring"
     }
 
     fn integral(&self, patch: &Patch<'_>, at: &PatchFields, room: &mut Room) -> f64 {

@@ -89,6 +89,13 @@ pub struct Interval {
     pub length: f64,
 }
 
+impl Interval {
+    /// The middle: what changes in time has its value there during the step.
+    pub fn middle(&self) -> f64 {
+        self.begin + 0.5 * self.length
+    }
+}
+
 /// How strongly an effect acts on the director, place by place. Where |d| ≤ D (D ≥ 1) and the
 /// discrete Laplacian of d is at most κ D, the director force per area is at most
 ///   (I(φ) (κ stiffness + phase_indicator) + |∇φ|² at_membrane) D.
@@ -200,11 +207,8 @@ pub trait Effect: Send + Sync + std::fmt::Debug {
         true
     }
 
-    /// Told the time of a step before it begins. Whether the energy of a state is another one than in
-    /// the step before; the scheme then measures the energies again.
-    fn set_interval(&mut self, _interval: Interval) -> bool {
-        false
-    }
+    /// Told the time of a step before it begins.
+    fn set_interval(&mut self, _interval: Interval) {}
 
     /// Where it acts on the director; `None`: nobody knows, so everywhere. Substep 1 solves for the
     /// director only where the effects together say that it matters.

@@ -25,27 +25,26 @@
 //! E(φ, d) − E(φⁿ, d) = ⟨f_φ, φ − φⁿ⟩ − Δt ND with ND ≥ 0. The force is linear in φ, with the derivative
 //! |χ| c Q ≥ 0.
 //!
-//! A field that is switched on or off changes the energy of a state and not the state; it does so
-//! between two steps only, and the scheme then measures the energies again, so that the law of each step
-//! is that of one energy. A step has the field if it is on in the middle of the step: `from` and
-//! `until` are so rounded to the nearest end of a step.
+//! A field that is off is no effect; a change of the scene switches it (`scene/change.rs`).
 
 use super::potentials::{
     INDICATOR_CONVEXITY, indicator_secant, indicator_secant_derivative, phase_indicator,
     phase_indicator_derivative,
 };
 use super::{
-    DirectorCoupling, DirectorForm, Effect, EffectContext, Interval, Kept, LedgerTerms,
-    MembraneForce, MembraneJacobian, PatchFields, PatchStep, Room,
+    DirectorCoupling, DirectorForm, Effect, EffectContext, Kept, LedgerTerms, MembraneForce,
+    MembraneJacobian, PatchFields, PatchStep, Room,
 };
 use crate::fem::Patch;
 use crate::geometry::{SymmetricTensor, Vector};
 use crate::scene::{self, Iteration, TimeScheme};
 
-/// The effect, where the scene has it.
+/// The effect, where the scene has it and it is on.
 pub(super) fn of_scene(context: &EffectContext<'_>) -> Option<Box<dyn Effect>> {
     let field = context.scene.field.as_ref()?;
-    Some(Box::new(Field::new(field)))
+    field
+        .on
+        .then(|| Box::new(Field::new(field)) as Box<dyn Effect>)
 }
 
 /// An external field on the director.
@@ -55,21 +54,14 @@ pub struct Field {
     weight: f64,
     /// H.
     vector: Vector,
-    from: f64,
-    until: f64,
-    /// Whether it is switched on.
-    on: bool,
 }
 
 impl Field {
-    /// χ, H and the times of a scene.
+    /// χ and H of a scene.
     pub fn new(field: &scene::Field) -> Self {
         Self {
             weight: field.weight,
             vector: field.vector(),
-            from: field.from,
-            until: field.until.unwrap_or(f64::INFINITY),
-            on: field.from <= 0.0,
         }
     }
 
@@ -125,14 +117,8 @@ impl Effect for Field {
         "field"
     }
 
-    fn set_interval(&mut self, interval: Interval) -> bool {
-        let middle = interval.begin + 0.5 * interval.length;
-        let on = (self.from..self.until).contains(&middle);
-        std::mem::replace(&mut self.on, on) != on
-    }
-
     fn integral(&self, patch: &Patch<'_>, at: &PatchFields, room: &mut Room) -> f64 {
-        let Some(director) = at.director.as_ref().filter(|_| self.on) else {
+        let Some(director) = &at.director else {
             return 0.0;
         };
         -self.weight * self.integral_of(patch, &at.phi, director.vectors(), room)
@@ -140,22 +126,15 @@ impl Effect for Field {
 
     /// |χ| H² I(φ): the field turns the director only inside.
     fn director_coupling(&self) -> Option<DirectorCoupling> {
-        let inside = if self.on {
-            self.weight.abs() * self.vector.norm_squared()
-        } else {
-            0.0
-        };
         Some(DirectorCoupling {
-            inside,
+            inside: self.weight.abs() * self.vector.norm_squared(),
             ..DirectorCoupling::NONE
         })
     }
 
     fn add_director_force(&self, step: &PatchStep<'_>, form: &mut DirectorForm, room: &mut Room) {
         let (patch, old, new, scheme) = (step.patch, step.old, step.new, step.scheme);
-        let (Some(old_director), Some(new_director), true) =
-            (&old.director, &new.director, self.on)
-        else {
+        let (Some(old_director), Some(new_director)) = (&old.director, &new.director) else {
             return;
         };
         Self::fill_indicator(patch, &old.phi, room);
@@ -184,7 +163,7 @@ impl Effect for Field {
     fn begin_membrane(&self, step: &PatchStep<'_>, kept: &mut Kept, room: &mut Room) {
         let (patch, new) = (step.patch, step.new);
         kept.points.clear();
-        if let Some(director) = new.director.as_ref().filter(|_| self.on) {
+        if let Some(director) = &new.director {
             self.fill_squares(patch, director.vectors(), room);
             kept.points.resize(patch.points(), 0.0);
             patch.from_elements(&room.elements, &mut kept.points);
@@ -235,9 +214,7 @@ impl Effect for Field {
         room: &mut Room,
     ) {
         let (patch, old, new) = (step.patch, step.old, step.new);
-        let (Some(old_director), Some(new_director), true) =
-            (&old.director, &new.director, self.on)
-        else {
+        let (Some(old_director), Some(new_director)) = (&old.director, &new.director) else {
             return;
         };
         let steps = new_director.vectors().zip(old_director.vectors());

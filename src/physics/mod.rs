@@ -16,6 +16,10 @@ macro_rules! effects {
         const MAKERS: &[fn(&EffectContext<'_>) -> Option<Box<dyn Effect>>] =
             &[$($(#[cfg($cfg)])? $name::of_scene),*];
 
+        /// For each, whether its table is the same in two scenes.
+        const COMPARERS: &[fn(&Scene, &Scene) -> bool] =
+            &[$($(#[cfg($cfg)])? |one, other| one.$name == other.$name),*];
+
         /// The names of the effects, in the order of their energies in `history.csv`.
         pub const EFFECTS: &[&str] = &[$($(#[cfg($cfg)])? stringify!($name)),*];
 
@@ -41,9 +45,7 @@ effects! {
 }
 
 use crate::fem::{Patch, Space};
-use crate::scene::{self, AnchoringKind, Scene};
-
-use anchoring::NAME as ANCHORING;
+use crate::scene::{self, Scene};
 
 pub use anchoring::Anchoring;
 pub use area::{Area, area_integral, surface_area};
@@ -101,14 +103,26 @@ impl Effects {
         }
     }
 
-    /// Puts an anchoring in the place of the present one; of the kind "none" it is no effect.
-    pub fn set_anchoring(&mut self, anchoring: Option<&scene::Anchoring>) {
-        self.others.retain(|effect| effect.name() != ANCHORING);
-        if let Some(anchoring) = anchoring
-            && anchoring.kind != AnchoringKind::None
-        {
-            self.add(Anchoring::new(anchoring));
+    /// Makes those anew whose parameters are others in the scene of `context` than they were in `before`; in the order of
+    /// their energies, as if the scene had them from the start.
+    pub fn change(&mut self, before: &Scene, context: &EffectContext<'_>) {
+        let EffectContext { scene, space, .. } = context;
+        if scene.membrane != before.membrane {
+            self.bending = Bending::new(&scene.membrane, space);
         }
+        let mut present = std::mem::take(&mut self.others);
+        for (number, name) in EFFECTS.iter().enumerate() {
+            let place = present.iter().position(|effect| effect.name() == *name);
+            let effect = place.map(|place| present.remove(place));
+            // Noise needs a parameter of the nematic.
+            let is_same = COMPARERS[number](before, scene) && before.nematic == scene.nematic;
+            self.others.extend(match is_same {
+                true => effect,
+                false => MAKERS[number](context),
+            });
+        }
+        // Those that came by themselves.
+        self.others.append(&mut present);
     }
 
     /// Adds an effect.
@@ -128,14 +142,10 @@ impl Effects {
         std::iter::once(bending).chain(self.others.iter().map(|effect| &**effect))
     }
 
-    /// Tells all effects the time of the step that comes. Whether the energy of a state is another one
-    /// now, as that of a field that was switched on.
-    pub fn set_interval(&mut self, interval: Interval) -> bool {
-        let mut changed = false;
-        for effect in self.iter_mut() {
-            changed |= effect.set_interval(interval);
-        }
-        changed
+    /// Tells all effects the time of the step that comes.
+    pub fn set_interval(&mut self, interval: Interval) {
+        self.iter_mut()
+            .for_each(|effect| effect.set_interval(interval));
     }
 
     /// How strongly all effects together act on the director; `None`: nobody knows.

@@ -118,9 +118,8 @@ impl Effect for Noise {
         0.0
     }
 
-    fn set_interval(&mut self, interval: Interval) -> bool {
+    fn set_interval(&mut self, interval: Interval) {
         self.interval = interval;
-        false
     }
 
     /// None of its own: where nothing else acts on the director, noise is left out too.
@@ -226,7 +225,7 @@ mod tests {
             let mut form = DirectorForm::default();
             for step in 0..times {
                 let begin = f64::from(step) * length;
-                assert!(!noise.set_interval(Interval { begin, length }));
+                noise.set_interval(Interval { begin, length });
                 form.clear(&patch);
                 let step = PatchStep {
                     patch: &patch,

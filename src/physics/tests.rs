@@ -166,7 +166,10 @@ fn effects(pair: &Pair) -> Vec<Box<dyn Effect>> {
         potential: ScalarField::Expression("3*x - y^2".parse().expect("a formula")),
     };
     effects.push(Box::new(Pull::new(&pull, space)));
-    for kind in [AnchoringKind::Parallel, AnchoringKind::Homeotropic] {
+    for kind in [
+        scene::AnchoringKind::Parallel,
+        scene::AnchoringKind::Homeotropic,
+    ] {
         let anchoring = scene::Anchoring { kind, weight: 3.0 };
         effects.push(Box::new(Anchoring::new(&anchoring)));
     }

@@ -304,9 +304,8 @@ impl Tables {
         self.append_ledger(report);
     }
 
-    /// Appends a row but for the ledger, which is about steps: of a state whose energy was computed again.
-    /// Its step has two rows then.
-    pub fn append_scalars(&mut self, report: &Report, wall: f64) {
+    /// Appends a row but for the ledger.
+    fn append_scalars(&mut self, report: &Report, wall: f64) {
         self.next_row.last_row = Some(report.step);
 
         let law_residual = std::mem::take(&mut self.next_row.law_residual);

@@ -82,7 +82,6 @@ mod tests {
     use super::super::scene_file::tests::scene;
     use super::*;
     use crate::record::KeptRuns;
-    use crate::scene::AnchoringKind;
     use crate::simulation::Simulation;
     use std::ffi::OsStr;
     use std::fs;
@@ -127,7 +126,6 @@ mod tests {
         for report in [&initial.0, &first, &stepped.0] {
             keeper.step(report);
         }
-        keeper.switch(AnchoringKind::Parallel, &stepped.0);
         let rows = keeper.rows().unwrap();
         write_states(&both, &scene, &states, rows).unwrap();
         let fields = both.path().join("fields");
@@ -139,7 +137,7 @@ mod tests {
         // All rows, in the columns that a run's own table has.
         let read = |folder: &RunFolder| fs::read_to_string(folder.path().join("history.csv"));
         let (whole, single) = (read(&both).unwrap(), read(&one).unwrap());
-        assert_eq!(whole.lines().count(), 5);
+        assert_eq!(whole.lines().count(), 4);
         assert_eq!(whole.lines().next(), single.lines().next());
         // But for `wall`, the last one, and the residual since the row before.
         let row = |table: &str, row: usize| {
@@ -147,7 +145,6 @@ mod tests {
             cells.take(10).map(str::to_owned).collect::<Vec<_>>()
         };
         assert_eq!(row(&whole, 3), row(&single, 1));
-        assert_eq!(row(&whole, 4), row(&single, 1));
         // The ledger has every step, as that of a run.
         let read = |folder: &RunFolder| fs::read_to_string(folder.path().join("ledger.csv"));
         let (whole, single) = (read(&both).unwrap(), read(&one).unwrap());

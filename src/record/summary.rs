@@ -99,7 +99,7 @@ pub struct RunSummary {
     pub krylov: u64,
     /// max |law_residual| of all steps.
     pub largest_law_residual: f64,
-    /// The largest rise of E_total in a step; 0 if it never rose.
+    /// The largest rise of E_total in a step, beyond the work of changes; 0 if it never rose.
     pub largest_energy_rise: f64,
     /// max |A − A⁰|, A = ∫φ.
     pub largest_phase_drift: f64,
@@ -216,16 +216,6 @@ pub struct EventRecord {
     pub values: BTreeMap<Cow<'static, str>, f64>,
 }
 
-impl EventRecord {
-    /// After which step, and when, the mesh has followed the membrane, if that is what happened.
-    pub(super) fn mesh_change(&self) -> Option<(u64, f64)> {
-        (self.kind == MESH_CHANGED).then_some((self.step, self.t))
-    }
-}
-
-/// The kind of the event that the mesh has followed the membrane.
-const MESH_CHANGED: &str = "mesh-changed";
-
 /// The numbers of an event.
 fn values_of(kind: &EventKind) -> BTreeMap<Cow<'static, str>, f64> {
     let mut values = BTreeMap::new();
@@ -240,8 +230,8 @@ fn values_of(kind: &EventKind) -> BTreeMap<Cow<'static, str>, f64> {
                 values.insert(energy_column(energy.name).into(), after - before);
             }
         }
-        EventKind::FieldSwitched { jump } => {
-            values.insert("E_total".into(), *jump);
+        EventKind::ParametersChanged { work, .. } => {
+            values.insert("E_total".into(), *work);
         }
         _ => {}
     }
@@ -403,7 +393,7 @@ impl RunSummary {
         let drift = (report.phase_integral - self.initial_phase_integral).abs();
         self.largest_phase_drift = largest(self.largest_phase_drift, drift);
         if let Some(before) = self.total_energy {
-            let rise = report.total_energy - before;
+            let rise = report.total_energy - before - report.change_work();
             self.largest_energy_rise = largest(self.largest_energy_rise, rise);
         }
         self.reach(report);

@@ -40,7 +40,7 @@ pub(crate) enum Value {
         /// The value where it is written as an integer.
         whole: Option<i128>,
     },
-    Boolean,
+    Boolean(bool),
     Date,
     List(Vec<Node>),
     Table(Table),
@@ -93,7 +93,7 @@ impl Value {
         match self {
             Self::Text(_) => "a string",
             Self::Number { .. } => "a number",
-            Self::Boolean => "true or false",
+            Self::Boolean(_) => "true or false",
             Self::Date => "a date or a time",
             Self::List(_) => "an array",
             Self::Table(_) => "a table",
@@ -165,7 +165,7 @@ fn convert(value: &DeValue<'_>, base: Location) -> Value {
             value: float(number.as_str()),
             whole: None,
         },
-        DeValue::Boolean(_) => Value::Boolean,
+        DeValue::Boolean(value) => Value::Boolean(*value),
         DeValue::Datetime(_) => Value::Date,
         DeValue::Array(items) => Value::List(
             items

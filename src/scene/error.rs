@@ -189,6 +189,52 @@ pub enum Problem {
         /// The effect's table.
         table: &'static str,
     },
+    /// A change of what no scene has.
+    #[error("unknown parameter {}{} A change can set: {}", Quoted(key), did_you_mean(near.as_deref().map(Quoted)), allowed.join(", "))]
+    UnknownParameter {
+        /// The parameter.
+        key: String,
+        /// The one that was probably meant.
+        near: Option<String>,
+        /// Those that can change.
+        allowed: Vec<String>,
+    },
+    /// A change of what cannot change.
+    #[error("{} cannot change while a run goes. A change can set: {}", Quoted(key), allowed.join(", "))]
+    FixedParameter {
+        /// The parameter.
+        key: String,
+        /// Those that can change.
+        allowed: Vec<String>,
+    },
+    /// A change to values from a file.
+    #[error(
+        "{key} cannot change to values from a file while a run goes: give a number or a formula"
+    )]
+    ChangeToFile {
+        /// The parameter.
+        key: String,
+    },
+    /// A change of an effect on the director, where there is none.
+    #[error(
+        "a change of {key} needs a director, and the scene has no [nematic]: add that table; a change cannot bring a director in"
+    )]
+    ChangeWithoutDirector {
+        /// The parameter.
+        key: String,
+    },
+    /// A ramp that is not from a number to a number.
+    #[error(
+        "over = {over} makes a ramp from number to number, and {key} {reason}: leave 'over' out, or set {key} in a [[change]] of its own"
+    )]
+    RampWithoutNumbers {
+        /// The parameter.
+        key: String,
+        /// The length of the ramp.
+        over: f64,
+        /// What is in the way.
+        reason: &'static str,
+    },
     /// A formula that cannot be understood or is not finite.
     #[error("{key}: {error}")]
     Expression {

@@ -12,6 +12,7 @@
 //! ```
 
 mod accuracy;
+mod change;
 mod document;
 mod error;
 mod expression;
@@ -31,9 +32,11 @@ mod suggest;
 mod tables;
 #[cfg(test)]
 mod tests;
+mod timetable;
 mod warning;
 mod write;
 
+pub use change::{Assignment, Change};
 pub(crate) use document::{Value as TomlValue, read as read_document};
 pub use error::{Origin, Place, Problem, SceneError};
 pub use expression::{Expression, ExpressionError, ExpressionProblem};
@@ -44,11 +47,12 @@ pub use mesh_file::{
 pub use mesh_size::MeshSize;
 pub use nodal_file::{NodalKey, NodalValues};
 pub use outline::{OutlineDistance, SignedDistance, phase_profile, union_distance, wall_distance};
-pub use parameter::{DefaultValue, Parameter};
+pub use parameter::{DefaultValue, Parameter, ParameterValue};
 pub use presets::{UnknownPreset, find_preset, preset, preset_description, preset_names};
 pub(crate) use reader::{FINITE, Field as TomlField, Reader as TomlReader};
 pub use scalar_field::ScalarField;
 pub use significant::significant;
 pub(crate) use suggest::nearest;
 pub use tables::*;
+pub use timetable::Timetable;
 pub use warning::{Warning, warnings};

@@ -1,7 +1,10 @@
 //! The types that a parameter of a scene may have: how a value is read from TOML and checked, and how it is
 //! written.
 
+use std::fmt;
 use std::ops::RangeInclusive;
+
+use serde::{Deserialize, Serialize};
 
 use super::error::SceneError;
 use super::nodal_file::{Context, NodalKey, NodalValues};
@@ -23,6 +26,8 @@ pub struct Parameter {
     pub nodal_key: Option<NodalKey>,
     /// The kinds of the table that have it; none: all of them.
     pub kinds: &'static [&'static str],
+    /// Whether it can change while a run goes.
+    pub is_tunable: bool,
 }
 
 /// What a parameter is where the scene does not say.
@@ -54,6 +59,7 @@ macro_rules! parameters {
             allowed: $allowed.into(),
             nodal_key: [$($nodal)?].into_iter().next(),
             kinds: $kinds,
+            is_tunable: false,
         }),+]
     };
 }
@@ -107,11 +113,53 @@ pub(super) trait Value: Sized {
     fn nodal_values(&mut self) -> Option<&mut NodalValues> {
         None
     }
+
+    /// It, as a change in the course of a run has it; `None`: there are no changes to such a value.
+    fn to_parameter(&self) -> Option<ParameterValue> {
+        None
+    }
+
+    /// Takes the value of a change; returns whether that is of its type.
+    fn set_parameter(&mut self, _value: &ParameterValue) -> bool {
+        false
+    }
+}
+
+/// The value of a parameter that can change while a run goes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum ParameterValue {
+    /// A number.
+    Number(f64),
+    /// A word, or a formula.
+    Text(String),
+    /// On or off.
+    Switch(bool),
+}
+
+impl ParameterValue {
+    /// It, if it is a number.
+    pub fn number(&self) -> Option<f64> {
+        match self {
+            Self::Number(value) => Some(*value),
+            Self::Text(_) | Self::Switch(_) => None,
+        }
+    }
+}
+
+/// As TOML.
+impl fmt::Display for ParameterValue {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(value) => f.write_str(&number(*value)),
+            Self::Text(text) => f.write_str(&quoted(text)),
+            Self::Switch(is_on) => is_on.fmt(f),
+        }
+    }
 }
 
 /// Says of a plain type how it is read by a bound, written, and what the bound allows.
 macro_rules! plain {
-    ($Type:ty, $Bound:ty, $read:expr, $write:expr, $words:expr) => {
+    ($Type:ty, $Bound:ty, $read:expr, $write:expr, $words:expr $(, $($more:tt)+)?) => {
         impl $crate::scene::parameter::Value for $Type {
             type Bound = $Bound;
 
@@ -130,6 +178,8 @@ macro_rules! plain {
             fn words(bound: &$Bound) -> String {
                 $words(bound)
             }
+
+            $($($more)+)?
         }
     };
 }
@@ -138,7 +188,31 @@ plain! {
     f64, Bound,
     |field: &Field<'_>, bound: &Bound| field.number(*bound),
     |value: &f64| Some(number(*value)),
-    |bound: &Bound| bound.words.to_owned()
+    |bound: &Bound| bound.words.to_owned(),
+    fn to_parameter(&self) -> Option<ParameterValue> {
+        Some(ParameterValue::Number(*self))
+    }
+
+    fn set_parameter(&mut self, value: &ParameterValue) -> bool {
+        value.number().map(|number| *self = number).is_some()
+    }
+}
+plain! {
+    bool, (),
+    |field: &Field<'_>, (): &()| field.switch(),
+    |value: &bool| Some(value.to_string()),
+    |(): &()| "true or false".to_owned(),
+    fn to_parameter(&self) -> Option<ParameterValue> {
+        Some(ParameterValue::Switch(*self))
+    }
+
+    fn set_parameter(&mut self, value: &ParameterValue) -> bool {
+        let ParameterValue::Switch(is_on) = value else {
+            return false;
+        };
+        *self = *is_on;
+        true
+    }
 }
 plain! {
     Option<f64>, Bound,
@@ -192,6 +266,18 @@ impl<T: Choice> Value for T {
 
     fn words((): &()) -> String {
         one_of(Self::NAMES)
+    }
+
+    fn to_parameter(&self) -> Option<ParameterValue> {
+        Some(ParameterValue::Text(self.word().to_owned()))
+    }
+
+    fn set_parameter(&mut self, value: &ParameterValue) -> bool {
+        let ParameterValue::Text(word) = value else {
+            return false;
+        };
+        let named = Self::NAMES.iter().find(|(name, _)| name == word);
+        named.map(|(_, meant)| *self = *meant).is_some()
     }
 }
 

@@ -31,7 +31,11 @@ impl Scene {
         let (sources, node) = document::read(text, origin, overrides)?;
         let mut top = Reader::top(&sources, &node);
         let names = tables().into_iter().map(|table| table.name);
-        let keys: Vec<&str> = ["name", "accuracy"].into_iter().chain(names).collect();
+        let keys: Vec<&str> = ["name", "accuracy"]
+            .into_iter()
+            .chain(names)
+            .chain(["change"])
+            .collect();
         top.allow(&keys)?;
         let accuracy = Wanted::read(&mut top)?;
         let name = top.get("name");

@@ -311,6 +311,13 @@ impl<'a> Field<'a> {
         Ok([first.number(bound)?, second.number(bound)?])
     }
 
+    pub(super) fn switch(&self) -> Result<bool, SceneError> {
+        match self.node.value {
+            Value::Boolean(value) => Ok(value),
+            _ => Err(self.wrong_type("true or false")),
+        }
+    }
+
     pub(crate) fn text(&self) -> Result<&'a str, SceneError> {
         match &self.node.value {
             Value::Text(text) => Ok(text),

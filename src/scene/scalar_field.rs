@@ -4,7 +4,7 @@ use super::document::Value as Toml;
 use super::error::{Problem, SceneError};
 use super::expression::Expression;
 use super::nodal_file::{Context, NodalKey, NodalValues, read_nodal_values};
-use super::parameter::Value;
+use super::parameter::{ParameterValue, Value};
 use super::reader::{FINITE, Field};
 use super::tables::Mesh;
 use super::write::{number, quoted};
@@ -82,6 +82,23 @@ impl Value for ScalarField {
             Self::File(file) => Some(file),
             Self::Constant(_) | Self::Expression(_) => None,
         }
+    }
+
+    fn to_parameter(&self) -> Option<ParameterValue> {
+        match self {
+            Self::Constant(value) => Some(ParameterValue::Number(*value)),
+            Self::Expression(formula) => Some(ParameterValue::Text(formula.text().to_owned())),
+            Self::File(_) => None,
+        }
+    }
+
+    fn set_parameter(&mut self, value: &ParameterValue) -> bool {
+        let new = match value {
+            ParameterValue::Number(value) => Some(Self::Constant(*value)),
+            ParameterValue::Text(text) => text.parse().ok().map(Self::Expression),
+            ParameterValue::Switch(_) => None,
+        };
+        new.map(|new| *self = new).is_some()
     }
 }
 

@@ -92,6 +92,13 @@ pub enum Warning {
         /// 4π·area/length² of the initial shape.
         bound: f64,
     },
+    /// A change that the run does not reach.
+    ChangeAfterEnd {
+        /// When it begins.
+        at: f64,
+        /// T.
+        end: f64,
+    },
     /// A field that the length of the director cannot withstand: −½ χ |H|² |d|² falls faster than
     /// λ_nem P(d) grows.
     FieldTooStrong {
@@ -234,6 +241,10 @@ impl fmt::Display for Warning {
                     significant(4.0 * interface_width, 2),
                 )
             }
+            Self::ChangeAfterEnd { at, end } => write!(
+                f,
+                "the change at t = {at:?} comes after the end of the run, time.end = {end:?}"
+            ),
             Self::FieldTooStrong { pull, bound } => write!(
                 f,
                 "the field draws the director out without end: field.weight · field.strength² = \
@@ -303,6 +314,9 @@ pub fn warnings(scene: &Scene, edge: Option<f64>) -> Vec<Warning> {
     warnings.extend(thin_interface(scene, edge));
     warnings.extend(adaptive_mesh(scene));
     warnings.extend(scene.table_warnings());
+    let end = scene.time.end;
+    let late = scene.changes.iter().find(|change| change.at >= end);
+    warnings.extend(late.map(|change| Warning::ChangeAfterEnd { at: change.at, end }));
     warnings
 }
 

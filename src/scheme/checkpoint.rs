@@ -13,19 +13,18 @@ use super::solvers::selection::Selection;
 use super::{Scheme, State, StepReport};
 use crate::linalg::LinalgError;
 use crate::physics::{Interval, NamedValue};
-use crate::scene::{Anchoring, AnchoringKind};
 
 /// What [`Scheme::save`] has copied. It keeps its buffers: saving again allocates nothing.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct SchemeCheckpoint {
     state: State,
-    /// The anchoring may be another than the scene's.
-    anchoring: Option<Anchoring>,
     /// The time of the last step, as the effects know it.
     interval: Option<Interval>,
     /// Of the effects that have one, in their order. The energy law of the next step starts from them.
     energies: Vec<f64>,
     total_energy: f64,
+    /// The work of changes that belongs to the next step.
+    change_work: Option<f64>,
     phase_integral: f64,
     surface_area: f64,
     /// The clock of the history.
@@ -54,11 +53,6 @@ pub enum RestoreError {
 }
 
 impl SchemeCheckpoint {
-    /// The anchoring that was in use.
-    pub fn anchoring(&self) -> Option<Anchoring> {
-        self.anchoring
-    }
-
     /// The state.
     pub fn state(&self) -> &State {
         &self.state
@@ -92,14 +86,6 @@ impl SchemeCheckpoint {
         {
             return Err(RestoreError::Foreign("its director does not fit"));
         }
-        let anchors = |anchoring: &Option<Anchoring>| {
-            usize::from(anchoring.is_some_and(|anchoring| anchoring.kind != AnchoringKind::None))
-        };
-        let with_energy = scheme.effects.iter().filter(|effect| effect.has_energy());
-        let others = with_energy.count() - anchors(&scheme.anchoring);
-        if self.energies.len() != others + anchors(&self.anchoring) {
-            return Err(RestoreError::Foreign("it has other effects"));
-        }
         if !self.history.fits(&scheme.history, nodes) {
             return Err(RestoreError::Foreign("its history does not fit"));
         }
@@ -116,7 +102,7 @@ impl Scheme {
     /// Copies out everything that later steps depend on.
     pub fn save(&self, checkpoint: &mut SchemeCheckpoint) {
         checkpoint.state.clone_from(&self.state);
-        checkpoint.anchoring = self.anchoring;
+        checkpoint.change_work = self.change_work;
         checkpoint.interval = self.interval;
         let energies = self.report.energies.iter().map(|energy| energy.value);
         checkpoint.energies.clear();
@@ -142,12 +128,18 @@ impl Scheme {
     /// [`RestoreError`]: the checkpoint is of another scene. The state is then unchanged.
     pub fn restore(&mut self, checkpoint: &SchemeCheckpoint) -> Result<(), RestoreError> {
         checkpoint.check(self)?;
+        let parameters = match &checkpoint.interval {
+            Some(interval) => self.timetable.at(interval.middle()),
+            None => self.timetable.start().clone(),
+        };
+        let before = self.change_effects(parameters);
+        let with_energy = self.effects.iter().filter(|effect| effect.has_energy());
+        if checkpoint.energies.len() != with_energy.count() {
+            self.change_effects(before);
+            return Err(RestoreError::Foreign("it has other effects"));
+        }
         self.membrane.restore(&self.space, &checkpoint.linear)?;
         self.state.clone_from(&checkpoint.state);
-        if self.anchoring != checkpoint.anchoring {
-            self.anchoring = checkpoint.anchoring;
-            self.effects.set_anchoring(checkpoint.anchoring.as_ref());
-        }
         self.interval = checkpoint.interval;
         // The energies that belong to it are in the checkpoint. Before the first step: the moment 0.
         self.effects
@@ -177,7 +169,7 @@ impl Scheme {
             ..StepReport::default()
         };
         self.t = checkpoint.t;
-        self.switched = None;
+        self.change_work = checkpoint.change_work;
         self.history.copy(&checkpoint.history);
         if let (Some(director), Some(increments)) = (&mut self.director, &checkpoint.increments) {
             director.restore(increments);

@@ -228,6 +228,11 @@ impl DirectorStep {
         }
     }
 
+    /// Another γ_nem.
+    pub(super) fn set_mobility(&mut self, mobility: f64) {
+        self.mobility = mobility;
+    }
+
     /// Forgets the increments of the last steps, from which the guess for the next one is made.
     pub(super) fn forget(&mut self) {
         self.past.known = 0;

@@ -145,6 +145,15 @@ impl Scheme {
         ledger.extend_from_slice(self.terms.values());
         let sum: f64 = ledger.iter().map(|term| term.value).sum();
         report.law_residual = sum / scale;
+        if self.changes_begun() > 0 {
+            // The sum starts from the energy that the old state has with the parameters of this step.
+            let work = self.change_work.unwrap_or_default();
+            ledger[0].value += work;
+            ledger.push(NamedValue {
+                name: "change_work",
+                value: 0.0 - work,
+            });
+        }
         if let Some(place) = self.next.first_not_finite() {
             return Err(StepError::NotFinite {
                 place,

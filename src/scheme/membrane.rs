@@ -145,6 +145,11 @@ impl MembraneStep {
         self.mobility
     }
 
+    /// Another γ_ben.
+    pub(super) fn set_mobility(&mut self, mobility: f64) {
+        self.mobility = mobility;
+    }
+
     /// ε.
     pub(super) fn interface_width(&self) -> f64 {
         self.interface_width

@@ -4,6 +4,7 @@
 mod active_region;
 #[doc(hidden)]
 pub mod bench_support;
+mod changes;
 mod checkpoint;
 mod director;
 mod energy_law;
@@ -27,7 +28,7 @@ use crate::fem::{Mesh, QuadratureRule, Space};
 use crate::linalg::LinalgError;
 use crate::physics::{Effect, Effects, Interval, LedgerTerms, surface_area};
 use crate::scene::{
-    self, Boundary, Iteration, LinearMethod, Quadrature, Scene, Solver, TimeScheme,
+    Boundary, Iteration, LinearMethod, Quadrature, Scene, Solver, TimeScheme, Timetable,
 };
 
 use director::{DirectorStep, SolveOptions};
@@ -68,8 +69,9 @@ pub struct Scheme {
     effects: Effects,
     /// B(φ⁰), of which β is a fraction.
     initial_area: f64,
-    /// The anchoring among the effects.
-    anchoring: Option<scene::Anchoring>,
+    /// What changes, and the parameters of the last step; without the scene's mesh and shape.
+    timetable: Timetable,
+    parameters: Scene,
     solver: Solver,
     state: State,
     next: State,
@@ -85,8 +87,9 @@ pub struct Scheme {
     t: f64,
     report: StepReport,
     next_report: StepReport,
-    /// By how much the energy has jumped since the last step that was accepted.
-    switched: Option<f64>,
+    /// The work that changes of parameters have done since the last step that was accepted: by how much the energy of the
+    /// same state is another one.
+    change_work: Option<f64>,
     /// Of a scene.
     scheme: TimeScheme,
     /// Steps of first order that are still to be taken before those of the secant scheme: it does not damp what is stiff.
@@ -110,6 +113,8 @@ struct Start {
     state: State,
     report: StepReport,
     t: f64,
+    change_work: Option<f64>,
+    parameters: Scene,
 }
 
 impl Scheme {
@@ -125,16 +130,25 @@ impl Scheme {
     ) -> Result<Self, LinalgError> {
         let space = space_on(mesh, scene.solver.quadrature);
         let initial_area = surface_area(&space, &phi, scene.membrane.interface_width);
-        Self::on_space(scene, space, initial_area, (phi, director))
+        let timetable = Timetable::of(scene);
+        // Changes at the time 0 come after the initial state.
+        let parameters = timetable.start().clone();
+        Self::on_space(
+            (timetable, parameters),
+            space,
+            initial_area,
+            (phi, director),
+        )
     }
 
-    /// The scheme of a scene on a space, from any φ and d, given B(φ⁰).
+    /// The scheme on a space, from any φ and d, given B(φ⁰), with the parameters of a scene that follow a timetable.
     fn on_space(
-        scene: &Scene,
+        (timetable, parameters): (Timetable, Scene),
         space: Space,
         initial_area: f64,
         (phi, director): (Vec<f64>, Option<[Vec<f64>; 2]>),
     ) -> Result<Self, LinalgError> {
+        let scene = &parameters;
         let effects = Effects::from_scene(scene, &space, initial_area);
         let clamped = scene.boundary == Boundary::Clamped;
         let membrane = MembraneStep::new(
@@ -162,6 +176,8 @@ impl Scheme {
             // What the iterations leave is magnified in the divided difference that the error is estimated by.
             solver.tolerance = solver.tolerance.min(SHARE_OF_BOUND * bound);
         }
+        let (scheme, linear) = (scene.time.scheme, scene.solver.linear);
+        let is_chosen = scene.time.tolerance.is_some();
         let mut scheme = Self {
             next: state.clone(),
             strips: Strips::new(&space, state.director.is_some()),
@@ -169,7 +185,8 @@ impl Scheme {
             space,
             effects,
             initial_area,
-            anchoring: scene.anchoring,
+            timetable,
+            parameters,
             solver,
             state,
             director: director_step,
@@ -180,17 +197,17 @@ impl Scheme {
             t: 0.0,
             report: StepReport::default(),
             next_report: StepReport::default(),
-            switched: None,
-            scheme: scene.time.scheme,
+            change_work: None,
+            scheme,
             starting: STARTING_STEPS,
-            director_schemes: [scene.time.scheme; 2],
+            director_schemes: [scheme; 2],
             middle,
             tried: None,
             tried_work: [0; 3],
             start: None,
             interval: None,
         };
-        if scene.time.tolerance.is_some() && scene.solver.linear == LinearMethod::Automatic {
+        if is_chosen && linear == LinearMethod::Automatic {
             scheme.begin_with_factor()?;
         }
         scheme.start();
@@ -254,23 +271,6 @@ impl Scheme {
     /// Whether the sparse factor of all fields is in use.
     pub fn uses_factor(&self) -> bool {
         !self.membrane.is_fast()
-    }
-
-    /// Another anchoring for the state as it is (`None`: none at all). The energies are measured
-    /// again, so that the law of the next step starts from those that it ends with; the report has
-    /// no ledger, for no step was taken.
-    pub fn set_anchoring(&mut self, anchoring: Option<&scene::Anchoring>) {
-        self.effects.set_anchoring(anchoring);
-        self.anchoring = anchoring.copied();
-        self.evaluate_present_energies();
-        self.report.ledger.clear();
-        self.report.law_residual = 0.0;
-        self.forget();
-    }
-
-    /// The anchoring that is in use.
-    pub fn anchoring(&self) -> Option<scene::Anchoring> {
-        self.anchoring
     }
 
     /// Adds an effect for the state as it is. The energies are evaluated again, so that the law of the next step starts
@@ -344,7 +344,7 @@ impl Scheme {
 
     fn accept_tried(&mut self) -> &mut StepReport {
         if let Some(dt) = self.tried.take() {
-            self.next_report.switched = self.switched.take();
+            self.next_report.change_work = self.change_work.take();
             std::mem::swap(&mut self.report, &mut self.next_report);
             std::mem::swap(&mut self.state, &mut self.next);
             self.t += dt;
@@ -387,6 +387,8 @@ impl Scheme {
             state: self.state.clone(),
             report: self.report.clone(),
             t: self.t,
+            change_work: self.change_work,
+            parameters: self.parameters.clone(),
         };
         self.try_step(dt, watch)?;
         let whole = self.next.phi.clone();
@@ -419,9 +421,18 @@ impl Scheme {
     pub fn refuse(&mut self) {
         self.tried = None;
         if let Some(start) = self.start.take() {
-            let Start { state, report, t } = *start;
-            self.switched = self.switched.or(self.report.switched);
+            let Start {
+                state,
+                report,
+                t,
+                change_work,
+                parameters,
+            } = *start;
+            if parameters != self.parameters {
+                self.set_parameters(parameters);
+            }
             (self.state, self.report, self.t) = (state, report, t);
+            self.change_work = change_work;
             self.forget();
         }
     }
@@ -445,23 +456,6 @@ impl Scheme {
         if let Some(director) = &mut self.director {
             director.forget();
         }
-    }
-
-    /// Tells the effects the time of the coming step. Where that makes the energy another one, what the
-    /// law starts from is measured again, as when the anchoring is switched.
-    fn set_interval(&mut self, dt: f64) {
-        let interval = Interval {
-            begin: self.t,
-            length: dt,
-        };
-        self.interval = Some(interval);
-        if !self.effects.set_interval(interval) {
-            return;
-        }
-        let before = self.report.total_energy;
-        self.evaluate_present_energies();
-        self.forget();
-        *self.switched.get_or_insert(0.0) += self.report.total_energy - before;
     }
 
     /// One step from the state, from the guess of φ, ω and μ that stands in `next`, to there.

@@ -84,9 +84,9 @@ pub struct StepReport {
     pub algebraic_error: f64,
     /// Iterations of the conjugate gradients of substep 1.
     pub director_iterations: u32,
-    /// By how much the energy of the state before the step changed because something was switched then,
-    /// such as a field; the ledger starts from the energy after that.
-    pub switched: Option<f64>,
+    /// The work that changes of parameters have done before the step: by how much the energy of that state became another
+    /// one.
+    pub change_work: Option<f64>,
     /// Why the transform failed in this step and the factor took over, if that happened.
     pub fallback: Option<StepError>,
     /// Why the lagged iteration failed in this step and Newton's method took over, if that happened.
@@ -105,7 +105,9 @@ impl StepReport {
         self.director_iterations += before.director_iterations;
         self.refused_ways += before.refused_ways;
         self.damping = self.damping.min(before.damping);
-        self.switched = self.switched.or(before.switched);
+        if let Some(work) = before.change_work {
+            *self.change_work.get_or_insert(0.0) += work;
+        }
         self.fallback = before.fallback.or(self.fallback.take());
         self.newton_took_over = before.newton_took_over.or(self.newton_took_over.take());
         if before.law_residual.abs() > self.law_residual.abs() {

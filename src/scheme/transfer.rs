@@ -50,7 +50,8 @@ impl Scheme {
     ///
     /// # Errors
     /// [`TransferError`]: this scheme is then what it was.
-    pub fn on_mesh(&self, scene: &Scene, mesh: Arc<Mesh>) -> Result<Self, TransferError> {
+    pub fn on_mesh(&self, mesh: Arc<Mesh>) -> Result<Self, TransferError> {
+        let scene = &self.parameters;
         let space = space_on(mesh, scene.solver.quadrature);
         let locator = Locator::new(self.space.mesh());
         let find = |place: &_| find(&locator, *place);
@@ -79,13 +80,15 @@ impl Scheme {
         let director = state.director.as_ref();
         let director =
             director.map(|director| interpolated(self.space.mesh(), director, &at_nodes));
-        let mut scheme = Self::on_space(scene, space, self.initial_area, (phi, director))?;
+        let parameters = (self.timetable.clone(), scene.clone());
+        let fields = (phi, director);
+        let mut scheme = Self::on_space(parameters, space, self.initial_area, fields)?;
         scheme.interval = self.interval;
         scheme
             .effects
             .set_interval(self.interval.unwrap_or_default());
         scheme.t = self.t;
-        scheme.switched = self.switched;
+        scheme.change_work = self.change_work;
         scheme.evaluate_present_energies();
         scheme.report.ledger.clear();
         scheme.report.law_residual = 0.0;
@@ -148,13 +151,13 @@ impl Scheme {
     /// [`RestoreError`]: the checkpoint does not belong to that mesh or this scene.
     pub fn restored_on(
         &self,
-        scene: &Scene,
         mesh: Arc<Mesh>,
         checkpoint: &SchemeCheckpoint,
     ) -> Result<Self, RestoreError> {
         let fields = checkpoint.fields(mesh.nodes().len())?;
-        let space = space_on(mesh, scene.solver.quadrature);
-        let mut scheme = Self::on_space(scene, space, self.initial_area, fields)?;
+        let space = space_on(mesh, self.parameters.solver.quadrature);
+        let parameters = (self.timetable.clone(), self.parameters.clone());
+        let mut scheme = Self::on_space(parameters, space, self.initial_area, fields)?;
         scheme.restore(checkpoint)?;
         Ok(scheme)
     }
@@ -225,8 +228,8 @@ mod tests {
             &["domain.boundary=clamped"],
             &["membrane.spontaneous_curvature='1.5 + x'"],
         ] {
-            let (scene, scheme) = scheme(settings);
-            let same = scheme.on_mesh(&scene, scheme.space().mesh().clone());
+            let (_, scheme) = scheme(settings);
+            let same = scheme.on_mesh(scheme.space().mesh().clone());
             let same = same.expect("a scheme");
             let fields = |scheme: &Scheme| {
                 let State { phi, director, .. } = scheme.state();
@@ -250,7 +253,7 @@ mod tests {
         for settings in [&[][..], &["domain.boundary=clamped"]] {
             let (scene, scheme) = scheme(settings);
             let mesh = other_mesh(settings);
-            let there = scheme.on_mesh(&scene, mesh.clone()).expect("a scheme");
+            let there = scheme.on_mesh(mesh.clone()).expect("a scheme");
             let bending = |scheme: &Scheme| scheme.report().energies[0].value;
             let ratio = bending(&there) / bending(&scheme);
             assert!((0.7..1.34).contains(&ratio), "{settings:?}: {ratio}");

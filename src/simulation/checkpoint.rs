@@ -7,13 +7,15 @@ use super::last_whole_step::LastWholeCheckpoint;
 use super::mesh_follower::{FollowerCheckpoint, MeshFollower};
 use super::partial_step::{PartialStep, StepProgress};
 use super::{ErrorEstimates, Pacing, Simulation, StepEffort, measure_vesicle};
-use crate::scene::Anchoring;
+use crate::scene::{Change, Timetable};
 use crate::scheme::{self, RestoreError};
 
 /// What [`Simulation::save`] has copied. It keeps its buffers.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct SimulationCheckpoint {
     scheme: scheme::SchemeCheckpoint,
+    /// Those of the scene: more than it had at the start, where some were made while the run went.
+    changes: Vec<Change>,
     /// Where the mesh follows the membrane: the present one.
     follower: Option<FollowerCheckpoint>,
     step: u64,
@@ -29,6 +31,8 @@ pub struct SimulationCheckpoint {
     time_error: Option<f64>,
     budget: ErrorEstimates,
     reached_wall: bool,
+    /// How many changes had begun in the last whole step.
+    begun: usize,
     effort: StepEffort,
     /// What was done of a step that was interrupted.
     left: Option<PartialStep>,
@@ -42,9 +46,9 @@ impl SimulationCheckpoint {
         self.step
     }
 
-    /// The anchoring that was in use.
-    pub fn anchoring(&self) -> Option<Anchoring> {
-        self.scheme.anchoring()
+    /// The changes of its scene, with those that were made while the run went.
+    pub fn changes(&self) -> &[Change] {
+        &self.changes
     }
 
     /// The time that was reached.
@@ -71,6 +75,7 @@ impl Simulation {
         self.scheme.save(&mut checkpoint.scheme);
         let save = |follower: &MeshFollower| follower.save(&self.mesh);
         checkpoint.follower = self.follower.as_ref().map(save);
+        checkpoint.changes.clone_from(&self.scene.changes);
         checkpoint.step = report.step;
         checkpoint.t = report.t;
         checkpoint.dt = report.dt;
@@ -81,13 +86,14 @@ impl Simulation {
         checkpoint.time_error = report.time_error;
         checkpoint.budget = report.budget;
         checkpoint.reached_wall = self.near_wall.reached();
+        checkpoint.begun = self.begun;
         checkpoint.effort = report.effort;
         checkpoint.left.clone_from(&self.left);
         checkpoint.last_whole = self.last_whole.as_ref().map(|whole| whole.save());
     }
 
     /// Puts it back, also into a new run of the same scene: what follows is bit for bit what it was.
-    /// The anchoring of the scene becomes the one that was in use. The report has no ledger.
+    /// The scene's changes become those of the checkpoint. The report has no ledger.
     ///
     /// # Errors
     /// [`RestoreError`]: the checkpoint is of another scene. The state is then unchanged.
@@ -104,8 +110,15 @@ impl Simulation {
         if whole.is_some_and(|whole| !whole.fits(checkpoint.scheme.state())) {
             return Err(RestoreError::Foreign("its last whole step does not fit"));
         }
-        self.restore_on(&checkpoint.scheme, checkpoint.follower.as_ref())?;
-        self.scene.anchoring = self.scheme.anchoring();
+        let changes = std::mem::replace(&mut self.scene.changes, checkpoint.changes.clone());
+        self.scheme.set_timetable(Timetable::of(&self.scene));
+        let restored = self.restore_on(&checkpoint.scheme, checkpoint.follower.as_ref());
+        if let Err(error) = restored {
+            self.scene.changes = changes;
+            self.scheme.set_timetable(Timetable::of(&self.scene));
+            return Err(error);
+        }
+        self.begun = checkpoint.begun;
         let report = &mut self.report;
         report.take(self.scheme.report());
         report.step = checkpoint.step;
@@ -184,7 +197,7 @@ mod tests {
             let mut first = simulation(settings);
             run(&mut first, 3);
             first
-                .set_anchoring(AnchoringKind::Homeotropic)
+                .change(Change::of_anchoring(AnchoringKind::Homeotropic), 0.0)
                 .expect("a director");
             run(&mut first, 2);
             first.drain_events();
@@ -192,7 +205,7 @@ mod tests {
             assert_eq!(checkpoint.step(), 5);
             let mut second = simulation(settings);
             second.restore(&checkpoint).expect("the same scene");
-            assert_eq!(second.scene().anchoring, first.scene().anchoring);
+            assert_eq!(second.scene(), first.scene());
             assert_eq!(second.report().t, first.report().t);
             assert_eq!(second.report().outline, first.report().outline);
             assert_eq!(second.drain_events(), []);

@@ -7,6 +7,7 @@ use super::presence::NoVesicle;
 use super::step_effort::Tried;
 use crate::fem::FemError;
 use crate::linalg::LinalgError;
+use crate::scene::SceneError;
 use crate::scheme::{InitialError, RestoreError, StepError, TransferError};
 
 /// Why a run cannot start or continue.
@@ -49,9 +50,9 @@ pub enum SimulationError {
     /// The state to continue from is of another scene.
     #[error("the state to resume from cannot be used: {0}")]
     Restore(#[from] RestoreError),
-    /// Anchoring without anything to anchor.
-    #[error("the scene has no director to anchor: give it a table [nematic]")]
-    NoDirector,
+    /// A change that the scene cannot have.
+    #[error(transparent)]
+    Change(Box<SceneError>),
     /// The mesh that follows the membrane cannot be made again.
     #[error("the mesh cannot follow the membrane after step {step}, at t = {t:e}: {source}")]
     Transfer {

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::physics::NamedValue;
-use crate::scene::{AnchoringKind, significant};
+use crate::scene::{Change, significant};
 use crate::scheme::{StepError, StepReport};
 
 /// Something that happened at a step.
@@ -64,18 +64,15 @@ pub enum EventKind {
     },
     /// φ became positive within ε of the wall.
     ReachedWall,
-    /// A field was switched on or off after this step: the energy jumped, not the state.
-    FieldSwitched {
-        /// By how much E_total changed.
-        jump: f64,
+    /// Parameters became others after this step, or began to: the energy changed, not the state.
+    ParametersChanged {
+        /// The changes.
+        changes: Vec<Change>,
+        /// Their work before the next step: by how much E_total changed.
+        work: f64,
     },
     /// The mesh was made again about the membrane, and the state brought there.
     MeshChanged(Box<MeshChange>),
-    /// The anchoring became another one after this step: the energy jumped, not the state.
-    AnchoringSwitched {
-        /// The new kind.
-        kind: AnchoringKind,
-    },
 }
 
 /// What a new mesh has changed.
@@ -137,9 +134,8 @@ impl EventKind {
             Self::ShortSteps { .. } => "short-steps",
             Self::Damped { .. } => "newton-damped",
             Self::ReachedWall => "reached-wall",
-            Self::FieldSwitched { .. } => "field-switched",
+            Self::ParametersChanged { .. } => "parameters-changed",
             Self::MeshChanged(_) => "mesh-changed",
-            Self::AnchoringSwitched { .. } => "anchoring-switched",
         }
     }
 }
@@ -178,14 +174,16 @@ impl fmt::Display for EventKind {
             EventKind::ReachedWall => f.write_str(
                 "the vesicle has reached the wall, which now takes part in what happens",
             ),
-            EventKind::FieldSwitched { jump } => write!(
-                f,
-                "the field is switched here: E_total jumps by {jump:.6e}, which no step has done"
-            ),
-            EventKind::MeshChanged(change) => change.fmt(f),
-            EventKind::AnchoringSwitched { kind } => {
-                write!(f, "the anchoring is {kind} from here on")
+            EventKind::ParametersChanged { changes, work } => {
+                for (index, change) in changes.iter().enumerate() {
+                    write!(f, "{}{change}", if index > 0 { "; " } else { "" })?;
+                }
+                write!(
+                    f,
+                    " from here on: E_total changes by {work:.6e} before the next step, the work of the change"
+                )
             }
+            EventKind::MeshChanged(change) => change.fmt(f),
         }
     }
 }

@@ -176,7 +176,7 @@ impl Simulation {
             .mesh
             .adapted(&size, seed.wrapping_add(transfers))
             .map_err(TransferError::Phase)
-            .and_then(|mesh| Ok((self.scheme.on_mesh(&self.scene, mesh.clone())?, mesh)));
+            .and_then(|mesh| Ok((self.scheme.on_mesh(mesh.clone())?, mesh)));
         let (step, t) = (self.report.step, self.report.t);
         let (scheme, mesh) =
             made.map_err(|source| SimulationError::Transfer { step, t, source })?;
@@ -228,9 +228,7 @@ impl Simulation {
         if is_same((&mesh, &self.mesh)) {
             self.scheme.restore(checkpoint)?;
         } else {
-            let scheme = self
-                .scheme
-                .restored_on(&self.scene, mesh.clone(), checkpoint)?;
+            let scheme = self.scheme.restored_on(mesh.clone(), checkpoint)?;
             self.adopt(mesh, scheme);
         }
         let membrane = stored.membrane.clone();

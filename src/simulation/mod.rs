@@ -31,7 +31,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::fem::{Contour, GradientRecovery, Mesh, MeshQuality, Pieces, long_axis};
 use crate::geometry::Vector;
-use crate::scene::{AnchoringKind, Iteration, Scene, Shape, Time, Warning};
+use crate::scene::{Assignment, Change, Iteration, Scene, Shape, Time, Timetable, Warning};
 use crate::scheme::{Scheme, initial_fields};
 
 pub use crate::fem::OutlineMeasure;
@@ -142,6 +142,8 @@ pub struct Simulation {
     last_whole: Option<Box<LastWholeStep>>,
     /// When snapshots are due: chosen steps end there.
     schedule: Schedule,
+    /// How many changes had begun in the last whole step.
+    begun: usize,
     threads: Threads,
 }
 
@@ -245,6 +247,7 @@ impl Simulation {
             left: None,
             last_whole: None,
             schedule: Schedule::new(&scene.time, 1, 1),
+            begun: 0,
             threads: Threads::default(),
         };
         simulation.report.take(simulation.scheme.report());
@@ -341,11 +344,18 @@ impl Simulation {
             }
         };
         self.last_whole = None;
-        if let Some(jump) = taken.switched {
-            let kind = EventKind::FieldSwitched { jump };
+        let begun = self.scheme.changes_begun();
+        if begun > self.begun {
+            let numbers = self.begun..begun;
+            let changes = numbers.filter_map(|number| self.scheme.timetable().change(number));
+            let kind = EventKind::ParametersChanged {
+                changes: changes.cloned().collect(),
+                work: taken.change_work.unwrap_or_default(),
+            };
             let (step, t) = before;
             self.events.push(Event { step, t, kind });
         }
+        self.begun = begun;
         let (step, t) = (before.0 + 1, self.report.t);
         let mut tell = |kind| self.events.push(Event { step, t, kind });
         if let Some(reason) = taken.divided {
@@ -374,23 +384,23 @@ impl Simulation {
         Ok(true)
     }
 
-    /// The next time after t at which a run with chosen steps must be: that of a snapshot, T, or when an
-    /// effect is switched.
+    /// The next time after t at which a run with chosen steps must be: that of a snapshot, T, or where a change begins or
+    /// ends.
     fn landing_after(&self, t: f64) -> f64 {
         let landing = self.schedule.landing_after(t);
         // Nearer to another landing than this they are the same time, but for rounding.
         let close = 1e-9 * self.schedule.end;
-        let event = self.scene.next_event(t + close);
+        let event = self.scheme.timetable().next_event(t + close);
         event
             .filter(|event| *event < landing - close)
             .unwrap_or(landing)
     }
 
-    /// Whether an effect is switched at the end of a step that begins at t.
-    fn is_event(&self, t: f64, end: f64) -> bool {
+    /// Whether there is a change that takes no time at the end of a step.
+    fn is_jump(&self, end: f64) -> bool {
         let close = 1e-9 * self.schedule.end;
-        let event = self.scene.next_event(t + close);
-        event.is_some_and(|event| (event - end).abs() <= close)
+        let timetable = self.scheme.timetable();
+        timetable.has_jump(|at| (at - end).abs() <= close)
     }
 
     /// What was tried in a step that was not solved.
@@ -406,26 +416,31 @@ impl Simulation {
         }
     }
 
-    /// Another anchoring for the present state, with the scene's weight, or the scene's own default
-    /// where it has none. The energies of the report are computed again; the step is unchanged.
+    /// Changes parameters of the scene from the next step on, on a straight line over a time `over` if that is not 0. The
+    /// change is one of the scene from then on: it begins at the time that was reached.
     ///
     /// # Errors
-    /// `NoDirector`: there is nothing to anchor.
-    pub fn set_anchoring(&mut self, kind: AnchoringKind) -> Result<&Report, SimulationError> {
-        if self.scene.nematic.is_none() {
-            return Err(SimulationError::NoDirector);
+    /// `Change`: it is not one that the scene could have.
+    pub fn change(&mut self, set: Vec<Assignment>, over: f64) -> Result<&Change, SimulationError> {
+        let at = self.report.t;
+        let change = Change { at, over, set };
+        self.scene
+            .add_change(&change)
+            .map_err(|error| SimulationError::Change(Box::new(error)))?;
+        self.scheme.set_timetable(Timetable::of(&self.scene));
+        if !change.is_ramp() {
+            self.expect_jump();
         }
-        let anchoring = self.scene.anchoring.get_or_insert_default();
-        anchoring.kind = kind;
-        self.scheme.set_anchoring(Some(anchoring));
+        let place = self.scene.changes.partition_point(|it| it.at <= at);
+        Ok(&self.scene.changes[place - 1])
+    }
+
+    /// A change that takes no time comes now: a chosen Δt begins anew.
+    fn expect_jump(&mut self) {
         if let Pacing::Chosen(controller) = &mut self.pacing {
             controller.forget();
+            self.scheme.forget();
         }
-        self.report.take(self.scheme.report());
-        let (step, t) = (self.report.step, self.report.t);
-        let kind = EventKind::AnchoringSwitched { kind };
-        self.events.push(Event { step, t, kind });
-        Ok(&self.report)
     }
 
     /// Measures the vesicle and notices when it reaches the wall.
@@ -457,6 +472,11 @@ impl Simulation {
     /// The scene.
     pub fn scene(&self) -> &Scene {
         &self.scene
+    }
+
+    /// The scene with the parameters of the last step, without its mesh and shape.
+    pub fn parameters(&self) -> &Scene {
+        self.scheme.parameters()
     }
 
     /// The mesh.

@@ -77,8 +77,8 @@ pub(super) struct StepDetails {
     /// Why Newton's method took over from the lagged iteration.
     #[serde(serialize_with = "to_words", deserialize_with = "from_words")]
     pub(super) newton_took_over: Option<StepError>,
-    /// By how much the energy jumped before the step.
-    pub(super) switched: Option<f64>,
+    /// The work of changes of parameters.
+    pub(super) change_work: Option<f64>,
 }
 
 /// How an attempt at a step ends.
@@ -108,8 +108,8 @@ impl StepDetails {
         if self.newton_took_over.is_none() {
             self.newton_took_over.clone_from(&solved.newton_took_over);
         }
-        if let Some(jump) = solved.switched {
-            *self.switched.get_or_insert(0.0) += jump;
+        if let Some(work) = solved.change_work {
+            *self.change_work.get_or_insert(0.0) += work;
         }
     }
 

@@ -111,6 +111,12 @@ impl Report {
         (!self.ledger.is_empty()).then(|| terms.map(|term| term.value).sum())
     }
 
+    /// The work that changes of parameters have done before the step: by how much E_total rose by them alone.
+    pub fn change_work(&self) -> f64 {
+        let term = self.ledger.iter().find(|term| term.name == "change_work");
+        term.map_or(0.0, |term| -term.value)
+    }
+
     /// S, the scale of the energy law: the sum of the absolute energies, and the absolute work that was done
     /// from outside.
     pub fn law_scale(&self) -> f64 {

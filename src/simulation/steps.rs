@@ -169,7 +169,7 @@ impl Simulation {
                     if is_first {
                         controller.stay(attempt.dt);
                     }
-                    if self.is_event(t, attempt.end) {
+                    if self.is_jump(attempt.end) {
                         controller.forget();
                         self.scheme.forget();
                     }

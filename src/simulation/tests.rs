@@ -1,9 +1,12 @@
+mod changes;
+
 use std::collections::HashSet;
 use std::sync::Arc;
 
 use super::*;
-use crate::physics::NamedValue;
-use crate::scene::{self, Anchoring, InitialDirector, NodalValues, Projection};
+use crate::fem::{QuadratureRule, Space};
+use crate::physics::EffectContext;
+use crate::scene;
 use crate::scheme::StepError;
 
 /// A small vesicle with every effect, off the centre and askew.
@@ -39,109 +42,12 @@ fn simulation(steps: usize) -> Simulation {
     simulation
 }
 
-fn energy(report: &Report, name: &str) -> Option<f64> {
-    let named = |energy: &&NamedValue| energy.name == name;
-    report
-        .energies
-        .iter()
-        .find(named)
-        .map(|energy| energy.value)
-}
-
 #[test]
 fn times_of_the_grid_are_the_nearest_numbers() {
     assert_eq!(grid_time(150, 1e-7), 1.5e-5);
     assert_eq!(grid_time(782, 1e-6), 7.82e-4);
     assert_eq!(grid_time(3, 0.3), 3.0 * 0.3);
     assert_eq!(grid_time(0, 1e-7), 0.0);
-}
-
-#[test]
-fn another_anchoring_leaves_the_state_and_the_step_as_they_are() {
-    let mut simulation = simulation(3);
-    let (state, before) = (simulation.state().clone(), simulation.report().clone());
-    let after = simulation
-        .set_anchoring(AnchoringKind::Homeotropic)
-        .unwrap()
-        .clone();
-    assert_eq!(simulation.state(), &state);
-    assert_eq!((after.step, after.t, after.dt), (3, before.t, before.dt));
-    assert_eq!(after.surface_area, before.surface_area);
-    assert_eq!(after.phase_integral, before.phase_integral);
-    for name in ["bending", "area", "nematic"] {
-        assert_eq!(energy(&after, name), energy(&before, name), "{name}");
-    }
-    assert_ne!(energy(&after, "anchoring"), energy(&before, "anchoring"));
-    assert_eq!(after.law_residual, 0.0);
-    assert!(after.ledger.is_empty() && !before.ledger.is_empty());
-    let event = Event {
-        step: 3,
-        t: before.t,
-        kind: EventKind::AnchoringSwitched {
-            kind: AnchoringKind::Homeotropic,
-        },
-    };
-    assert_eq!(simulation.drain_events(), [event]);
-}
-
-#[test]
-fn the_energies_are_those_of_a_new_run_from_that_state() {
-    let mut simulation = simulation(3);
-    let state = simulation.state().clone();
-    for kind in [
-        AnchoringKind::Homeotropic,
-        AnchoringKind::None,
-        AnchoringKind::Parallel,
-    ] {
-        let report = simulation.set_anchoring(kind).unwrap();
-        let mut scene = small(&["area=false"]);
-        let file = |values: Vec<f64>, columns| NodalValues {
-            path: String::new(),
-            values: Arc::from(values),
-            columns,
-        };
-        scene.vesicle.shape = Shape::File(file(state.phi.clone(), 1));
-        scene.vesicle.projection = Projection::Nodal;
-        let [x, y] = state.director.clone().unwrap();
-        let rows = x.into_iter().zip(y).flat_map(|(x, y)| [x, y]).collect();
-        scene.nematic.as_mut().unwrap().initial = InitialDirector::File(file(rows, 2));
-        scene.anchoring.as_mut().unwrap().kind = kind;
-        let new = Simulation::new(&scene).unwrap();
-        assert_eq!(new.state().phi, state.phi);
-        // Not the bending energy: its ω is an unknown of the step, and a new run computes it again.
-        // Not the area's: its target is relative to the initial shape.
-        for name in ["nematic", "anchoring"] {
-            assert_eq!(energy(report, name), energy(new.report(), name), "{name}");
-        }
-        assert_eq!(
-            energy(report, "anchoring").is_none(),
-            kind == AnchoringKind::None
-        );
-        assert_eq!(report.surface_area, new.report().surface_area);
-        let sum: f64 = report.energies.iter().map(|energy| energy.value).sum();
-        assert_eq!(report.total_energy, sum);
-    }
-}
-
-#[test]
-fn the_law_of_the_next_step_closes() {
-    let mut simulation = simulation(3);
-    for kind in [
-        AnchoringKind::Homeotropic,
-        AnchoringKind::None,
-        AnchoringKind::Parallel,
-    ] {
-        let measured = simulation.set_anchoring(kind).unwrap().total_energy;
-        let report = simulation.advance().unwrap();
-        assert_eq!(report.ledger[0].name, "dE");
-        assert_eq!(report.ledger[0].value, report.total_energy - measured);
-        let tolerance = small(&[]).solver.law_tolerance;
-        assert!(
-            report.law_residual.abs() <= tolerance,
-            "{}",
-            report.law_residual
-        );
-    }
 }
 
 #[test]
@@ -172,52 +78,18 @@ fn an_error_names_the_solvers_that_the_mesh_has() {
 
 /// The error of a step that cannot be made: its law begins with other energies.
 fn with_broken_law(mut simulation: Simulation) -> SimulationError {
-    let anchoring = Anchoring {
-        kind: AnchoringKind::Homeotropic,
-        ..Anchoring::default()
-    };
-    // What Simulation::set_anchoring does, but for the energies.
+    let other = small(&["anchoring.kind=homeotropic"]);
+    // What a change does, but for the energies.
+    let space = Space::new(simulation.mesh().clone(), QuadratureRule::Consistent);
     let scheme = &mut simulation.scheme;
-    scheme.effects_mut().set_anchoring(Some(&anchoring));
+    let context = EffectContext {
+        scene: &other,
+        space: &space,
+        initial_area: 1.0,
+    };
+    scheme.effects_mut().change(&small(&[]), &context);
     scheme.forget();
     simulation.advance().unwrap_err()
-}
-
-#[test]
-fn the_same_anchoring_again_goes_on_along_the_same_path() {
-    let (mut plain, mut switched) = (simulation(3), simulation(3));
-    switched.set_anchoring(AnchoringKind::Parallel).unwrap();
-    let (plain, switched) = (plain.advance().unwrap(), switched.advance().unwrap());
-    // Not bit for bit: the guess of the next step is another one.
-    let difference = plain.total_energy - switched.total_energy;
-    assert!(
-        difference.abs() < 1e-7 * plain.total_energy.abs(),
-        "{difference}"
-    );
-}
-
-#[test]
-fn without_a_director_there_is_nothing_to_anchor() {
-    let scene = small(&["anchoring=false", "nematic=false"]);
-    let mut simulation = Simulation::new(&scene).unwrap();
-    let error = simulation
-        .set_anchoring(AnchoringKind::Parallel)
-        .unwrap_err();
-    assert_eq!(error, SimulationError::NoDirector);
-    assert!(simulation.drain_events().is_empty());
-}
-
-#[test]
-fn an_anchoring_comes_to_a_scene_without_one() {
-    let scene = small(&["anchoring=false"]);
-    let mut simulation = Simulation::new(&scene).unwrap();
-    assert_eq!(energy(simulation.report(), "anchoring"), None);
-    let report = simulation.set_anchoring(AnchoringKind::Parallel).unwrap();
-    let of_default = Simulation::new(&small(&[])).unwrap();
-    assert_eq!(
-        energy(report, "anchoring"),
-        energy(of_default.report(), "anchoring")
-    );
 }
 
 /// A run to its end, with what must hold at every step checked on the way.
@@ -330,65 +202,6 @@ fn the_error_at_the_end_is_in_proportion_to_the_tolerance() {
     let ratio = coarse / fine;
     assert!((3.0..30.0).contains(&ratio), "{ratio}: {coarse:e} {fine:e}");
     assert!(coarse < 1e-3, "{coarse:e}");
-}
-
-#[test]
-fn another_anchoring_comes_between_chosen_steps() {
-    let scene = small(&["time.tolerance=1e-5"]);
-    let mut simulation = Simulation::new(&scene).unwrap();
-    for _ in 0..3 {
-        simulation.advance().unwrap();
-    }
-    let measured = simulation
-        .set_anchoring(AnchoringKind::Homeotropic)
-        .unwrap()
-        .total_energy;
-    let after = simulation.advance().unwrap();
-    assert!(after.total_energy < measured && after.time_error.is_some_and(|it| it <= 1e-5));
-}
-
-/// The jump of the energy is an event at the step before; the ledger knows nothing of it.
-#[test]
-fn a_switched_field_is_told_with_its_jump() {
-    let field = "field={ weight = 300, from = 2e-6, until = 4e-6 }";
-    let mut simulation = Simulation::new(&small(&[field])).unwrap();
-    let mut energies = vec![simulation.report().total_energy];
-    let mut changes = vec![0.0];
-    for _ in 0..6 {
-        let report = simulation.advance().unwrap();
-        energies.push(report.total_energy);
-        changes.push(report.ledger[0].value);
-    }
-    let events = simulation.drain_events();
-    let mut steps = Vec::new();
-    for Event { step, t, kind } in events {
-        let EventKind::FieldSwitched { jump } = kind else {
-            continue;
-        };
-        assert_eq!(t, grid_time(step, 1e-6));
-        let next = step as usize + 1;
-        let unexplained = energies[next] - energies[next - 1] - changes[next];
-        assert!((unexplained - jump).abs() < 1e-10 * energies[next].abs());
-        assert!(jump.abs() > 0.1, "{jump}");
-        steps.push(step);
-    }
-    assert_eq!(steps, [2, 4]);
-}
-
-/// Chosen steps end where a field is switched.
-#[test]
-fn a_field_is_switched_between_chosen_steps() {
-    let field = "field={ weight = 300, from = 2e-6, until = 4e-6 }";
-    let scene = small(&[field, "time.tolerance=1e-5", "time.end=6e-6"]);
-    let mut simulation = Simulation::new(&scene).unwrap();
-    while simulation.report().t < 6e-6 {
-        let report = simulation.advance().unwrap();
-        assert!(report.unexplained_rise().unwrap() <= 1e-8 * report.total_energy);
-    }
-    let switches = simulation.drain_events().into_iter().filter_map(|event| {
-        matches!(event.kind, EventKind::FieldSwitched { .. }).then_some(event.t)
-    });
-    assert_eq!(switches.collect::<Vec<_>>(), [2e-6, 4e-6]);
 }
 
 /// Noise may raise the energy, by its work and no more.

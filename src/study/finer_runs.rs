@@ -4,7 +4,7 @@ use super::clock::Stopwatch;
 use super::discretisation::{fixed_mesh, scale_mesh};
 use super::measured_error::Sample;
 use crate::record::{FinerRun, ShortNumber};
-use crate::scene::{AnchoringKind, Scene, Time, TimeScheme};
+use crate::scene::{Scene, Time, TimeScheme};
 use crate::simulation::{Schedule, Simulation, SimulationError};
 
 /// The tolerance of the finer run of a scene whose steps have one length, times f²: at f = 2 the steps' error is a few
@@ -89,8 +89,8 @@ impl FinerRuns {
         }
     }
 
-    /// Computes both runs, the one between first. Both meet all of `times`, which rise, and switch the anchoring at the
-    /// times of `switches`, as the run itself did. `take` gets the states and says whether to go on.
+    /// Computes both runs, the one between first. Both meet all of `times`, which rise. `take` gets the states and says
+    /// whether to go on.
     ///
     /// `None`: it was ended.
     ///
@@ -99,7 +99,6 @@ impl FinerRuns {
     pub fn compute(
         &self,
         times: &[f64],
-        switches: &[(f64, AnchoringKind)],
         take: &mut dyn FnMut(FinerNews<'_>) -> bool,
     ) -> Result<Option<[FinerRun; 2]>, SimulationError> {
         // By the time that they are expected to take: nodes and steps.
@@ -114,7 +113,7 @@ impl FinerRuns {
                 FinerNews::Share(share) => take(FinerNews::Share(begun + part * share)),
                 FinerNews::Sample(_, time, state) => take(FinerNews::Sample(index, time, state)),
             };
-            match run(scene, factor, (times, switches), &mut tell)? {
+            match run(scene, factor, times, &mut tell)? {
                 None => return Ok(None),
                 Some(run) => runs.push(run),
             }
@@ -128,7 +127,7 @@ impl FinerRuns {
 fn run(
     scene: &Scene,
     factor: f64,
-    (times, switches): (&[f64], &[(f64, AnchoringKind)]),
+    times: &[f64],
     take: &mut dyn FnMut(FinerNews<'_>) -> bool,
 ) -> Result<Option<FinerRun>, SimulationError> {
     let watch = Stopwatch::start();
@@ -138,15 +137,7 @@ fn run(
         result => result?,
     };
     let end = times.last().copied().unwrap_or(0.0);
-    let mut switches = switches.iter().copied().peekable();
     for (index, &time) in times.iter().enumerate() {
-        while let Some(switch) = switches.next_if(|(t, _)| *t < time) {
-            if !advance_to(&mut simulation, switch.0, end, take)? {
-                return Ok(None);
-            }
-            // Without a director there is nothing to anchor.
-            let _ = simulation.set_anchoring(switch.1);
-        }
         let is_there = advance_to(&mut simulation, time, end, take)?;
         if !is_there || !take(FinerNews::Sample(0, index, &simulation)) {
             return Ok(None);

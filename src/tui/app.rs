@@ -193,8 +193,8 @@ impl Slot {
     /// The anchoring in force; `None` where there is no director to anchor.
     pub fn anchoring(&self) -> Option<AnchoringKind> {
         self.scene.nematic.as_ref()?;
-        let anchoring = self.scene.anchoring;
-        Some(anchoring.map_or(AnchoringKind::None, |anchoring| anchoring.kind))
+        let t = self.run.as_ref().map_or(0.0, |run| run.report.t);
+        Some(self.scene.anchoring_at(t))
     }
 
     pub(super) fn set_anchoring(&mut self, kind: AnchoringKind) {
@@ -205,8 +205,8 @@ impl Slot {
     /// more.
     pub fn figures(&self) -> Option<PresetFigures> {
         let run = self.run.as_ref();
-        let is_as_built_in = self.scene.time.end == self.loaded.time.end
-            && run.is_none_or(|run| run.history.marks.is_empty());
+        let is_as_built_in =
+            self.scene.time.end == self.loaded.time.end && run.is_none_or(|run| run.changes == 0);
         PresetFigures::of(self.preset?, self.anchoring()?).filter(|_| is_as_built_in)
     }
 }
@@ -236,7 +236,9 @@ impl Run {
             history: History::default(),
             picture: None,
             past: FrameHistory::default(),
-            switches: Vec::new(),
+            changes: 0,
+            undo: Vec::new(),
+            undoing: false,
             measurement: None,
             snapshots: Vec::new(),
             pace: Throughput::default(),

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
 use crate::record::{KeptRows, KeptRun, KeptRuns, RecordError, RunKeeper, ShortNumber};
-use crate::simulation::{EventKind, Failure, Report, StepProgress, WorkerEvent};
+use crate::simulation::{Failure, Report, StepProgress, WorkerEvent};
 
 use super::saving::PARENT;
 use super::state::{History, Keeping, Slot};
@@ -76,7 +76,7 @@ pub(super) fn look_for(slot: &mut Slot) {
     let mut words: Vec<String> = search.notes.iter().map(ToString::to_string).collect();
     slot.kept = search.run.map(|run| {
         let curves = match run.rows() {
-            Ok(rows) => History::of(&rows, run.switches(), run.mesh_changes()),
+            Ok(rows) => History::of(&rows, run.marks()),
             Err(error) => {
                 words.push(format!("the curves up to now are lost: {error}"));
                 History::default()
@@ -177,14 +177,13 @@ impl Autosave {
                 }
                 noted.event = Some(WorkerEvent::Reports(reports));
             }
-            WorkerEvent::Anchored { kind, report } => {
-                self.keeper.switch(kind, &report);
-                noted.event = Some(WorkerEvent::Anchored { kind, report });
+            WorkerEvent::Changed(change) => {
+                let outcome = self.keeper.changed(&change);
+                self.hear(outcome);
+                noted.event = Some(WorkerEvent::Changed(change));
             }
             WorkerEvent::Event(event) => {
-                if matches!(event.kind, EventKind::MeshChanged(_)) {
-                    self.keeper.mesh_changed(event.step, event.t);
-                }
+                self.keeper.mark(&event);
                 noted.event = Some(WorkerEvent::Event(event));
             }
             WorkerEvent::State(checkpoint) => {

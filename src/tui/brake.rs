@@ -90,6 +90,8 @@ impl Default for Brake {
 pub struct Replay {
     /// The time t that is played.
     pub t: f64,
+    /// How many times faster than the pace of the brake.
+    pub speed: f64,
 }
 
 #[cfg(test)]

@@ -34,9 +34,8 @@ pub fn save_figures(job: &Job, folder: &RunFolder) -> Result<(), String> {
                 // What has just been written.
                 history: Columns::read(folder.path()).map_err(|error| error.to_string())?,
                 snapshots: snapshots.collect(),
-                switches: job.switches.clone(),
-                mesh_changes: job.mesh_changes.clone(),
-                command: command(pictures.last().map_or(0, |last| last.report.step), job),
+                marks: job.marks.clone(),
+                command: command(pictures.last().map_or(0, |last| last.report.step)),
             };
             figure::save_set(&[run], &FigureOptions::default(), folder.path())
         }
@@ -57,7 +56,7 @@ fn save_view(
     folder: &RunFolder,
 ) -> Result<Vec<std::path::PathBuf>, figure::FigureError> {
     let steps = picture.report.step;
-    let command = command(steps, job);
+    let command = command(steps);
     let shown = figure::View {
         name: &job.name,
         scene: &job.scene,
@@ -83,13 +82,7 @@ fn save_view(
     figure::save_view(&shown, &options, folder.path())
 }
 
-/// The commands that compute a run up to a step and draw it, and what was done by hand that they do
-/// not repeat: as a comment, for a shell.
-fn command(steps: u64, job: &Job) -> String {
-    let mut text = format!("vesica run scene.toml --steps {steps} --out run && vesica figures run");
-    for (number, (step, kind)) in job.switches.iter().enumerate() {
-        text += if number == 0 { " #" } else { ";" };
-        text += &format!(" the anchoring was switched to {kind} after step {step}");
-    }
-    text
+/// The commands that compute a run up to a step and draw it.
+fn command(steps: u64) -> String {
+    format!("vesica run scene.toml --steps {steps} --out run && vesica figures run")
 }

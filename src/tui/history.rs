@@ -2,8 +2,7 @@
 //! themselves are on the disk.
 
 use super::series::Series;
-use crate::record::Columns;
-use crate::scene::AnchoringKind;
+use crate::record::{Columns, MarkKind, RunMark};
 use crate::simulation::Report;
 
 /// Every scalar over the whole run.
@@ -27,24 +26,15 @@ pub struct History {
     pub waist: Series,
     /// See `length`.
     pub width: Series,
-    /// Where the anchoring was switched: step and new kind.
-    pub marks: Vec<(u64, AnchoringKind)>,
-    /// After which steps, and when, the mesh has followed the membrane.
-    pub mesh_changes: Vec<(u64, f64)>,
-    /// What E_tot is compared with: its value at the start, or just after the last switch of
-    /// the anchoring, since which it can only have fallen.
-    pub baseline: Option<f64>,
+    /// Where something has happened that is marked.
+    pub marks: Vec<RunMark>,
     /// ∫φ⁰.
     pub phase_integral: Option<f64>,
 }
 
 impl History {
     /// The scalars of a run that resumes a kept one with these rows, and where they are marked.
-    pub fn of(
-        rows: &Columns,
-        switches: &[(u64, AnchoringKind)],
-        mesh_changes: &[(u64, f64)],
-    ) -> Self {
+    pub fn of(rows: &Columns, marks: &[RunMark]) -> Self {
         let steps = rows.column("step").unwrap_or_default();
         let series = |name: &str, from: f64, change: &dyn Fn(f64) -> f64| {
             let mut series = Series::default();
@@ -62,8 +52,6 @@ impl History {
             rows.known(column)?;
             Some((name.to_owned(), plain(column)))
         });
-        let last_switch = switches.last().map_or(0, |(step, _)| *step);
-        let after_switch = steps.iter().rposition(|step| *step as u64 == last_switch);
         Self {
             total_energy: plain("E_total"),
             energies: energies.collect(),
@@ -74,9 +62,7 @@ impl History {
             length: plain("length"),
             waist: plain("waist"),
             width: plain("width"),
-            marks: switches.to_vec(),
-            mesh_changes: mesh_changes.to_vec(),
-            baseline: after_switch.and_then(|row| Some(rows.column("E_total")?[row])),
+            marks: marks.to_vec(),
             phase_integral: start,
         }
     }
@@ -84,7 +70,6 @@ impl History {
     /// Takes the scalars of the next step, or those of step 0.
     pub fn take(&mut self, report: &Report) {
         self.take_energies(report);
-        self.baseline.get_or_insert(report.total_energy);
         let step = report.step;
         self.surface_area.push(step, report.surface_area);
         let start = *self.phase_integral.get_or_insert(report.phase_integral);
@@ -102,11 +87,24 @@ impl History {
         }
     }
 
-    /// Takes a switch of the anchoring: the energies of the unchanged state, computed again.
-    pub fn switch(&mut self, kind: AnchoringKind, report: &Report) {
-        self.take_energies(report);
-        self.baseline = Some(report.total_energy);
-        self.marks.push((report.step, kind));
+    /// The changes of parameters up to a step: after which step, and what.
+    pub fn changes(&self) -> impl DoubleEndedIterator<Item = (u64, &str)> {
+        self.marks.iter().filter_map(|mark| match &mark.kind {
+            MarkKind::Change { label, .. } => Some((mark.step, label.as_str())),
+            MarkKind::Mesh => None,
+        })
+    }
+
+    /// What E_tot at a step is compared with: its value at the start and the work of the changes since. From there it can
+    /// only have fallen. `None` where that work is not known.
+    pub fn energy_at_start(&self, step: u64) -> Option<f64> {
+        let mut energy = self.total_energy.first()?;
+        for mark in self.marks.iter().filter(|mark| mark.step < step) {
+            if let MarkKind::Change { work, .. } = mark.kind {
+                energy += work?;
+            }
+        }
+        Some(energy)
     }
 
     fn take_energies(&mut self, report: &Report) {
@@ -145,19 +143,33 @@ mod tests {
         }
     }
 
+    fn change(step: u64, work: Option<f64>) -> RunMark {
+        RunMark {
+            step,
+            t: 0.5,
+            kind: MarkKind::Change {
+                label: "parallel".to_owned(),
+                work,
+            },
+        }
+    }
+
     #[test]
-    fn a_switch_is_marked_and_moves_the_baseline() {
+    fn the_energy_is_compared_with_the_start_and_the_work_since() {
         let mut history = History::default();
         history.take(&report(0, &[("bending", 5.0)]));
         history.take(&report(1, &[("bending", 4.0)]));
-        assert_eq!(history.baseline, Some(5.0));
-        history.switch(
-            AnchoringKind::Parallel,
-            &report(1, &[("bending", 4.0), ("anchoring", 3.0)]),
+        history.marks.push(change(1, Some(3.0)));
+        history.take(&report(2, &[("bending", 3.5), ("anchoring", 3.0)]));
+        assert_eq!(history.energy_at_start(1), Some(5.0));
+        assert_eq!(history.energy_at_start(2), Some(8.0));
+        history.marks.push(change(2, None));
+        assert_eq!(history.energy_at_start(2), Some(8.0));
+        assert_eq!(history.energy_at_start(3), None);
+        assert_eq!(
+            history.changes().collect::<Vec<_>>(),
+            [(1, "parallel"), (2, "parallel")]
         );
-        assert_eq!(history.baseline, Some(7.0));
-        assert_eq!(history.marks, [(1, AnchoringKind::Parallel)]);
-        assert_eq!(history.total_energy.columns(2, 1)[1], Some([4.0, 7.0]));
         let names: Vec<_> = history
             .energies
             .iter()
@@ -175,11 +187,10 @@ mod tests {
             history.take(&report);
             rows.push(&report);
             if step == 7 {
-                history.switch(AnchoringKind::Parallel, &report);
-                rows.push(&report);
+                history.marks.push(change(7, Some(1.0)));
             }
         }
-        let mut again = History::of(&rows, &[(7, AnchoringKind::Parallel)], &[(9, 0.5)]);
+        let mut again = History::of(&rows, &history.marks);
         // The last step is reported again.
         again.take(&report(2999, &[("bending", 5.0 - 2.999)]));
         let curves = |history: &History| {
@@ -194,8 +205,7 @@ mod tests {
         assert_eq!(curves(&again), curves(&history));
         assert_eq!(again.energies.len(), history.energies.len());
         assert_eq!(again.marks, history.marks);
-        assert_eq!(again.mesh_changes, [(9, 0.5)]);
-        assert_eq!(again.baseline, history.baseline);
+        assert_eq!(again.energy_at_start(9), history.energy_at_start(9));
         assert_eq!(again.phase_integral, history.phase_integral);
     }
 

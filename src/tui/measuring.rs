@@ -5,19 +5,17 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Receiver;
 
 use super::state::MeasuringNews;
-use crate::scene::{AnchoringKind, Scene};
+use crate::scene::Scene;
 use crate::simulation::{RunSnapshot, Setting};
 use crate::study::{ErrorRow, FinerNews, FinerRuns, Sample};
 
 /// What is to be measured.
 #[derive(Debug, Clone)]
 pub struct MeasuringJob {
-    /// The scene as the run began.
+    /// The scene.
     pub scene: Arc<Scene>,
     /// Its mesh.
     pub setting: Arc<Setting>,
-    /// When the anchoring was switched since.
-    pub switches: Vec<(f64, AnchoringKind)>,
     /// The times at which the run has or will have a state that is kept.
     pub times: Vec<f64>,
     /// The states that there are.
@@ -51,7 +49,7 @@ pub(super) fn measure(
         samples.take_own(job, state);
     }
     let mut percent = 0;
-    let computed = finer.compute(&job.times, &job.switches, &mut |news| {
+    let computed = finer.compute(&job.times, &mut |news| {
         while let Ok(state) = states.try_recv() {
             samples.take_own(job, &state);
         }
@@ -127,6 +125,7 @@ impl Samples {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::{AnchoringKind, Change};
     use crate::simulation::{Report, RunId, Schedule, Simulation};
     use std::sync::mpsc;
 
@@ -171,7 +170,6 @@ mod tests {
             times: schedule.snapshot_times(0.0),
             scene,
             setting: Arc::new(setting),
-            switches: Vec::new(),
             states: Vec::new(),
             reached: 0.0,
         };
@@ -232,8 +230,16 @@ mod tests {
     fn a_switched_anchoring_is_switched_in_the_finer_runs() {
         let (job, states) = small(&["time.tolerance=2e-3"]);
         let (plain, _) = measured(&job, &states);
+        let mut scene = (*job.scene).clone();
+        let set = Change::of_anchoring(AnchoringKind::Parallel);
+        let change = Change {
+            at: 5e-5,
+            over: 0.0,
+            set,
+        };
+        scene.add_change(&change).expect("a change");
         let switched = MeasuringJob {
-            switches: vec![(5e-5, AnchoringKind::Parallel)],
+            scene: Arc::new(scene),
             ..job
         };
         let (other, _) = measured(&switched, &states);

@@ -182,7 +182,10 @@ mod tests {
         control.hear(WorkerState::Computing);
         control.guide(false, None);
         control.hear(WorkerState::Paused);
-        assert_eq!([control.step(), control.step()], [Command::Step; 2]);
+        assert_eq!(
+            [control.step(), control.step()],
+            [Command::Step, Command::Step]
+        );
         assert!(control.is_busy() && !control.wanted);
         control.hear(WorkerState::Paused);
         assert_eq!(control.status(false, false), Some(Status::Pausing));

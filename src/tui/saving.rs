@@ -12,8 +12,8 @@ use super::autosave::SharedAutosave;
 use super::event::{AppEvent, spawn};
 use super::message::Message;
 use super::state::View;
-use crate::record::{RunFolder, write_state, write_states};
-use crate::scene::{AnchoringKind, Scene};
+use crate::record::{RunFolder, RunMark, write_state, write_states};
+use crate::scene::Scene;
 use crate::simulation::{RunSnapshot, panic_words};
 
 /// Where what is saved goes, within the working folder: a new folder each time.
@@ -24,12 +24,10 @@ pub(super) const PARENT: &str = "saved";
 pub struct Job {
     /// The word for the scene: the folder's name begins with it.
     pub name: String,
-    /// The scene: of a view with the anchoring of its time, of a set as it was at the start.
+    /// The scene, with the changes that were made while the run went.
     pub scene: Arc<Scene>,
-    /// When the anchoring was switched up to then, and to what.
-    pub switches: Vec<(u64, AnchoringKind)>,
-    /// After which steps, and when, the mesh has followed the membrane.
-    pub mesh_changes: Vec<(u64, f64)>,
+    /// What the curves are marked with.
+    pub marks: Vec<RunMark>,
     /// What.
     pub what: What,
 }
@@ -214,8 +212,7 @@ mod tests {
         Job {
             name: "circle".into(),
             scene,
-            switches: Vec::new(),
-            mesh_changes: Vec::new(),
+            marks: Vec::new(),
             what: What::Set(vec![Arc::new(picture)], Arc::new(Mutex::new(autosave))),
         }
     }

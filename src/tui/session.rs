@@ -16,7 +16,6 @@ use std::time::{Duration, Instant};
 
 use signal_hook::consts::{SIGINT, SIGQUIT};
 
-use super::app::set_anchoring;
 use super::autosave::{self, Autosave, SharedAutosave};
 use super::brake::Brake;
 use super::canvas::Canvas;
@@ -511,28 +510,17 @@ impl Session {
         let slot = self.app.slots.get(slot);
         let run = slot.and_then(|slot| {
             let run = slot.run.as_ref()?;
-            Some((slot, run, run.setting.as_ref()?))
+            run.setting.as_ref().map(|_| (slot, run))
         });
-        let Some((slot, run, setting)) = run else {
+        let Some((slot, run)) = run else {
             let reason = "the run has no state yet".to_owned();
             return self.message(Message::Saved(Err(reason)));
         };
-        let what = what(run);
-        let mut switches = run.history.marks.clone();
-        let mesh_changes = run.history.mesh_changes.clone();
-        let mut scene = setting.scene.clone();
-        if let What::View(picture, _) = &what {
-            switches.retain(|(step, _)| *step < picture.report.step);
-            if let Some(kind) = picture.anchoring {
-                set_anchoring(&mut scene, kind);
-            }
-        }
         self.saver.give(Job {
             name: slot.name.clone(),
-            scene: Arc::new(scene),
-            switches,
-            mesh_changes,
-            what,
+            scene: Arc::clone(&slot.scene),
+            marks: run.history.marks.clone(),
+            what: what(run),
         });
         Ok(())
     }

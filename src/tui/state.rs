@@ -1,5 +1,7 @@
 //! What the app knows: plain data, changed by [`update`](super::update) alone and drawn by the panels.
 
+use super::knobs::Knobs;
+use crate::scene::Assignment;
 use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -140,8 +142,12 @@ pub struct Run {
     pub picture: Option<Arc<RunSnapshot>>,
     /// Older fields, within a budget of memory.
     pub past: FrameHistory,
-    /// When the anchoring was switched since the run was started or resumed: the time, and to what.
-    pub switches: Vec<(f64, AnchoringKind)>,
+    /// How many changes were made by hand since the run was started or resumed.
+    pub changes: usize,
+    /// The values before these, for taking them back.
+    pub undo: Vec<Vec<Assignment>>,
+    /// Whether the change that is asked for takes one back.
+    pub undoing: bool,
     /// Its measured error, once that was asked for.
     pub measurement: Option<Measurement>,
     /// Fields at the report's times, none lost: what `S` draws.
@@ -169,8 +175,8 @@ pub struct Measurement {
     pub share: f64,
     /// The errors, in the order of time.
     pub rows: Vec<ErrorRow>,
-    /// How often the anchoring had been switched when it began, and the end of the run.
-    switches: usize,
+    /// How many changes had been made when it began, and the end of the run.
+    changes: usize,
     end: Option<f64>,
 }
 
@@ -181,14 +187,14 @@ impl Measurement {
             is_going: true,
             share: 0.0,
             rows: Vec::new(),
-            switches: run.switches.len(),
+            changes: run.changes,
             end: run.end(),
         }
     }
 
-    /// Whether it is of the run as it is now: it has got no other anchoring since, and no later end.
+    /// Whether it is of the run as it is now: its scene has not changed since, and no later end.
     pub fn is_of(&self, run: &Run) -> bool {
-        self.switches == run.switches.len() && self.end == run.end()
+        self.changes == run.changes && self.end == run.end()
     }
 
     /// The errors at the last measured time that is not after this one.
@@ -307,6 +313,8 @@ pub enum Overlay {
     Accuracy(PriceList),
     /// The measured error of the run that is shown.
     Measured,
+    /// The parameters that can change while the run goes.
+    Knobs(Knobs),
     /// A long text to read: an error of a scene with its lines.
     Message {
         /// The heading.

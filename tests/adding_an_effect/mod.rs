@@ -175,8 +175,7 @@ fn its_energy_is_in_the_record_in_a_figure_and_in_the_app() {
     let data = RunData {
         name: "small".to_owned(),
         scene: Arc::new(scene.clone()),
-        switches: Vec::new(),
-        mesh_changes: Vec::new(),
+        marks: Vec::new(),
         history,
         snapshots: Vec::new(),
         command: String::new(),

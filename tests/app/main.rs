@@ -4,6 +4,7 @@
 
 #![cfg(target_os = "linux")]
 
+mod changing;
 mod ending;
 mod input;
 mod keeping;

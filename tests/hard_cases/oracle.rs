@@ -5,7 +5,7 @@ use std::fmt;
 use vesica::fem::{Contour, Mesh};
 use vesica::geometry::{Point, length};
 use vesica::physics::NamedValue;
-use vesica::scene::{AnchoringKind, Scene, Shape};
+use vesica::scene::{AnchoringKind, Change, Scene, Shape};
 use vesica::scheme::{Scheme, State, initial_fields};
 use vesica::simulation::Simulation;
 
@@ -152,7 +152,12 @@ impl<'a> Watch<'a> {
             let least = worst.least_dissipation.unwrap_or(f64::INFINITY);
             worst.least_dissipation = Some(least.min(term.value / scale));
         }
-        worst.rise = worst.rise.max((step.total_energy - self.before) / scale);
+        let works = step.ledger.iter();
+        let works = works.filter(|term| term.name == "change_work");
+        // Minus the work of changes.
+        let work: f64 = works.map(|term| term.value).sum();
+        let rise = step.total_energy - self.before + work;
+        worst.rise = worst.rise.max(rise / scale);
         let drift = (step.phase_integral - self.volume).abs() / self.size;
         worst.drift = worst.drift.max(drift);
         self.before = step.total_energy;
@@ -202,8 +207,10 @@ fn plainly(case: &Case, scene: &Scene, steps: u64, worst: &mut Worst) -> Result<
                 AnchoringKind::None,
                 AnchoringKind::Homeotropic,
             ];
-            let switched = simulation.set_anchoring(kinds[(number / 10 % 3) as usize]);
-            watch.before = switched.map_err(|error| error.to_string())?.total_energy;
+            let set = Change::of_anchoring(kinds[(number / 10 % 3) as usize]);
+            simulation
+                .change(set, 0.0)
+                .map_err(|error| error.to_string())?;
         }
         let report = simulation
             .advance()

@@ -153,7 +153,7 @@ impl Effect for Source {
     }
 
     /// The clock was set before the step.
-    fn set_interval(&mut self, _: Interval) -> bool {
+    fn set_interval(&mut self, _: Interval) {
         let (model, t) = (&self.model, self.clock.now());
         let tension = model.tension(t);
         self.places.fill([&mut self.membrane], |place| {
@@ -164,7 +164,6 @@ impl Effect for Source {
             self.places
                 .fill([x, y], |place| model.director_excess(place, t));
         }
-        false
     }
 
     fn add_director_force(&self, step: &PatchStep<'_>, form: &mut DirectorForm, _: &mut Room) {

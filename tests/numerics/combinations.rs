@@ -195,37 +195,6 @@ fn the_law_closes_where_noise_works_far_more_than_there_is_energy() {
     }
 }
 
-/// The energy jumps when a field is switched on, and no step is held to account for it.
-#[test]
-fn a_switched_field_is_no_step() {
-    let settings = [
-        &TIGHT[..],
-        &["field={ weight = 300, from = 1.6e-6, until = 3.4e-6 }"],
-    ]
-    .concat();
-    let mut scheme = scheme(&scene(SMALL, &settings));
-    let energy = |report: &StepReport| named(&report.energies, "field");
-    assert_eq!(energy(scheme.report()), 0.0);
-    // On in the steps whose middle lies between: those from 2e-6 to 3e-6 alone.
-    let mut jumps = Vec::new();
-    for step in 1..=5 {
-        let before = scheme.report().total_energy;
-        let report = scheme.step(1e-6).expect("a solved step");
-        check(report, &format!("step {step}"));
-        assert_eq!(energy(report) < 0.0, step == 3, "step {step}");
-        let change = report.total_energy - before;
-        let unexplained = change - named(&report.ledger, "dE");
-        match report.switched {
-            Some(jump) => {
-                assert!((unexplained - jump).abs() < 1e-12 * energy_scale(report));
-                jumps.push((step, jump > 0.0));
-            }
-            None => assert_eq!(unexplained, 0.0),
-        }
-    }
-    assert_eq!(jumps, [(3, false), (4, true)]);
-}
-
 /// The same seed gives the same bits, another seed another run.
 #[test]
 fn noise_repeats_with_its_seed() {

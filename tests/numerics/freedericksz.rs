@@ -131,8 +131,7 @@ fn growth(space: &Space, susceptibility: f64, dt: f64) -> f64 {
         weight: susceptibility,
         strength: 1.0,
         angle: 0.0,
-        from: 0.0,
-        until: None,
+        ..scene::Field::default()
     };
     let mut effects: Vec<Box<dyn Effect>> = vec![
         Box::new(Nematic::new(&nematic)),

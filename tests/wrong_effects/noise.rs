@@ -40,8 +40,8 @@ impl Effect for Booked {
         0.0
     }
 
-    fn set_interval(&mut self, interval: Interval) -> bool {
-        self.noise.set_interval(interval)
+    fn set_interval(&mut self, interval: Interval) {
+        self.noise.set_interval(interval);
     }
 
     fn director_coupling(&self) -> Option<DirectorCoupling> {

@@ -20,7 +20,7 @@ fn decoded(file: &[u8]) -> (Vec<u8>, usize, ::png::Info<'static>) {
 }
 
 fn provenance(run: &RunData) -> Provenance {
-    let label = RunLabel::new(&run.name, &run.scene, &run.switches);
+    let label = RunLabel::new(&run.name, &run.scene, f64::INFINITY);
     let shown = Shown {
         label: &label,
         scene: &run.scene,
@@ -53,7 +53,11 @@ fn a_pixel_has_the_colour_of_the_value_at_its_centre() {
         command: "",
     };
     let options = options(600);
-    let drawing = view::draw(&view, &RunLabel::new("ramp", &scene, &[]), &options);
+    let drawing = view::draw(
+        &view,
+        &RunLabel::new("ramp", &scene, f64::INFINITY),
+        &options,
+    );
     let drawing = drawing.expect("room for it");
     let pixels = pixels::pixels(&drawing).expect("it is drawn");
     let file = png::encode(
@@ -172,7 +176,7 @@ fn golden_drawing() -> Drawing {
     let view = first_view(&run, &report, Field::Phase);
     view::draw(
         &view,
-        &RunLabel::new("golden", &run.scene, &[]),
+        &RunLabel::new("golden", &run.scene, f64::INFINITY),
         &options(400),
     )
     .expect("room for it")

@@ -1,16 +1,18 @@
 //! Keeping a run while it goes.
 
 use super::{Content, KeptRun, KeptRuns};
+use crate::record::RunMark;
 use crate::record::atomic::size;
 use crate::record::checkpoint::{APP, Keeper};
 use crate::record::folder::clear;
 use crate::record::history::{Tables, TablesRows};
 use crate::record::scene_file::write_scene;
 use crate::record::{RecordError, RunFolder};
-use crate::scene::AnchoringKind;
-use crate::simulation::{Report, SimulationCheckpoint, StepProgress};
+use crate::scene::Change;
+use crate::simulation::{Event, Report, SimulationCheckpoint, StepProgress};
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// How long rows stay in memory only.
@@ -51,8 +53,11 @@ impl KeptRuns {
     /// [`RecordError`] where its files cannot be read or written any more.
     pub fn go_on(&self, kept: &KeptRun) -> Result<RunKeeper, RecordError> {
         let content = &kept.content;
+        let mut runs = self.clone();
+        Arc::make_mut(&mut runs.scene).changes = content.checkpoint.changes().to_vec();
         let mut keeper = RunKeeper {
             content: content.clone(),
+            runs,
             reached: Some(content.checkpoint.step()),
             ..self.begin()
         };
@@ -129,23 +134,23 @@ impl RunKeeper {
         self.latest = Some(report.clone());
     }
 
-    /// Takes in a switch of the anchoring, with the energies of the unchanged state.
-    pub fn switch(&mut self, kind: AnchoringKind, report: &Report) {
-        let computed = self.content.computed;
-        if let Some(tables) = &mut self.tables {
-            // The jump is seen between two rows.
-            if let Some(before) = &self.latest {
-                tables.append(before, computed);
-            }
-            tables.append_scalars(report, computed);
+    /// Takes in a change of the scene that was made while the run goes.
+    ///
+    /// # Errors
+    /// [`RecordError`]: the scene that stands beside the state cannot be written again.
+    pub fn changed(&mut self, change: &Change) -> Result<(), RecordError> {
+        let scene = Arc::make_mut(&mut self.runs.scene);
+        // The run has it, so it is one that the scene can have.
+        let _ = scene.add_change(change);
+        match &self.folder {
+            Some(folder) => write_scene(folder.path(), &self.runs.scene),
+            None => Ok(()),
         }
-        self.content.switches.push((report.step, kind));
-        self.latest = Some(report.clone());
     }
 
-    /// Takes in that the mesh has followed the membrane after a step.
-    pub fn mesh_changed(&mut self, step: u64, t: f64) {
-        self.content.mesh_changes.push((step, t));
+    /// Takes in an event that curves are marked with.
+    pub fn mark(&mut self, event: &Event) {
+        self.content.marks.extend(RunMark::of(event));
     }
 
     /// Writes the rows if it is time: whether that went well.

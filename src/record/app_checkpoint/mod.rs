@@ -17,7 +17,8 @@ use super::folder::{SCENE, all_numbered, clear, rename_numbered};
 use super::history::{Tables, TablesCheckpoint};
 use super::scene_file::identity;
 use super::{Columns, Found, ReadError, RecordError, Resumption, RunFolder};
-use crate::scene::{AnchoringKind, Scene};
+use crate::record::RunMark;
+use crate::scene::Scene;
 use crate::simulation::SimulationCheckpoint;
 use serde::{Deserialize, Serialize};
 use std::ffi::{OsStr, OsString};
@@ -35,8 +36,7 @@ struct Content {
     scene: String,
     checkpoint: SimulationCheckpoint,
     tables: TablesCheckpoint,
-    switches: Vec<(u64, AnchoringKind)>,
-    mesh_changes: Vec<(u64, f64)>,
+    marks: Vec<RunMark>,
     /// Seconds of computing.
     computed: f64,
 }
@@ -61,14 +61,9 @@ impl KeptRun {
         self.content.checkpoint.step()
     }
 
-    /// The steps at which the anchoring was switched, and to what.
-    pub fn switches(&self) -> &[(u64, AnchoringKind)] {
-        &self.content.switches
-    }
-
-    /// After which steps, and when, the mesh has followed the membrane.
-    pub fn mesh_changes(&self) -> &[(u64, f64)] {
-        &self.content.mesh_changes
+    /// What curves of it are marked with.
+    pub fn marks(&self) -> &[RunMark] {
+        &self.content.marks
     }
 
     /// Its folder.
@@ -251,8 +246,7 @@ impl KeptRuns {
                 scene: self.identity.clone(),
                 checkpoint: content.simulation.clone(),
                 tables: content.tables.clone(),
-                switches: Vec::new(),
-                mesh_changes: content.mesh_changes(),
+                marks: content.marks(),
                 computed: 0.0,
             },
             folder,

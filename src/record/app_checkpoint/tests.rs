@@ -1,9 +1,11 @@
 use super::keeper::{STEPS_WITH_ROWS, has_row};
 use super::*;
+use crate::record::RunMark;
 use crate::record::atomic::size;
 use crate::record::scene_file::tests::scene;
 use crate::record::{Ending, IfOccupied, RecorderBuilder, Settings};
 use crate::scene::AnchoringKind;
+use crate::scene::Change;
 use crate::simulation::{Report, Simulation};
 use std::time::Duration;
 use tempfile::TempDir;
@@ -106,12 +108,21 @@ fn the_rows_after_the_state_are_taken_back_and_the_file_grows() {
     place.simulation.restore(run.checkpoint()).unwrap();
     keeper.step(place.simulation.report());
     place.advance(&mut keeper);
-    keeper.switch(AnchoringKind::Parallel, place.simulation.report());
+    let set = Change::of_anchoring(AnchoringKind::Parallel);
+    let change = place.simulation.change(set, 0.0).unwrap().clone();
+    keeper.changed(&change).unwrap();
+    place.simulation.advance().unwrap();
+    let event = place.simulation.drain_events().pop().unwrap();
+    keeper.mark(&event);
+    keeper.step(place.simulation.report());
     assert_eq!(place.keep(&mut keeper), folder);
+    let kept = fs::read_to_string(folder.join("scene.toml")).unwrap();
+    assert!(kept.contains("[[change]]"), "{kept}");
     drop((keeper, search));
     let run = place.runs.find().run.expect("it is kept");
-    assert_eq!(steps(&run.rows().unwrap()), [0.0, 1.0, 2.0, 2.0]);
-    assert_eq!(run.switches(), [(2, AnchoringKind::Parallel)]);
+    assert_eq!(steps(&run.rows().unwrap()), [0.0, 1.0, 2.0, 3.0]);
+    assert_eq!(run.marks(), [RunMark::of(&event).unwrap()]);
+    assert_eq!(run.checkpoint().changes(), [change]);
     assert_eq!(place.names().len(), 1);
 }
 

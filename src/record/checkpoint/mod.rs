@@ -20,7 +20,8 @@ pub use error::{CheckpointError, Problem};
 pub(super) use store::Keeper;
 
 use super::history::TablesCheckpoint;
-use super::summary::{EventRecord, Totals};
+use super::mark::RunMark;
+use super::summary::Totals;
 use crate::simulation::SimulationCheckpoint;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -34,7 +35,7 @@ pub(super) const RUN: Magic = *b"VESICACP";
 pub(super) const APP: Magic = *b"VESICAAP";
 
 /// Raised whenever the content becomes another.
-const VERSION: u32 = 6;
+const VERSION: u32 = 7;
 
 /// Magic, version, length.
 const HEADER: usize = 8 + 4 + 8;
@@ -60,10 +61,10 @@ pub(super) struct Content {
 }
 
 impl Content {
-    /// After which steps, and when, the mesh has followed the membrane.
-    pub fn mesh_changes(&self) -> Vec<(u64, f64)> {
+    /// What curves of the run are marked with.
+    pub fn marks(&self) -> Vec<RunMark> {
         let events = self.totals.events.iter();
-        events.filter_map(EventRecord::mesh_change).collect()
+        events.filter_map(RunMark::of_record).collect()
     }
 }
 

@@ -3,7 +3,7 @@
 use super::super::bounded_read::read_file_text;
 use super::super::folder::{FIELDS, SCENE, SUMMARY};
 use super::super::summary::EventRecord;
-use super::super::{Columns, LoadedScene, load_run_scene};
+use super::super::{Columns, LoadedScene, RunMark, load_run_scene};
 use super::{LARGEST, ReadError, read_fields};
 use crate::fem::Mesh;
 use crate::scene::{self, Scene};
@@ -33,7 +33,7 @@ pub struct RecordedRun {
     /// The scalars of the rows.
     pub history: Columns,
     /// After which steps, and when, the mesh has followed the membrane.
-    pub mesh_changes: Vec<(u64, f64)>,
+    pub marks: Vec<RunMark>,
     /// The fields that were saved, in the order of time, those at the end included.
     pub fields: Vec<Snapshot>,
 }
@@ -94,19 +94,19 @@ pub fn read_run(folder: &Path) -> Result<RecordedRun, ReadError> {
     Ok(RecordedRun {
         scene,
         history,
-        mesh_changes: mesh_changes(folder),
+        marks: marks(folder),
         fields,
     })
 }
 
-/// When the mesh has changed, by `run.json`. A run of which that cannot be read has none: nothing but marks depends on it.
-fn mesh_changes(folder: &Path) -> Vec<(u64, f64)> {
+/// What its curves are marked with, by `run.json`. A run of which that cannot be read has no marks.
+fn marks(folder: &Path) -> Vec<RunMark> {
     let events = read_file_text(&folder.join(SUMMARY), LARGEST)
         .ok()
         .and_then(|text| serde_json::from_str::<serde_json::Value>(&text).ok())
         .and_then(|mut summary| serde_json::from_value(summary.get_mut("events")?.take()).ok());
     let events: Vec<EventRecord> = events.unwrap_or_default();
-    events.iter().filter_map(EventRecord::mesh_change).collect()
+    events.iter().filter_map(RunMark::of_record).collect()
 }
 
 /// The files `step-N.vtu` of a folder, by N; none, if it is not there.
@@ -246,7 +246,8 @@ mod tests {
         }
         assert!(Arc::ptr_eq(&run.fields[2].mesh, &run.fields[3].mesh));
         assert!(!Arc::ptr_eq(&run.fields[1].mesh, &run.fields[2].mesh));
-        assert_eq!(run.mesh_changes, [(1, 1e-7)]);
+        let mark = |mark: &RunMark| (mark.step, mark.t);
+        assert_eq!(run.marks.iter().map(mark).collect::<Vec<_>>(), [(1, 1e-7)]);
         let text = fs::read_to_string(folder.path().join("run.json")).expect("a file");
         let summary: serde_json::Value = serde_json::from_str(&text).expect("JSON");
         let event = &summary["events"][0];

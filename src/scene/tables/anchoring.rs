@@ -13,9 +13,9 @@ table! {
     #[derive(Copy, Serialize, Deserialize)]
     pub struct Anchoring {
         /// The direction that the membrane prefers: across it, along it, or none.
-        kind: AnchoringKind = AnchoringKind::Homeotropic;
+        @tunable kind: AnchoringKind = AnchoringKind::Homeotropic;
         /// λ_anch, the weight of the energy.
-        weight: f64 = 10.1, NOT_NEGATIVE;
+        @tunable weight: f64 = 10.1, NOT_NEGATIVE;
     }
 }
 

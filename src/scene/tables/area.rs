@@ -8,9 +8,9 @@ table! {
     #[derive(Copy)]
     pub struct Area {
         /// β as a fraction of B(φ⁰), the area at the start.
-        target: f64 = 1.25, POSITIVE;
+        @tunable target: f64 = 1.25, POSITIVE;
         /// η: the smaller, the more strictly the area is kept.
-        penalty: f64 = 1e-3, POSITIVE;
+        @tunable penalty: f64 = 1e-3, POSITIVE;
     }
 }
 

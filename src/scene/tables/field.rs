@@ -2,7 +2,9 @@
 
 use super::{Rules, Scene};
 use crate::geometry::{Vector, direction};
+use crate::scene::change::{Assignment, Change};
 use crate::scene::error::SceneError;
+use crate::scene::parameter::ParameterValue;
 use crate::scene::reader::{FINITE, NOT_NEGATIVE, Reader};
 use crate::scene::warning::Warning;
 
@@ -14,11 +16,13 @@ table! {
     #[derive(Copy)]
     pub struct Field {
         /// χ: the director turns along the field where it is positive, across it where it is negative.
-        weight: f64 = 1000.0, FINITE;
+        @tunable weight: f64 = 1000.0, FINITE;
         /// The length of H.
-        strength: f64 = 1.0, NOT_NEGATIVE;
+        @tunable strength: f64 = 1.0, NOT_NEGATIVE;
         /// The angle of H to the x axis, in degrees.
-        angle: f64 = 0.0, FINITE;
+        @tunable angle: f64 = 0.0, FINITE;
+        /// Whether it is on.
+        @tunable on: bool = true;
         /// When it is switched on, rounded to the nearest end of a step.
         from: f64 = 0.0, NOT_NEGATIVE;
         /// When it is switched off, later than `from` and rounded likewise; never by default.
@@ -48,9 +52,23 @@ impl Rules for Field {
         }
     }
 
-    fn next_event(&self, t: f64) -> Option<f64> {
-        let switches = [Some(self.from), self.until].into_iter().flatten();
-        switches.filter(|switch| *switch > t).min_by(f64::total_cmp)
+    /// `from` and `until`.
+    fn changes(&self) -> Vec<Change> {
+        let switch = |at: f64, is_on: bool| Change {
+            at,
+            over: 0.0,
+            set: vec![Assignment {
+                key: "field.on".to_owned(),
+                value: ParameterValue::Switch(is_on),
+            }],
+        };
+        let on = (self.on && self.from > 0.0).then(|| switch(self.from, true));
+        let off = self.until.map(|until| switch(until, false));
+        on.into_iter().chain(off).collect()
+    }
+
+    fn undo_changes(&mut self) {
+        self.on &= self.from <= 0.0;
     }
 
     fn warnings(&self, scene: &Scene) -> Vec<Warning> {

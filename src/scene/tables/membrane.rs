@@ -16,9 +16,9 @@ table! {
         /// ε, the width of the interface.
         interface_width: f64 = 0.01, POSITIVE;
         /// γ_ben, the mobility of the membrane.
-        mobility: f64 = 0.01, POSITIVE;
+        @tunable mobility: f64 = 0.01, POSITIVE;
         /// The spontaneous curvature k(x).
-        spontaneous_curvature: ScalarField = ScalarField::Constant(0.0), CURVATURE;
+        @tunable spontaneous_curvature: ScalarField = ScalarField::Constant(0.0), CURVATURE;
     }
 }
 

@@ -5,10 +5,11 @@
 //! The tables of the effects are optional: without its table, a scene is without the effect. They are listed
 //! below; from the list follows all that must know of them.
 
+use super::change::{Change, read_changes};
 use super::error::{Problem, SceneError};
 use super::nodal_file::{Context, NodalKey, NodalValues};
-use super::parameter::{DefaultValue, Parameter, Value};
-use super::reader::Reader;
+use super::parameter::{DefaultValue, Parameter, ParameterValue, Value};
+use super::reader::{Field as TomlField, Reader};
 use super::warning::Warning;
 use super::write::quoted;
 
@@ -31,6 +32,29 @@ pub(super) trait Table: Rules {
 
     /// Its keys and their values as TOML.
     fn write(&self) -> Vec<(&'static str, String)>;
+
+    /// Reads a value for a parameter of it that can change while a run goes; `None`: for no such parameter, or a value that it
+    /// cannot change to.
+    fn read_tunable(
+        _key: &str,
+        _value: &TomlField<'_>,
+        _context: &mut Context<'_>,
+    ) -> Result<Option<ParameterValue>, SceneError>
+    where
+        Self: Sized,
+    {
+        Ok(None)
+    }
+
+    /// The value of one of its parameters, if it is one that changes have.
+    fn parameter(&self, _key: &str) -> Option<ParameterValue> {
+        None
+    }
+
+    /// Gives one of its parameters the value of a change; returns whether it has taken it.
+    fn set_parameter(&mut self, _key: &str, _value: &ParameterValue) -> bool {
+        false
+    }
 
     /// Whether it [needs the director](Rules::needs_director).
     fn is_on_director(&self) -> bool {
@@ -81,10 +105,13 @@ pub(super) trait Rules {
         Err(table.error(Problem::DirectorWithoutNematic { table: name }))
     }
 
-    /// The next time after t at which the effect is switched.
-    fn next_event(&self, _t: f64) -> Option<f64> {
-        None
+    /// The changes that keys of its own stand for, as `from` and `until` of a field do.
+    fn changes(&self) -> Vec<Change> {
+        Vec::new()
     }
+
+    /// Makes it what it is before these.
+    fn undo_changes(&mut self) {}
 
     /// What is allowed in it but probably not meant.
     fn warnings(&self, _scene: &Scene) -> Vec<Warning> {
@@ -93,7 +120,7 @@ pub(super) trait Rules {
 }
 
 /// Declares a table: `key: type = default, bound;`. A parameter without a default must be given. Of the bound,
-/// see the type in `parameter.rs`; a choice has none.
+/// see the type in `parameter.rs`; a choice has none. `@tunable` before the key: it can change while a run goes.
 macro_rules! table {
     (@default $Table:ident $($key:ident: $Type:ty = $default:expr,)+) => {
         impl Default for $Table {
@@ -111,13 +138,15 @@ macro_rules! table {
     (@words $Type:ty) => { DefaultValue::Required };
     (@bound $bound:expr) => { &$bound };
     (@bound) => { &() };
+    (@is_tunable tunable) => { true };
+    (@is_tunable) => { false };
     (
         $(#[doc = $about:literal])+
         $(#[derive($($derive:path),+)])?
         pub struct $Table:ident {
             $(
                 $(#[doc = $words:literal])+
-                $key:ident: $Type:ty $(= $default:expr)? $(, $bound:expr)?;
+                $(@ $tunable:ident)? $key:ident: $Type:ty $(= $default:expr)? $(, $bound:expr)?;
             )+
         }
     ) => {
@@ -145,7 +174,34 @@ macro_rules! table {
                         allowed: <$Type as Value>::words(table!(@bound $($bound)?)),
                         nodal_key: <$Type as Value>::nodal_key(table!(@bound $($bound)?)),
                         kinds: &[],
+                        is_tunable: table!(@is_tunable $($tunable)?),
                     }),+]
+                }
+
+                fn read_tunable(
+                    key: &str,
+                    value: &TomlField<'_>,
+                    context: &mut Context<'_>,
+                ) -> Result<Option<ParameterValue>, SceneError> {
+                    $(if key == stringify!($key) && table!(@is_tunable $($tunable)?) {
+                        let value: $Type = Value::read(value, table!(@bound $($bound)?), context)?;
+                        return Ok(value.to_parameter());
+                    })+
+                    Ok(None)
+                }
+
+                fn parameter(&self, key: &str) -> Option<ParameterValue> {
+                    $(if key == stringify!($key) {
+                        return self.$key.to_parameter();
+                    })+
+                    None
+                }
+
+                fn set_parameter(&mut self, key: &str, value: &ParameterValue) -> bool {
+                    $(if key == stringify!($key) {
+                        return self.$key.set_parameter(value);
+                    })+
+                    false
                 }
 
                 fn read(
@@ -238,6 +294,8 @@ macro_rules! scene {
             )+
             /// How the equations are solved.
             pub solver: Solver,
+            /// What changes while the run goes, in the order of time; of the same time, in the order of the text.
+            pub changes: Vec<Change>,
         }
 
         /// A scene that says nothing: bending alone.
@@ -252,6 +310,7 @@ macro_rules! scene {
                     membrane: Membrane::default(),
                     $($(#[cfg($cfg)])? $name: None,)+
                     solver: Solver::default(),
+                    changes: Vec::new(),
                 }
             }
         }
@@ -291,7 +350,7 @@ macro_rules! scene {
             ) -> Result<Self, SceneError> {
                 context.mesh = Mesh::read(top.table("mesh")?, &mut context)?;
                 let context = &mut context;
-                let scene = Self {
+                let mut scene = Self {
                     name,
                     boundary: Domain::read(top.table("domain")?, context)?.boundary,
                     vesicle: Vesicle::read(top.table("vesicle")?, context)?,
@@ -303,6 +362,7 @@ macro_rules! scene {
                     },)+
                     solver: Solver::read(top.table("solver")?, context)?,
                     mesh: context.mesh.clone(),
+                    changes: Vec::new(),
                 };
                 for (name, table) in scene.named_tables() {
                     let read = top.table(name)?;
@@ -311,7 +371,63 @@ macro_rules! scene {
                     }
                     table.check_scene(&scene, &read)?;
                 }
+                read_changes(top, &mut scene, context)?;
                 Ok(scene)
+            }
+
+            /// What of the scene a change can concern: all but the mesh, the shape, and the changes.
+            pub(super) fn without_geometry(&self) -> Self {
+                Self {
+                    boundary: self.boundary,
+                    time: self.time,
+                    membrane: self.membrane.clone(),
+                    $($(#[cfg($cfg)])? $name: self.$name.clone(),)+
+                    solver: self.solver,
+                    ..Self::default()
+                }
+            }
+
+            /// Reads a value for a parameter that can change while a run goes; `None`: for no such parameter, or a value that
+            /// it cannot change to.
+            pub(super) fn read_tunable(
+                [table, key]: [&str; 2],
+                value: &TomlField<'_>,
+                context: &mut Context<'_>,
+            ) -> Result<Option<ParameterValue>, SceneError> {
+                if table == "membrane" {
+                    return Membrane::read_tunable(key, value, context);
+                }
+                $(
+                    $(#[cfg($cfg)])?
+                    {
+                        if table == stringify!($name) {
+                            return $Table::read_tunable(key, value, context);
+                        }
+                    }
+                )+
+                Ok(None)
+            }
+
+            /// Gives a parameter the value of a change, and brings the effect in if it is not there; returns whether the
+            /// parameter has taken it.
+            pub(super) fn set_parameter(
+                &mut self,
+                [table, key]: [&str; 2],
+                value: &ParameterValue,
+            ) -> bool {
+                if table == "membrane" {
+                    return self.membrane.set_parameter(key, value);
+                }
+                $(
+                    $(#[cfg($cfg)])?
+                    {
+                        if table == stringify!($name) {
+                            let table = self.$name.get_or_insert_default();
+                            return table.set_parameter(key, value);
+                        }
+                    }
+                )+
+                false
             }
 
             /// The tables that it has, but for `[domain]`.
@@ -389,15 +505,30 @@ impl Scene {
                 text += &format!("{key} = {value}\n");
             }
         }
+        for change in &self.changes {
+            text += &format!("\n[[change]]\n{}", change.to_toml());
+        }
         text
     }
 
-    /// The next time after t at which an effect is switched, as a field is.
-    pub fn next_event(&self, t: f64) -> Option<f64> {
-        let events = |(_, table): (_, &dyn Table)| table.next_event(t);
-        self.named_tables()
-            .filter_map(events)
-            .min_by(f64::total_cmp)
+    /// The value of a parameter, such as `area.target`, if it is one that changes have.
+    pub fn parameter(&self, key: &str) -> Option<ParameterValue> {
+        let (name, key) = key.split_once('.')?;
+        let (_, table) = self.named_tables().find(|(table, _)| *table == name)?;
+        table.parameter(key)
+    }
+
+    /// All changes: those that keys of its tables stand for, and its `[[change]]`, in the order of time.
+    pub(super) fn all_changes(&self) -> Vec<Change> {
+        let of_tables = self.named_tables().flat_map(|(_, table)| table.changes());
+        let mut changes: Vec<Change> = of_tables.chain(self.changes.iter().cloned()).collect();
+        changes.sort_by(|a, b| a.at.total_cmp(&b.at));
+        changes
+    }
+
+    /// Makes the tables what they are before the changes that keys of theirs stand for.
+    pub(super) fn undo_table_changes(&mut self) {
+        self.tables_mut().for_each(|table| table.undo_changes());
     }
 
     /// What the tables that it has warn of.

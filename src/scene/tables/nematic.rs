@@ -17,11 +17,11 @@ table! {
     /// The nematic order, E_nem = λ_nem ∫ I(φ) (½ ∇d:∇d + P(d)). Without it there is no director at all.
     pub struct Nematic {
         /// λ_nem, the weight of the energy.
-        weight: f64 = 10.1, NOT_NEGATIVE;
+        @tunable weight: f64 = 10.1, NOT_NEGATIVE;
         /// γ_nem, the mobility of the director.
-        mobility: f64 = 0.5, POSITIVE;
+        @tunable mobility: f64 = 0.5, POSITIVE;
         /// η_d: the smaller, the closer to 1 the length of d is held.
-        penalty: f64 = 0.075, POSITIVE;
+        @tunable penalty: f64 = 0.075, POSITIVE;
         /// d⁰, the director at the start.
         initial: InitialDirector = InitialDirector::Uniform([0.0, 1.0]), DIRECTOR;
     }

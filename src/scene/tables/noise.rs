@@ -9,7 +9,7 @@ table! {
     #[derive(Copy)]
     pub struct Noise {
         /// The temperature k_B T, in units of the energy.
-        strength: f64 = 1e-3, NOT_NEGATIVE;
+        @tunable strength: f64 = 1e-3, NOT_NEGATIVE;
         /// Of the random numbers.
         seed: u64 = SEED, SEEDS;
     }

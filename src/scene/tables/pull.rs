@@ -10,7 +10,16 @@ table! {
     /// A pull on the membrane, E = −∫ φ U: the vesicle is drawn to where U is large.
     pub struct Pull {
         /// U(x).
-        potential: ScalarField, POTENTIAL;
+        @tunable potential: ScalarField, POTENTIAL;
+    }
+}
+
+/// No pull: what a change of the potential starts from where the scene has none.
+impl Default for Pull {
+    fn default() -> Self {
+        Self {
+            potential: ScalarField::Constant(0.0),
+        }
     }
 }
 

@@ -8,7 +8,7 @@ table! {
     #[derive(Copy)]
     pub struct Tension {
         /// σ.
-        weight: f64 = 0.5, NOT_NEGATIVE;
+        @tunable weight: f64 = 0.5, NOT_NEGATIVE;
     }
 }
 

@@ -51,7 +51,7 @@ fn unknown_keys() {
         message("[aera]").replace("noise, tension,", "noise,"),
         "a.toml:1:2: unknown key 'aera' at the top level; did you mean 'area'? Allowed: name, accuracy, \
          domain, mesh, vesicle, time, membrane, area, nematic, anchoring, field, pull, \
-         noise, solver",
+         noise, solver, change",
     );
     assert_eq!(
         message("[time]\ncells = 12"),

@@ -4,6 +4,7 @@ use std::io;
 
 use super::*;
 
+mod changes;
 mod errors;
 mod guide;
 mod overrides;

@@ -1,6 +1,7 @@
 use super::*;
 use crate::fem::Mesh;
 use crate::scene::Scene;
+use crate::scene::Timetable;
 use crate::scheme::{StepError, initial_fields};
 
 const TEXT: &str = r#"
@@ -142,16 +143,12 @@ fn also_after_a_switched_anchoring_and_on_and_after_a_detour() {
         let scene = scene(&[quadrature]);
         let mut switched = scheme(&scene);
         run(&mut switched, 5);
-        let anchoring = Anchoring {
-            kind: AnchoringKind::Homeotropic,
-            weight: 20.0,
-        };
-        switched.set_anchoring(Some(&anchoring));
+        let homeotropic = "change=[{ at = 5e-6, set = { anchoring.kind = 'homeotropic', anchoring.weight = 20 } }]";
+        let scene = self::scene(&[quadrature, homeotropic]);
+        switched.set_timetable(Timetable::of(&scene));
         check(&scene, scheme_like(&scene, &switched), "just switched");
         run(&mut switched, 2);
         check(&scene, scheme_like(&scene, &switched), "switched");
-        switched.set_anchoring(None);
-        check(&scene, scheme_like(&scene, &switched), "none at all");
 
         // The detour ends after 16 steps: within the steps that the check takes.
         let mut fallback = scheme(&scene);
@@ -244,16 +241,13 @@ fn nothing_may_be_left_out() {
     let transform = scene(&[]);
     let factor = scene(&["solver.linear=factor"]);
     type Spoil = fn(&mut SchemeCheckpoint);
-    let controls: [(&str, &Scene, Spoil); 7] = [
+    let controls: [(&str, &Scene, Spoil); 6] = [
         ("history", &transform, |checkpoint| {
             checkpoint.history.forget()
         }),
         ("time", &transform, |checkpoint| checkpoint.t += 1e-6),
         ("increments", &transform, |checkpoint| {
             checkpoint.increments.as_mut().expect("a director").forget();
-        }),
-        ("anchoring", &transform, |checkpoint| {
-            checkpoint.anchoring.as_mut().expect("an anchoring").weight *= 2.0;
         }),
         ("energies", &transform, |checkpoint| {
             checkpoint.total_energy += 1e-9

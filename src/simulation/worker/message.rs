@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::super::{Event, Report, SetUp, SimulationCheckpoint, SimulationError, StepProgress};
 use crate::fem::Mesh;
-use crate::scene::{AnchoringKind, Scene, Warning};
+use crate::scene::{AnchoringKind, Assignment, Change, Scene, Warning};
 use crate::scheme::State;
 
 /// Identifies a run of a process: events of a run that was ended may still arrive.
@@ -31,9 +31,9 @@ pub struct WorkerConfig {
 }
 
 /// What can be asked of a worker. Commands are carried out between two steps, in the order in which they
-/// are sent. After T is reached only `Anchor` and `Until` are answered, because no step is left to be
+/// are sent. After T is reached only `Change` and `Until` are answered, because no step is left to be
 /// taken.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Command {
     /// Stop after the current step. Always answered by [`WorkerEvent::Paused`], even when it is paused
     /// already.
@@ -42,9 +42,14 @@ pub enum Command {
     Resume,
     /// Take one step, even beyond the horizon, and pause. Answered by [`WorkerEvent::Paused`].
     Step,
-    /// Another anchoring for the present state, from the next step on. Answered by
-    /// [`WorkerEvent::Anchored`]; where there is no director to anchor nothing happens.
-    Anchor(AnchoringKind),
+    /// Other parameters for the present state, from the next step on. Answered by [`WorkerEvent::Changed`] or
+    /// [`WorkerEvent::ChangeRefused`].
+    Change {
+        /// The parameters and their values.
+        set: Vec<Assignment>,
+        /// How long it takes to get there.
+        over: f64,
+    },
     /// Move the horizon (see [`WorkerConfig`]).
     Horizon(Option<f64>),
     /// Another T. A run that had reached its end is then paused: answered by
@@ -76,15 +81,12 @@ pub enum WorkerEvent {
     Reports(Vec<Report>),
     /// How far a step is that takes long: after a second, and every half second from then on.
     StepProgress(StepProgress),
-    /// Something happened. (A switched anchoring is reported as `Anchored`.)
+    /// Something happened.
     Event(Event),
-    /// The anchoring was switched: the same state as in the last report, its energy computed again.
-    Anchored {
-        /// The new kind.
-        kind: AnchoringKind,
-        /// The scalars of the unchanged state, with the new energies and an empty ledger.
-        report: Box<Report>,
-    },
+    /// The scene has this change now.
+    Changed(Change),
+    /// It cannot have it, and why.
+    ChangeRefused(String),
     /// One of the evenly spaced states that were ordered.
     Snapshot(Arc<RunSnapshot>),
     /// The state from which the run can be resumed: if ordered, at regular intervals, when it is

@@ -10,12 +10,11 @@ use std::time::{Duration, Instant};
 
 use super::super::claim::KeptFree;
 use super::super::{
-    EventKind, Report, Schedule, Simulation, SimulationCheckpoint, SimulationError,
-    threads_that_pay,
+    Report, Schedule, Simulation, SimulationCheckpoint, SimulationError, threads_that_pay,
 };
 use super::mailbox::{Mailbox, SnapshotOf, SnapshotPool};
 use super::{Command, Continuity, Failure, Message, RunId, Setting, WorkerConfig, WorkerEvent};
-use crate::scene::{AnchoringKind, Scene, Time};
+use crate::scene::{AnchoringKind, Assignment, Scene, Time};
 
 /// Bytes that reporting a state takes: a copy of it, and its bytes when it is written, in a block that grows by
 /// doubling. What is kept of case 3 has 370 bytes a node (`ls -l` of its file).
@@ -217,7 +216,7 @@ impl<Sink: Fn(Message)> Runner<Sink> {
                     simulation.follow(&schedule);
                     going &= rest != Some(IdleReason::Done);
                 }
-                Ok(Command::Anchor(kind)) => self.anchor(&mut simulation, kind),
+                Ok(Command::Change { set, over }) => self.change(&mut simulation, set, over),
                 Ok(Command::Keep) => self.tell_state(&simulation),
                 Ok(command @ (Command::Pause | Command::Step))
                     if rest != Some(IdleReason::Done) =>
@@ -246,14 +245,15 @@ impl<Sink: Fn(Message)> Runner<Sink> {
                 self.events.tell(WorkerEvent::SettingUp(part));
             }
             while let Some(command) = next_command(&self.commands) {
+                let is_end = command == Command::End;
                 self.waiting.push_back(command);
                 // Where nobody is left to ask, there is one end after another.
-                if command == Command::End {
+                if is_end {
                     break;
                 }
             }
             let before_steps = self.waiting.iter().take_while(|it| **it != Command::Step);
-            before_steps.copied().any(|it| it == Command::End)
+            before_steps.into_iter().any(|it| *it == Command::End)
         })
     }
 
@@ -375,18 +375,13 @@ impl<Sink: Fn(Message)> Runner<Sink> {
         }
     }
 
-    fn anchor(&mut self, simulation: &mut Simulation, kind: AnchoringKind) {
-        let Ok(report) = simulation.set_anchoring(kind) else {
-            return;
+    /// Changes parameters from the next step on, and answers.
+    fn change(&mut self, simulation: &mut Simulation, set: Vec<Assignment>, over: f64) {
+        let answer = match simulation.change(set, over) {
+            Ok(change) => WorkerEvent::Changed(change.clone()),
+            Err(error) => WorkerEvent::ChangeRefused(error.to_string()),
         };
-        let report = Box::new(report.clone());
-        for event in simulation.drain_events() {
-            if !matches!(event.kind, EventKind::AnchoringSwitched { .. }) {
-                self.events.tell(WorkerEvent::Event(event));
-            }
-        }
-        self.show(simulation);
-        self.events.tell(WorkerEvent::Anchored { kind, report });
+        self.events.tell(answer);
     }
 
     /// Puts the present state into the mailbox: that of the last whole step, with which everything else that is
@@ -397,7 +392,7 @@ impl<Sink: Fn(Message)> Runner<Sink> {
     }
 
     fn picture<'a>(&self, simulation: &'a Simulation) -> SnapshotOf<'a> {
-        let scene = simulation.scene();
+        let scene = simulation.parameters();
         let kind = scene
             .anchoring
             .map_or(AnchoringKind::None, |anchoring| anchoring.kind);

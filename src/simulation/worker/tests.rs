@@ -1,3 +1,4 @@
+use crate::scene::Change;
 use std::sync::OnceLock;
 use std::sync::mpsc::{Receiver, TryRecvError};
 
@@ -5,7 +6,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::super::tests::small;
-use super::super::{Costs, Event, EventKind, Report, SetUp, Simulation, State};
+use super::super::{Costs, Report, SetUp, Simulation, State};
 use super::*;
 use crate::scene::{AnchoringKind, InitialDirector, NodalValues};
 
@@ -85,7 +86,8 @@ fn word(event: &WorkerEvent) -> String {
         }
         WorkerEvent::StepProgress(underway) => format!("within {}", underway.step),
         WorkerEvent::Event(event) => event.kind.name().to_owned(),
-        WorkerEvent::Anchored { kind, report } => format!("{kind} at {}", report.step),
+        WorkerEvent::Changed(change) => format!("{change} at {:e}", change.at),
+        WorkerEvent::ChangeRefused(_) => "refused".to_owned(),
         WorkerEvent::Snapshot(picture) => format!("snapshot {}", picture.report.step),
         WorkerEvent::State(checkpoint) => format!("state {}", checkpoint.step()),
         WorkerEvent::Paused => "paused".to_owned(),
@@ -179,23 +181,30 @@ fn news_come_in_the_order_of_the_commands() {
     worker.tell(Command::Pause);
     let words: Vec<String> = (0..5).map(|_| word(&watched.next())).collect();
     assert_eq!(words, ["[2]", "paused", "[3]", "paused", "paused"]);
-    worker.tell(Command::Anchor(AnchoringKind::None));
-    assert_eq!(word(&watched.next()), "none at 3");
+    worker.tell(anchor(AnchoringKind::None));
+    assert_eq!(word(&watched.next()), "anchoring.kind = \"none\" at 3e-6");
     worker.tell(Command::Resume);
     let words = watched.words_until("done");
-    assert_eq!(words, ["resumed", "[4]", "[5]", "[6]", "done"]);
+    assert_eq!(
+        words,
+        ["resumed", "[4]", "parameters-changed", "[5]", "[6]", "done"]
+    );
     for command in [
         Command::Pause,
         Command::Step,
         Command::Resume,
         Command::Horizon(Some(0.0)),
-        Command::Anchor(AnchoringKind::Homeotropic),
+        anchor(AnchoringKind::Homeotropic),
     ] {
         worker.tell(command);
     }
-    assert_eq!(word(&watched.next()), "homeotropic at 6");
+    assert_eq!(
+        word(&watched.next()),
+        "anchoring.kind = \"homeotropic\" at 6e-6"
+    );
     let picture = worker.mailbox().fetch().unwrap();
-    assert_eq!(picture.anchoring, Some(AnchoringKind::Homeotropic));
+    // It would be the next step's.
+    assert_eq!(picture.anchoring, Some(AnchoringKind::None));
     assert_eq!(picture.report.step, 6);
 }
 
@@ -265,11 +274,15 @@ fn a_run_waits_at_its_horizon_until_that_moves() {
     worker.tell(Command::Horizon(Some(3.5e-6)));
     let words = watched.words_until("at the horizon");
     assert_eq!(words, ["resumed", "[4]", "at the horizon"]);
-    worker.tell(Command::Anchor(AnchoringKind::Homeotropic));
-    assert_eq!(word(&watched.next()), "homeotropic at 4");
+    worker.tell(anchor(AnchoringKind::Homeotropic));
+    assert_eq!(
+        word(&watched.next()),
+        "anchoring.kind = \"homeotropic\" at 4e-6"
+    );
     assert_eq!(fetched(worker).0, 4);
     worker.tell(Command::Step);
-    assert_eq!(watched.words_until("paused"), ["[5]", "paused"]);
+    let words = watched.words_until("paused");
+    assert_eq!(words, ["[5]", "parameters-changed", "paused"]);
     worker.tell(Command::Resume);
     assert_eq!(word(&watched.next()), "at the horizon");
     worker.tell(Command::Pause);
@@ -327,31 +340,28 @@ fn reports_are_gathered_and_none_is_held_back_at_rest() {
     assert_eq!(words, ["resumed", "[2, 3, 4, 5]", "done"]);
 }
 
-/// Repeats the switches that a worker has reported in a simulation without a worker.
+/// The command to change the anchoring.
+fn anchor(kind: AnchoringKind) -> Command {
+    Command::Change {
+        set: Change::of_anchoring(kind),
+        over: 0.0,
+    }
+}
+
+/// Repeats the changes that a worker has reported in a run of the scene that has them from the start.
 fn replay(scene: &Scene, event: &[WorkerEvent]) -> (Vec<Report>, State) {
-    let mut simulation = Simulation::new(scene).unwrap();
+    let mut scene = scene.clone();
+    for event in event {
+        if let WorkerEvent::Changed(change) = event {
+            scene.add_change(change).unwrap();
+        }
+    }
+    let mut simulation = Simulation::new(&scene).unwrap();
     let mut expected = vec![simulation.report().clone()];
-    let last = reports(event).len() as u64;
-    let mut switches = event.iter().filter_map(|event| match event {
-        WorkerEvent::Anchored { kind, report } => Some((*kind, report)),
-        _ => None,
-    });
-    let mut switch = switches.next();
-    loop {
-        while let Some((kind, report)) = switch
-            && report.step == simulation.report().step
-        {
-            let told = without_costs((**report).clone());
-            let done = without_costs(simulation.set_anchoring(kind).unwrap().clone());
-            assert_eq!(told, done);
-            switch = switches.next();
-        }
-        if expected.len() as u64 == last {
-            assert!(switch.is_none());
-            return (expected, simulation.state().clone());
-        }
+    for _ in 1..reports(event).len() {
         expected.push(without_costs(simulation.advance().unwrap().clone()));
     }
+    (expected, simulation.state().clone())
 }
 
 #[test]
@@ -378,12 +388,12 @@ fn a_thousand_commands_lose_nothing_and_double_nothing() {
             4..10 => Command::Resume,
             // Too few to reach T from the farthest horizon.
             10..13 => Command::Step,
-            13..15 => Command::Anchor(kinds[random.random_range(0..3)]),
+            13..15 => anchor(kinds[random.random_range(0..3)]),
             _ => Command::Horizon(Some(random.random_range(0.0..3e-4))),
         };
         match command {
             Command::Pause | Command::Step => answers += 1,
-            Command::Anchor(kind) => switches.push(kind),
+            Command::Change { ref set, .. } => switches.push(set.clone()),
             _ => {}
         }
         watched.worker.tell(command);
@@ -415,7 +425,7 @@ fn a_thousand_commands_lose_nothing_and_double_nothing() {
     let anchored: Vec<_> = event
         .iter()
         .filter_map(|event| match event {
-            WorkerEvent::Anchored { kind, .. } => Some(*kind),
+            WorkerEvent::Changed(change) => Some(change.set.clone()),
             _ => None,
         })
         .collect();
@@ -634,11 +644,9 @@ fn without_a_director_no_anchoring_is_told() {
     let scene = small(&["anchoring=false", "nematic=false"]);
     let watched = start(config(), scene);
     watched.words_until("paused");
-    watched
-        .worker
-        .tell(Command::Anchor(AnchoringKind::Parallel));
+    watched.worker.tell(anchor(AnchoringKind::Parallel));
     watched.worker.tell(Command::Step);
-    assert_eq!(watched.words_until("paused"), ["[1]", "paused"]);
+    assert_eq!(watched.words_until("paused"), ["refused", "[1]", "paused"]);
     let picture = watched.worker.mailbox().fetch().unwrap();
     assert_eq!((picture.anchoring, &picture.state.director), (None, &None));
 }
@@ -647,21 +655,12 @@ fn without_a_director_no_anchoring_is_told() {
 fn an_event_of_a_switch_is_told_once() {
     let watched = start(config(), small(&[]));
     watched.words_until("paused");
-    watched.worker.tell(Command::Anchor(AnchoringKind::None));
+    watched.worker.tell(anchor(AnchoringKind::None));
     watched.worker.tell(Command::Step);
     let event = watched.until(|event| matches!(event, WorkerEvent::Paused));
-    let switch = |event: &&WorkerEvent| {
-        matches!(
-            event,
-            WorkerEvent::Event(Event {
-                kind: EventKind::AnchoringSwitched { .. },
-                ..
-            })
-        )
-    };
-    assert_eq!(event.iter().filter(switch).count(), 0);
     let words: Vec<String> = event.iter().map(word).collect();
-    assert_eq!(words, ["none at 0", "[1]", "paused"]);
+    let change = "anchoring.kind = \"none\" at 0e0";
+    assert_eq!(words, [change, "[1]", "parameters-changed", "paused"]);
 }
 
 #[test]

@@ -63,7 +63,7 @@ impl Measure {
         HISTORY_COLUMNS.into_iter().chain(SHAPE)
     }
 
-    /// Reads `waist`, `min(E_total)`, `time(waist < 0.1)`, `event(switched)`, or a ratio `waist / length`.
+    /// Reads `waist`, `min(E_total)`, `time(waist < 0.1)`, `event(parameters-changed)`, or a ratio `waist / length`.
     ///
     /// # Errors
     /// [`NoMeasure`].

@@ -52,6 +52,30 @@ pub(super) fn at_present_with_director(app: &App) -> Result<(), &'static str> {
     }
 }
 
+pub(super) fn when_it_can_change(app: &App) -> Result<(), &'static str> {
+    on_one_run(app)?;
+    if app.looking_back.is_some() {
+        return Err("this is the past: End shows the present, which can be changed");
+    }
+    match app.active_run() {
+        None => Err("the run has not begun: e edits its scene"),
+        Some(run) if run.setting.is_none() => Err("the run is still set up"),
+        Some(run) if run.is_done() => {
+            Err("the run is over: space continues it, then it can be changed")
+        }
+        Some(run) if run.is_over() => Err("the run has failed: r restarts it, e edits its scene"),
+        Some(_) => Ok(()),
+    }
+}
+
+pub(super) fn with_a_change(app: &App) -> Result<(), &'static str> {
+    when_it_can_change(app)?;
+    match app.active_run() {
+        Some(run) if !run.undo.is_empty() && !run.undoing => Ok(()),
+        _ => Err("nothing was changed by hand"),
+    }
+}
+
 pub(super) fn on_a_case(app: &App) -> Result<(), &'static str> {
     match app.other_form() {
         Some(_) => Ok(()),

@@ -32,6 +32,16 @@ pub enum Action {
     Play,
     /// Switch the anchoring.
     NextAnchoring,
+    /// Show the parameters that can change while the run goes.
+    Knobs,
+    /// Take the last change back.
+    TakeBack,
+    /// A smaller or a larger value.
+    Turn(i32),
+    /// The duration of the change.
+    Duration,
+    /// Make the change.
+    Apply,
     /// Into the gallery or out of it.
     Gallery,
     /// This many stored pictures back.
@@ -115,6 +125,8 @@ pub enum Place {
     Accuracy,
     /// A long text.
     Message,
+    /// The parameters that can change; figures that mean nothing else are typed.
+    Knobs,
     /// Everywhere.
     Anywhere,
 }
@@ -127,6 +139,7 @@ impl Place {
             Some(Overlay::Help { .. }) => Self::Help,
             Some(Overlay::Confirm(_)) => Self::Confirm,
             Some(Overlay::Open { .. }) => Self::Open,
+            Some(Overlay::Knobs(_)) => Self::Knobs,
             Some(Overlay::Accuracy(_)) => Self::Accuracy,
             Some(Overlay::Message { .. } | Overlay::Prices { .. } | Overlay::Measured) => {
                 Self::Message
@@ -243,7 +256,8 @@ mod tests {
 
     use super::*;
 
-    const PLACES: [Place; 6] = [
+    const PLACES: [Place; 7] = [
+        Place::Knobs,
         Place::Main,
         Place::Help,
         Place::Confirm,

@@ -108,13 +108,13 @@ fn tall_curve(
     }
     // From the last one back: the name of a switch ends before the line of the next, or is left out.
     let mut end = plot.width;
-    for (step, kind) in run.history.marks.iter().rev() {
-        let share = *step as f64 / (curves.horizon as f64 + 1.0);
+    for (step, name) in run.history.changes().rev() {
+        let share = step as f64 / (curves.horizon as f64 + 1.0);
         let line = (share * f64::from(plot.width)) as u16;
-        let (offset, name) = (line + 1, kind.name());
+        let offset = line + 1;
         let room = end.saturating_sub(offset);
         end = line;
-        if name.len() as u16 <= room {
+        if name.chars().count() as u16 <= room {
             let area = Rect {
                 x: plot.x + offset,
                 width: room,

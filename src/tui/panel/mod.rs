@@ -12,6 +12,7 @@ mod footer;
 mod gallery;
 mod header;
 mod help;
+mod knobs;
 mod measured;
 mod plot;
 mod rows;
@@ -125,6 +126,7 @@ fn overlay(app: &App, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
             let typed = (text.as_str(), *chosen, error.as_deref());
             dialog::open(app, typed, theme, screen, buffer);
         }
+        Some(Overlay::Knobs(knobs)) => knobs::draw(knobs, theme, screen, buffer),
         Some(Overlay::Prices { text }) => {
             dialog::table("What each effect costs", text, theme, screen, buffer);
         }

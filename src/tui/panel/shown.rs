@@ -1,5 +1,6 @@
 //! What is shown: a run as it is now, or as it was.
 
+use crate::record::{MarkKind, RunMark};
 use std::time::Duration;
 
 use crate::scene::{AnchoringKind, Scene};
@@ -110,22 +111,15 @@ impl<'a> Shown<'a> {
         self.run?.history.surface_area.first()
     }
 
-    /// What the change of E_total is counted from: the start, or the last switch of the anchoring, where
-    /// the energy became another one. `None` at a time between switches, of which that is not stored.
+    /// What the change of E_total is counted from: the start, and the work of changes since.
     pub fn energy_at_start(&self) -> Option<f64> {
-        let history = &self.run?.history;
-        let step = self.report?.step;
-        match (history.marks.first(), history.marks.last()) {
-            (_, Some((last, _))) if step >= *last => history.baseline,
-            (Some((first, _)), _) if step >= *first => None,
-            _ => history.total_energy.first(),
-        }
+        self.run?.history.energy_at_start(self.report?.step)
     }
 
     /// The target β of the surface area, if the scene has one.
     pub fn target(&self) -> Option<f64> {
-        let area = self.scene().area?;
-        Some(area.target * self.initial_surface_area()?)
+        let target = self.scene().parameter_at(self.report?.t, "area.target")?;
+        Some(target.number()? * self.initial_surface_area()?)
     }
 
     /// How many vesicles there are, where that is why their size is not shown.
@@ -145,16 +139,17 @@ impl<'a> Shown<'a> {
         Schedule::new(&setting.scene.time, 1, 0).share(report.step, report.t)
     }
 
-    /// Steps where the mesh has followed the membrane, and where the anchoring was switched.
+    /// Steps where the mesh has followed the membrane, and where parameters changed.
     pub fn marks(&self) -> Vec<(u64, Mark)> {
         let Some(history) = self.run.map(|run| &run.history) else {
             return Vec::new();
         };
-        let meshes = history.mesh_changes.iter();
-        let switches = history.marks.iter();
-        (meshes.map(|(step, _)| (*step, Mark::Mesh)))
-            .chain(switches.map(|(step, _)| (*step, Mark::Switch)))
-            .collect()
+        let marks = history.marks.iter();
+        let mark = |mark: &RunMark| match mark.kind {
+            MarkKind::Mesh => (mark.step, Mark::Mesh),
+            MarkKind::Change { .. } => (mark.step, Mark::Switch),
+        };
+        marks.map(mark).collect()
     }
 
     /// What the curves of this run have in common.

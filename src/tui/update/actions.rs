@@ -8,8 +8,9 @@ use super::super::state::{
     App, Beyond, Director, Ending, Field, Keeping, Notice, Overlay, Panel, Question, Run, Save,
     Screen, Slot, Status,
 };
-use super::{accuracy, leave, measuring, pacing, remark, saving};
+use super::{accuracy, knobs, leave, measuring, pacing, remark, saving};
 use crate::record::ShortNumber;
+use crate::scene::{AnchoringKind, Change};
 use crate::simulation::{Command, RunId, step_count};
 
 /// The frame rates that the keys go through.
@@ -25,6 +26,8 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
         Action::Brake => pacing::turn_brake(app),
         Action::Play => pacing::play_or_stop(app),
         Action::NextAnchoring => next_anchoring(app, effects),
+        Action::Knobs => knobs::open(app),
+        Action::TakeBack => knobs::take_back(app, effects),
         Action::Gallery => gallery(app),
         Action::Older(pictures) => scrub(app, |index, _| index.saturating_sub(pictures)),
         Action::Newer(pictures) => scrub(app, |index, _| index.saturating_add(pictures)),
@@ -73,7 +76,10 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
         | Action::Complete
         | Action::Load
         | Action::Erase
-        | Action::Clear => {}
+        | Action::Clear
+        | Action::Turn(_)
+        | Action::Duration
+        | Action::Apply => {}
     }
 }
 
@@ -157,7 +163,10 @@ fn begin_anew(app: &mut App, index: usize) -> Option<RunId> {
     let slot = app.slots.get_mut(index)?;
     slot.kept = None;
     // It may have gone beyond its end.
-    Arc::make_mut(&mut slot.scene).time.end = slot.loaded.time.end;
+    let scene = Arc::make_mut(&mut slot.scene);
+    scene.time.end = slot.loaded.time.end;
+    // What was changed by hand holds from the start.
+    scene.begin_with_changes(&slot.loaded.changes);
     let run = slot.run.take()?;
     // The next run begins with the anchoring that was asked for, confirmed or not.
     if let Some(kind) = run.control.anchoring {
@@ -232,7 +241,7 @@ fn go_beyond(app: &mut App, beyond: Beyond, effects: &mut Vec<Effect>) {
     Arc::make_mut(&mut slot.scene).time.end = end;
     if let Beyond::Anchor(kind) = beyond {
         run.control.anchoring = Some(kind);
-        effects.push(Effect::Tell(run.id, Command::Anchor(kind)));
+        effects.push(Effect::Tell(run.id, anchor(kind)));
     }
     effects.push(Effect::Tell(run.id, Command::Until(end)));
     run.control.reopen();
@@ -309,11 +318,19 @@ fn next_anchoring(app: &mut App, effects: &mut Vec<Effect>) {
             if matches!(run.status, Status::Failed(_)) {
                 text = format!("the anchoring is {kind} when the run is restarted: r");
             } else {
-                effects.push(Effect::Tell(run.id, Command::Anchor(kind)));
+                effects.push(Effect::Tell(run.id, anchor(kind)));
             }
         }
     }
     remark(app, text);
+}
+
+/// The command to change the anchoring.
+fn anchor(kind: AnchoringKind) -> Command {
+    Command::Change {
+        set: Change::of_anchoring(kind),
+        over: 0.0,
+    }
 }
 
 /// Moves to another stored picture; past the newest is the present.
@@ -405,6 +422,9 @@ fn next(app: &mut App, by: isize) {
 }
 
 fn change_frame_rate(app: &mut App, faster: bool) {
+    if pacing::change_speed(app, faster) {
+        return;
+    }
     let present = app.frames_per_second;
     let mut rates = FRAME_RATES.into_iter();
     let rate = if faster {

@@ -7,7 +7,6 @@ use super::super::message::Effect;
 use super::super::state::{App, Measurement, MeasuringNews, Notice, Overlay, Run, Severity, Slot};
 use super::scheduling::SNAPSHOTS;
 use super::{remark, worker_events};
-use crate::scene::AnchoringKind;
 use crate::simulation::{RunId, Schedule};
 
 /// The key: begins a measurement, ends it, or shows what was measured.
@@ -53,27 +52,13 @@ fn job(slot: &Slot, run: &Run) -> Result<MeasuringJob, &'static str> {
     let Some(setting) = &run.setting else {
         return Err("the run is still set up");
     };
-    let first = run.snapshots.first();
-    let first = first.filter(|first| first.report.step == 0);
-    if run.history.marks.len() != run.switches.len()
-        || (first.is_none() && !run.switches.is_empty())
-    {
-        return Err(
-            "the anchoring was switched before the run was resumed, at a time that is not known: r restarts it",
-        );
-    }
-    let mut began = (*slot.scene).clone();
-    if let Some(kind) = first.and_then(|first| first.anchoring) {
-        super::super::app::set_anchoring(&mut began, kind);
-    }
-    let schedule = Schedule::new(&began.time, 1, SNAPSHOTS);
+    let schedule = Schedule::new(&slot.scene.time, 1, SNAPSHOTS);
     let mut states = run.snapshots.clone();
     states.extend(run.picture.clone());
     Ok(MeasuringJob {
-        times: schedule.snapshot_times(began.time.step),
-        scene: Arc::new(began),
+        times: schedule.snapshot_times(slot.scene.time.step),
+        scene: Arc::clone(&slot.scene),
         setting: Arc::clone(setting),
-        switches: run.switches.clone(),
         states,
         reached: run.report.t,
     })
@@ -114,14 +99,6 @@ fn call_off(app: &mut App) {
         .active_run_mut()
         .and_then(|run| run.measurement.as_mut())
     {
-        measurement.is_going = false;
-    }
-}
-
-/// The anchoring of a run was switched: what is measured from then on would be of another run.
-pub(super) fn switched(run: &mut Run, t: f64, kind: AnchoringKind) {
-    run.switches.push((t, kind));
-    if let Some(measurement) = &mut run.measurement {
         measurement.is_going = false;
     }
 }

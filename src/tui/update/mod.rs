@@ -3,6 +3,7 @@
 mod accuracy;
 mod actions;
 mod estimates;
+mod knobs;
 mod measuring;
 mod overlays;
 mod pacing;
@@ -12,7 +13,7 @@ mod scheduling;
 mod tests;
 mod worker_events;
 
-use crossterm::event::{KeyEvent, KeyEventKind};
+use crossterm::event::{KeyEvent, KeyEventKind, KeyModifiers};
 
 use super::keys::{self, Place};
 use super::message::{Effect, Message};
@@ -87,12 +88,16 @@ fn press(app: &mut App, event: &KeyEvent, effects: &mut Vec<Effect>) {
             app.stale = true;
             if place == Place::Main {
                 actions::act(app, action, effects);
+            } else if place == Place::Knobs {
+                let is_fine = event.modifiers.contains(KeyModifiers::SHIFT);
+                knobs::act(app, action, is_fine, effects);
             } else {
                 overlays::act(app, action, effects);
             }
         }
         Some(Err(reason)) => remark(app, reason),
         None if place == Place::Open => overlays::type_in(app, event),
+        None if place == Place::Knobs => knobs::type_in(app, event),
         None => {}
     }
 }

@@ -88,6 +88,21 @@ pub(super) fn turn_brake(app: &mut App) {
     super::remark(app, text);
 }
 
+/// By how much the past is played faster or slower at most.
+const FASTEST: f64 = 16.0;
+
+/// Plays the past twice as fast, or half as fast, if it is played.
+pub(super) fn change_speed(app: &mut App, faster: bool) -> bool {
+    let Some(replay) = &mut app.replay else {
+        return false;
+    };
+    let factor = if faster { 2.0 } else { 0.5 };
+    replay.speed = (factor * replay.speed).clamp(FASTEST.recip(), FASTEST);
+    let text = format!("the past is played at {} times the pace", replay.speed);
+    super::remark(app, text);
+    true
+}
+
 /// Plays the stored past from the picture that is shown, from the first one where the present is shown; stops at the
 /// picture that is shown where it is played already.
 pub(super) fn play_or_stop(app: &mut App) {
@@ -100,27 +115,33 @@ pub(super) fn play_or_stop(app: &mut App) {
     };
     let t = picture.report.t;
     actions::look_back(app, Some(index));
-    app.replay = Some(Replay { t });
+    app.replay = Some(Replay { t, speed: 1.0 });
 }
 
-/// Each picture is shown for as long as the brake shows its step.
+/// Each picture is shown for as long as the brake shows its step, times the speed. After the last one follows the present, or
+/// where the run is over the first one again.
 fn play_on(app: &mut App, passed: Duration) {
     let Some(replay) = app.replay else { return };
-    let Some((past, end)) = app.active_slot().and_then(|slot| {
+    let Some((run, end)) = app.active_slot().and_then(|slot| {
         let run: &Run = slot.run.as_ref()?;
-        Some((&run.past, slot.loaded.time.end))
+        Some((run, slot.loaded.time.end))
     }) else {
         return;
     };
-    let t = replay.t + passed.as_secs_f64() / app.brake.seconds * end;
-    let index = past.first_from(t);
+    let past = &run.past;
+    let speed = replay.speed;
+    let mut t = replay.t + speed * passed.as_secs_f64() / app.brake.seconds * end;
+    let mut index = past.first_from(t);
+    if index + 1 >= past.len() && past.len() > 1 && run.is_over() {
+        (t, index) = (0.0, 0);
+    }
     let is_over = index + 1 >= past.len();
     let shown = (!is_over).then_some(index);
     if shown != app.looking_back {
         actions::look_back(app, shown);
         app.stale = true;
     }
-    app.replay = (!is_over).then_some(Replay { t });
+    app.replay = (!is_over).then_some(Replay { t, speed });
 }
 
 /// Whether the brake lets the common clock of the gallery go beyond this time.

@@ -158,7 +158,7 @@ fn guide(
         app.next_run = RunId(run.0 + 1);
         let kept = slot.kept.take();
         if let Some(kept) = &kept {
-            Arc::make_mut(&mut slot.scene).anchoring = kept.run.checkpoint().anchoring();
+            Arc::make_mut(&mut slot.scene).changes = kept.run.checkpoint().changes().to_vec();
         }
         slot.run = Some(Run {
             before: kept,

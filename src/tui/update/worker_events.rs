@@ -5,8 +5,8 @@ use std::sync::Arc;
 use super::super::frame_history;
 use super::super::run_control::WorkerState;
 use super::super::state::{App, Notice, Run, Screen, Severity, Status};
-use super::measuring;
-use crate::scene::{AnchoringKind, Warning};
+use crate::record::RunMark;
+use crate::scene::{Assignment, Change, Scene, Warning};
 use crate::simulation::{
     EventKind, Message as WorkerMessage, Report, RunId, RunSnapshot, WorkerEvent,
 };
@@ -96,26 +96,29 @@ pub(super) fn hear(app: &mut App, message: WorkerMessage) {
             run.unsaved = true;
         }
         WorkerEvent::Event(event) => {
+            run.history.marks.extend(RunMark::of(&event));
             let severity = match event.kind {
-                // A switch is reported as `Anchored` too, and marked then.
-                EventKind::AnchoringSwitched { .. } => None,
-                EventKind::MeshChanged(_) => {
-                    run.history.mesh_changes.push((event.step, event.t));
-                    Some(Severity::Note)
-                }
-                _ => Some(Severity::Warning),
+                EventKind::MeshChanged(_) | EventKind::ParametersChanged { .. } => Severity::Note,
+                _ => Severity::Warning,
             };
-            if let Some(severity) = severity {
-                run.notify(Notice {
-                    severity,
-                    step: event.step,
-                    text: event.kind.to_string(),
-                });
-            }
+            run.notify(Notice {
+                severity,
+                step: event.step,
+                text: event.kind.to_string(),
+            });
         }
-        WorkerEvent::Anchored { kind, report } => {
-            anchored(run, kind, *report);
-            slot.set_anchoring(kind);
+        WorkerEvent::Changed(change) => {
+            changed(run, &slot.scene, &change);
+            // The run has it, so it is one that the scene can have.
+            let _ = Arc::make_mut(&mut slot.scene).add_change(&change);
+        }
+        WorkerEvent::ChangeRefused(reason) => {
+            run.undoing = false;
+            run.notify(Notice {
+                severity: Severity::Warning,
+                step: run.report.step,
+                text: format!("this cannot be changed: {reason}"),
+            });
         }
         WorkerEvent::Snapshot(picture) => run.snapshots.push(picture),
         // It was written down on the way.
@@ -201,11 +204,21 @@ fn take(run: &mut Run, report: Report, law_tolerance: f64) {
     run.report = report;
 }
 
-/// Takes a switch of the anchoring: the energy has jumped, not risen.
-fn anchored(run: &mut Run, kind: AnchoringKind, report: Report) {
-    run.history.switch(kind, &report);
-    measuring::switched(run, report.t, kind);
-    run.rising = false;
-    run.unsaved |= report.step > 0;
-    run.report = report;
+/// Takes a change that was made by hand: what is measured from then on would be of another run.
+fn changed(run: &mut Run, scene: &Scene, change: &Change) {
+    run.changes += 1;
+    if run.undoing {
+        run.undoing = false;
+    } else {
+        let before = change.set.iter().filter_map(|assignment| {
+            let key = assignment.key.clone();
+            let value = scene.parameter_at(change.at, &key)?;
+            Some(Assignment { key, value })
+        });
+        run.undo.push(before.collect());
+    }
+    run.unsaved |= run.report.step > 0;
+    if let Some(measurement) = &mut run.measurement {
+        measurement.is_going = false;
+    }
 }

@@ -7,6 +7,7 @@ use std::time::Duration;
 use crate::fem::{Mesh, OutlineMeasure};
 use crate::geometry::{Point, Vector};
 use crate::physics::NamedValue;
+use crate::record::{MarkKind, RunMark};
 use crate::scene::{AnchoringKind, Scene, find_preset};
 use crate::scheme::{Phase, State};
 use crate::simulation::{Costs, Report, RunId, RunSnapshot, Setting};
@@ -121,7 +122,7 @@ pub fn slot(name: &str, mesh: &Arc<Mesh>) -> Slot {
             run.picture = Some(picture);
         }
         if step == 250 {
-            run.history.switch(AnchoringKind::Homeotropic, &report);
+            run.history.marks.push(change(250, "homeotropic", 0.0));
         }
         run.report = report;
     }
@@ -187,4 +188,16 @@ pub fn long_path() -> PathBuf {
         "runs/{}/phase-0000120.png",
         "a-long-name/".repeat(12)
     ))
+}
+
+/// The mark of a change.
+pub fn change(step: u64, label: &str, work: f64) -> RunMark {
+    RunMark {
+        step,
+        t: 0.0,
+        kind: MarkKind::Change {
+            label: label.to_owned(),
+            work: Some(work),
+        },
+    }
 }

@@ -100,7 +100,8 @@ const CHANGES: &[Change] = &[
     ("switched", |app| {
         let run = made_up::run(app);
         run.history
-            .switch(AnchoringKind::Parallel, &made_up::report(400));
+            .marks
+            .push(made_up::change(400, "parallel", 1.0));
         app.slots[app.active].set_anchoring(AnchoringKind::Parallel);
         app.view.logarithmic = true;
         app.focus = Panel::Energy;

@@ -6,7 +6,6 @@ use super::super::super::measuring::MeasuringJob;
 use super::super::super::message::{Effect, Message};
 use super::super::super::state::{MeasuringNews, Overlay};
 use super::rig::Rig;
-use crate::scene::AnchoringKind;
 use crate::simulation::{Message as WorkerMessage, RunId, WorkerEvent};
 use crate::study::{ErrorRow, Measured};
 
@@ -94,10 +93,8 @@ fn a_switch_ends_it_and_is_switched_again_in_the_next() {
     let Effect::Measure(_, job) = rig.effect() else {
         panic!("it is measured again");
     };
-    // The scene as it began.
-    let kind = job.scene.anchoring.map(|it| it.kind);
-    assert_eq!(kind, Some(AnchoringKind::Homeotropic));
-    assert_eq!(job.switches, [(t, AnchoringKind::Parallel)]);
+    let change = job.scene.changes.first().expect("the change");
+    assert_eq!((change.at, change.label()), (t, "parallel".to_owned()));
 }
 
 #[test]

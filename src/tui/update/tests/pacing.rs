@@ -51,7 +51,7 @@ fn a_quick_run_is_watched_and_never_ahead_of_what_is_shown() {
     watch(&mut rig, 0.2);
     // The state that was shown has got the other anchoring.
     assert_eq!(rig.run(2).history.marks.len(), 1);
-    assert_eq!(rig.run(2).history.marks[0].0, shown);
+    assert_eq!(rig.run(2).history.marks[0].step, shown);
     watch(&mut rig, 8.0);
     assert_eq!(rig.run(2).status, Status::Done);
     assert!(!time_counts(&rig.app));
@@ -127,6 +127,13 @@ fn the_past_is_played_again_at_the_same_pace() {
     rig.keys("P");
     assert!(time_counts(&rig.app));
     rig.tell(Message::Passed(Duration::from_secs(7)));
+    // The run is over: it is played again from its start, and faster if that is asked for.
+    assert!(shown(&rig) < 60 && time_counts(&rig.app));
+    rig.keys("+");
+    rig.tell(Message::Passed(Duration::from_secs(2)));
+    assert!((390..=450).contains(&shown(&rig)), "{}", shown(&rig));
+    rig.keys("P");
+    rig.press(KeyCode::End);
     assert_eq!((rig.app.looking_back, rig.app.replay), (None, None));
     assert!(!time_counts(&rig.app));
     // Whoever scrubs does not want it to go on.
@@ -143,13 +150,13 @@ fn no_anchoring_is_changed_in_the_past() {
     rig.press(KeyCode::Home);
     rig.keys("a");
     rig.work(2);
-    assert!(rig.run(2).history.marks.is_empty());
+    assert!(rig.app.slots[2].scene.changes.is_empty());
     let remark = rig.app.remark.as_deref().expect("a reason");
     assert!(remark.contains("End shows the present"), "{remark}");
     rig.press(KeyCode::End);
     rig.keys("a");
     rig.work(2);
-    assert_eq!(rig.run(2).history.marks.len(), 1);
+    assert_eq!(rig.app.slots[2].scene.changes.len(), 1);
 }
 
 #[test]

@@ -162,7 +162,7 @@ fn check_at_rest(rig: &mut Rig) {
         let worker = &rig.workers[&run.id];
         assert_eq!(run.report, worker.report);
         assert!(slot.scene.nematic.is_some());
-        assert_eq!(slot.anchoring(), Some(worker.anchoring));
+        assert_eq!(slot.anchoring(), Some(worker.anchoring_to_be()));
         let is_running = run.status == Status::Running;
         assert!(!worker.computes() || is_running);
         assert!(!is_running || worker.computes() || app.brake.on);

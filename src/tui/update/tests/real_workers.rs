@@ -152,7 +152,10 @@ fn pausing_stepping_switching_and_coming_back() {
     watched.press(' ');
     watched.until(|app| report(app, 0).step > step + 5);
     let run = watched.app.slots[0].run.as_ref().unwrap();
-    assert_eq!(run.history.marks, [(step + 1, AnchoringKind::Parallel)]);
+    assert_eq!(
+        run.history.changes().collect::<Vec<_>>(),
+        [(step + 1, "parallel")]
+    );
     let rises = |text: &str| text.contains("rises");
     assert!(!run.notices.iter().any(|notice| rises(&notice.text)));
 }

@@ -1,6 +1,8 @@
 //! The app with workers that are played: they keep to what the real ones promise, but take a step
 //! only when they are asked to, and what they report arrives only when it is delivered.
 
+use crate::scene::Change;
+use crate::simulation::{Event, EventKind};
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
@@ -29,6 +31,8 @@ pub(super) struct Played {
     commands: VecDeque<Command>,
     pub(super) report: Report,
     pub(super) anchoring: AnchoringKind,
+    /// Of the scene, for the next step.
+    changes: Vec<Change>,
     /// Added to the energy of every step from now on: a mistake of the solver.
     pub(super) mistake: f64,
     /// Whether it has failed: its thread has ended.
@@ -48,6 +52,7 @@ impl Played {
             anchoring: scene
                 .anchoring
                 .map_or(AnchoringKind::None, |anchoring| anchoring.kind),
+            changes: Vec::new(),
             mistake: 0.0,
             failed: false,
         };
@@ -92,11 +97,32 @@ impl Played {
         busy && !self.failed
     }
 
+    /// The anchoring of the next step.
+    pub(super) fn anchoring_to_be(&self) -> AnchoringKind {
+        self.scene.anchoring_at(self.report.t)
+    }
+
     fn take_step(&mut self, event: &mut Vec<WorkerEvent>) {
+        let (step, t) = (self.report.step, self.report.t);
+        let before = self.report.total_energy;
+        self.measure();
+        let of_the_same_state = self.report.total_energy;
+        self.anchoring = self.anchoring_to_be();
+        self.measure();
+        let work = self.report.total_energy - of_the_same_state;
         self.report.step += 1;
         self.report.t = self.report.step as f64 * self.scene.time.step;
         self.measure();
+        let change = self.report.total_energy - before;
+        self.report.ledger = [("dE", change), ("change_work", -work)]
+            .map(|(name, value)| NamedValue { name, value })
+            .to_vec();
         event.push(WorkerEvent::Reports(vec![self.report.clone()]));
+        let changes = std::mem::take(&mut self.changes);
+        if !changes.is_empty() {
+            let kind = EventKind::ParametersChanged { changes, work };
+            event.push(WorkerEvent::Event(Event { step, t, kind }));
+        }
     }
 
     /// One turn of the worker's loop: a command or a step. Returns what it reports.
@@ -132,11 +158,16 @@ impl Played {
                 self.going &= rest != Some("done");
                 self.scene.time.end = end;
             }
-            Some(Command::Anchor(kind)) => {
-                self.anchoring = kind;
-                self.measure();
-                let report = Box::new(self.report.clone());
-                event.push(WorkerEvent::Anchored { kind, report });
+            Some(Command::Change { set, over }) => {
+                let at = self.report.t;
+                let change = Change { at, over, set };
+                event.push(match self.scene.add_change(&change) {
+                    Ok(()) => {
+                        self.changes.push(change.clone());
+                        WorkerEvent::Changed(change)
+                    }
+                    Err(error) => WorkerEvent::ChangeRefused(error.to_string()),
+                });
             }
             Some(command @ (Command::Pause | Command::Step)) if rest != Some("done") => {
                 if command == Command::Step {

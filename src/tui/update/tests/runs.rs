@@ -1,5 +1,6 @@
 //! Starting, pausing, switching, anchoring, failing.
 
+use crate::tui::state::Notice;
 use crossterm::event::KeyCode;
 
 use super::super::super::message::{Effect, Message};
@@ -148,10 +149,13 @@ fn keys_that_a_run_at_its_end_cannot_follow_ask_whether_it_goes_on() {
             assert_eq!(status(&rig, 2), Status::Running);
         }
         let marks = match key {
-            "a" => vec![(1000, AnchoringKind::Parallel)],
+            "a" => vec![(1000, "parallel")],
             _ => Vec::new(),
         };
-        assert_eq!(rig.run(2).history.marks, marks);
+        if key == "a" {
+            rig.work(1);
+        }
+        assert_eq!(rig.run(2).history.changes().collect::<Vec<_>>(), marks);
         rig.work(2000);
         assert_eq!(
             (rig.run(2).report.step, status(&rig, 2)),
@@ -327,19 +331,22 @@ fn the_anchoring_goes_round_and_is_marked_and_nothing_rises() {
         let before = rig.run(2).report.clone();
         rig.keys("a");
         assert!(rig.app.remark.clone().unwrap().contains(kind.name()));
-        // At the first turn of the worker, that is: before its next step.
+        // At the first turn of the worker it is confirmed, and the next step has it.
         rig.work(1);
         let run = rig.run(2);
         assert_eq!(rig.app.slots[2].anchoring(), Some(kind));
         assert_eq!(run.report.step, before.step);
-        assert_ne!(run.report.total_energy, before.total_energy);
-        assert_eq!(run.history.baseline, Some(run.report.total_energy));
-        rig.work(3);
+        rig.work(1);
+        let run = rig.run(2);
+        assert_eq!(run.report.step, before.step + 1);
+        assert!((run.report.total_energy - before.total_energy).abs() > 1.0);
+        rig.work(2);
     }
     let run = rig.run(2);
-    let marks: Vec<_> = run.history.marks.iter().map(|(_, kind)| *kind).collect();
-    assert_eq!(marks, kinds);
-    assert!(run.notices.is_empty(), "{:?}", run.notices);
+    let marks: Vec<_> = run.history.changes().map(|(_, label)| label).collect();
+    assert_eq!(marks, kinds.map(AnchoringKind::name));
+    let is_note = |notice: &Notice| notice.severity == Severity::Note;
+    assert!(run.notices.iter().all(is_note), "{:?}", run.notices);
     assert_eq!(run.history.energies.len(), 2);
 }
 
@@ -371,7 +378,7 @@ fn three_quick_switches_are_three() {
     rig.work(4);
     rig.keys("aaa");
     rig.settle();
-    assert_eq!(rig.run(2).history.marks.len(), 3);
+    assert_eq!(rig.app.slots[2].scene.changes.len(), 3);
     assert_eq!(
         rig.app.slots[2].anchoring(),
         Some(AnchoringKind::Homeotropic)
@@ -502,8 +509,10 @@ fn warnings_and_events_become_notices() {
     let notice = rig.run(2).notices.back().unwrap().clone();
     assert_eq!((notice.step, notice.severity), (2, Severity::Warning));
     assert!(notice.text.contains("wall"));
-    let kind = AnchoringKind::None;
-    let kind = EventKind::AnchoringSwitched { kind };
+    let kind = EventKind::ParametersChanged {
+        changes: Vec::new(),
+        work: 1.0,
+    };
     say(
         &mut rig,
         WorkerEvent::Event(Event {
@@ -512,7 +521,8 @@ fn warnings_and_events_become_notices() {
             kind,
         }),
     );
-    assert_eq!(rig.run(2).notices.len(), 1);
+    let notice = rig.run(2).notices.back().unwrap();
+    assert_eq!(notice.severity, Severity::Note);
 }
 
 #[test]

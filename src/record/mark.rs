@@ -1,0 +1,65 @@
+//! What the curves of a run are marked with.
+
+use serde::{Deserialize, Serialize};
+
+use super::summary::EventRecord;
+use crate::scene::Change;
+use crate::simulation::{Event, EventKind};
+
+/// Something that happened between two steps, and is marked in curves.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RunMark {
+    /// The step after which it happened.
+    pub step: u64,
+    /// The time at its end.
+    pub t: f64,
+    /// What happened.
+    pub kind: MarkKind,
+}
+
+/// What is marked.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum MarkKind {
+    /// The mesh has followed the membrane.
+    Mesh,
+    /// Parameters became others.
+    Change {
+        /// Which, and what they are now.
+        label: String,
+        /// By how much E_total changed by that; `None` where it goes on to, in a ramp, and where that is not known.
+        work: Option<f64>,
+    },
+}
+
+impl RunMark {
+    /// That of an event, if it is marked.
+    pub fn of(event: &Event) -> Option<Self> {
+        let kind = match &event.kind {
+            EventKind::MeshChanged(_) => MarkKind::Mesh,
+            EventKind::ParametersChanged { changes, work } => {
+                let labels: Vec<String> = changes.iter().map(Change::label).collect();
+                MarkKind::Change {
+                    label: labels.join(", "),
+                    work: (!changes.iter().any(Change::is_ramp)).then_some(*work),
+                }
+            }
+            _ => return None,
+        };
+        let Event { step, t, .. } = *event;
+        Some(Self { step, t, kind })
+    }
+
+    /// That of an event as it is written down.
+    pub(super) fn of_record(event: &EventRecord) -> Option<Self> {
+        let kind = match &*event.kind {
+            "mesh-changed" => MarkKind::Mesh,
+            "parameters-changed" => MarkKind::Change {
+                label: event.text.split(" from here on").next()?.to_owned(),
+                work: None,
+            },
+            _ => return None,
+        };
+        let EventRecord { step, t, .. } = *event;
+        Some(Self { step, t, kind })
+    }
+}
