@@ -54,6 +54,7 @@ pub mod scheme;
 mod signals;
 pub mod simulation;
 pub mod study;
+pub mod theory;
 pub mod tui;
 
 /// The guide's example of an effect is built with the tests; this one follows it through the program.

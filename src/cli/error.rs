@@ -5,7 +5,7 @@ use super::sweep::SlurmError;
 use crate::figure::{FigureError, SweepFigureError};
 use crate::record::{CheckpointError, LoadError, ReadError, RecordError, Whereabouts};
 use crate::scene::UnknownPreset;
-use crate::simulation::SimulationError;
+use crate::simulation::{NoShapeAtRest, SimulationError};
 use crate::study::sweep::SweepError;
 use crate::study::{ComparedRunError, StudyError};
 use crate::tui::AppError;
@@ -252,6 +252,9 @@ pub(super) enum CliError {
         /// The run's folder.
         folder: PathBuf,
     },
+    /// Theory foresees no shape at rest.
+    #[error(transparent)]
+    NoShape(#[from] NoShapeAtRest),
     /// The figures could not be made.
     #[error(transparent)]
     Figure(#[from] FigureError),
@@ -355,6 +358,7 @@ impl CliError {
             | CliError::Read(_)
             | CliError::ComparedRun(_)
             | CliError::SetInRun { .. }
+            | CliError::NoShape(_)
             | CliError::Slurm(SlurmError::Arguments { .. })
             | CliError::Figure(
                 FigureError::Width { .. }

@@ -20,6 +20,7 @@ mod presets;
 mod progress;
 mod run;
 mod set_up;
+mod shape;
 mod signals;
 mod sweep;
 
@@ -65,6 +66,8 @@ enum Command {
     Check(check::Arguments),
     /// Tell what accuracy costs in time, and which knob to turn
     Accuracy(accuracy::Arguments),
+    /// Tell the shape at rest that theory foresees for a scene
+    Shape(shape::Arguments),
     /// Simulate a scene many times with other values, here or on a cluster
     Sweep(sweep::Arguments),
 }
@@ -82,6 +85,7 @@ pub fn main() -> ExitCode {
         Some(Command::Accuracy(arguments)) => accuracy::accuracy(&arguments),
         Some(Command::Effects(arguments)) => effects::effects(&arguments),
         Some(Command::Sweep(arguments)) => sweep::sweep(&arguments),
+        Some(Command::Shape(arguments)) => shape::shape(&arguments),
         Some(Command::Presets) => presets::list(),
         Some(Command::Preset(arguments)) => presets::print(&arguments),
         Some(Command::Check(arguments)) => check::check(&arguments),

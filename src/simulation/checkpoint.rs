@@ -29,6 +29,7 @@ pub struct SimulationCheckpoint {
     time_error: Option<f64>,
     budget: ErrorEstimates,
     reached_wall: bool,
+    is_at_rest: bool,
     effort: StepEffort,
     /// What was done of a step that was interrupted.
     left: Option<PartialStep>,
@@ -50,6 +51,11 @@ impl SimulationCheckpoint {
     /// The time that was reached.
     pub fn t(&self) -> f64 {
         self.t
+    }
+
+    /// Whether nothing moved any more, so that the run was over.
+    pub fn is_at_rest(&self) -> bool {
+        self.is_at_rest
     }
 
     /// How far the step after that was, if it had been begun.
@@ -80,6 +86,7 @@ impl Simulation {
         checkpoint.refused = report.refused;
         checkpoint.time_error = report.time_error;
         checkpoint.budget = report.budget;
+        checkpoint.is_at_rest = report.is_at_rest;
         checkpoint.reached_wall = self.near_wall.reached();
         checkpoint.effort = report.effort;
         checkpoint.left.clone_from(&self.left);
@@ -116,6 +123,7 @@ impl Simulation {
         report.refused = checkpoint.refused;
         report.time_error = checkpoint.time_error;
         report.budget = checkpoint.budget;
+        report.is_at_rest = checkpoint.is_at_rest;
         report.costs = super::Costs::default();
         report.effort = checkpoint.effort;
         self.pacing.clone_from(&checkpoint.pacing);

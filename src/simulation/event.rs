@@ -71,6 +71,13 @@ pub enum EventKind {
     },
     /// The mesh was made again about the membrane, and the state brought there.
     MeshChanged(Box<MeshChange>),
+    /// Nothing moves any more, and the run ends.
+    AtRest {
+        /// The energy that would be lost in a relaxation time, as a part of the energy.
+        unrest: f64,
+        /// rest.tolerance.
+        tolerance: f64,
+    },
     /// The anchoring became another one after this step: the energy jumped, not the state.
     AnchoringSwitched {
         /// The new kind.
@@ -139,6 +146,7 @@ impl EventKind {
             Self::ReachedWall => "reached-wall",
             Self::FieldSwitched { .. } => "field-switched",
             Self::MeshChanged(_) => "mesh-changed",
+            Self::AtRest { .. } => "at-rest",
             Self::AnchoringSwitched { .. } => "anchoring-switched",
         }
     }
@@ -183,6 +191,11 @@ impl fmt::Display for EventKind {
                 "the field is switched here: E_total jumps by {jump:.6e}, which no step has done"
             ),
             EventKind::MeshChanged(change) => change.fmt(f),
+            EventKind::AtRest { unrest, tolerance } => write!(
+                f,
+                "the run ends at rest: in a relaxation time {unrest:.1e} of the energy would be lost, at most \
+                 rest.tolerance = {tolerance:e}"
+            ),
             EventKind::AnchoringSwitched { kind } => {
                 write!(f, "the anchoring is {kind} from here on")
             }

@@ -14,7 +14,9 @@ mod mesh_follower;
 mod partial_step;
 mod presence;
 mod report;
+mod rest;
 mod schedule;
+mod shape_at_rest;
 mod step_effort;
 mod step_subdivision;
 mod steps;
@@ -48,6 +50,7 @@ pub use partial_step::StepProgress;
 pub use presence::{NoVesicle, Part, check_outlines};
 pub use report::{Costs, Report};
 pub use schedule::{Schedule, step_count};
+pub use shape_at_rest::{NoShapeAtRest, enclosed_area, shape_at_rest};
 pub use step_effort::{StepEffort, Tried};
 pub use threads::{cores, threads_that_pay};
 pub use warnings::warnings;
@@ -143,6 +146,8 @@ pub struct Simulation {
     /// When snapshots are due: chosen steps end there.
     schedule: Schedule,
     threads: Threads,
+    /// Whether it goes on although nothing moves any more.
+    goes_beyond_rest: bool,
 }
 
 /// How long steps are, and where a run stands in it.
@@ -246,6 +251,7 @@ impl Simulation {
             last_whole: None,
             schedule: Schedule::new(&scene.time, 1, 1),
             threads: Threads::default(),
+            goes_beyond_rest: false,
         };
         simulation.report.take(simulation.scheme.report());
         if let Some(place) = simulation.first_not_finite() {
@@ -369,6 +375,7 @@ impl Simulation {
         let (time, algebra) = (self.report.time_error, self.scheme.report().algebraic_error);
         self.report.budget.add_step(time, algebra);
         self.look();
+        self.notice_rest(t - before.1);
         watch(Phase::Ledger);
         self.report.costs = costs;
         Ok(true)
@@ -422,6 +429,7 @@ impl Simulation {
             controller.forget();
         }
         self.report.take(self.scheme.report());
+        self.report.is_at_rest = false;
         let (step, t) = (self.report.step, self.report.t);
         let kind = EventKind::AnchoringSwitched { kind };
         self.events.push(Event { step, t, kind });

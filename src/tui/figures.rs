@@ -36,6 +36,7 @@ pub fn save_figures(job: &Job, folder: &RunFolder) -> Result<(), String> {
                 snapshots: snapshots.collect(),
                 switches: job.switches.clone(),
                 mesh_changes: job.mesh_changes.clone(),
+                theory: job.theory.clone(),
                 command: command(pictures.last().map_or(0, |last| last.report.step), job),
             };
             figure::save_set(&[run], &FigureOptions::default(), folder.path())
@@ -73,6 +74,7 @@ fn save_view(
             Field::Omega => figure::Field::Bending,
             Field::Mu => figure::Field::Potential,
         },
+        theory: job.theory.as_deref(),
         command: &command,
     };
     let options = FigureOptions {

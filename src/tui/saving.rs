@@ -15,6 +15,7 @@ use super::state::View;
 use crate::record::{RunFolder, write_state, write_states};
 use crate::scene::{AnchoringKind, Scene};
 use crate::simulation::{RunSnapshot, panic_words};
+use crate::theory::ShapeAtRest;
 
 /// Where what is saved goes, within the working folder: a new folder each time.
 pub(super) const PARENT: &str = "saved";
@@ -30,6 +31,8 @@ pub struct Job {
     pub switches: Vec<(u64, AnchoringKind)>,
     /// After which steps, and when, the mesh has followed the membrane.
     pub mesh_changes: Vec<(u64, f64)>,
+    /// The shape at rest of the membrane alone, where it is shown.
+    pub theory: Option<Arc<ShapeAtRest>>,
     /// What.
     pub what: What,
 }

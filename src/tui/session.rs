@@ -532,6 +532,7 @@ impl Session {
             scene: Arc::new(scene),
             switches,
             mesh_changes,
+            theory: None,
             what,
         });
         Ok(())
