@@ -42,6 +42,7 @@ fn run(name: &str) -> RunData {
         name: name.to_owned(),
         scene: Arc::new(scene),
         mesh_changes: Vec::new(),
+        theory: None,
         history,
         switches: Vec::new(),
         snapshots: snapshots.collect(),
@@ -68,6 +69,7 @@ fn figures(criterion: &mut Criterion) {
         state: &runs[2].snapshots[0].state,
         report: &report,
         field: Field::Phase,
+        theory: None,
         command: "",
     };
     let options = replace(FigureOptions::view());

@@ -4,6 +4,7 @@ use super::error::CliError;
 use super::output;
 use super::overrides::Overrides;
 use super::run::some_step;
+use super::scales::scales;
 use crate::fem::MeshQuality;
 use crate::record::{load_scene, step_count};
 use crate::scene::{self, Mesh, Scene, Warning, significant};
@@ -81,6 +82,9 @@ fn check_one(source: &OsStr, arguments: &Arguments) -> Result<bool, CliError> {
     if let Some(triangles) = triangles(&scene, &found) {
         output::line(format_args!("{name}: {triangles}"))?;
     }
+    for words in &found.scales {
+        output::line(format_args!("{name}: {words}"))?;
+    }
     let needs = needs(foresight.as_ref(), &scene);
     output::line(format_args!("{name}: {needs}"))?;
     Ok(!matches!(foresight, Some(Foresight::Unsolved(_))))
@@ -131,11 +135,14 @@ fn examine(source: &OsStr, overrides: &[String]) -> Result<(Scene, Found), CliEr
             warnings,
             nodes,
             quality,
+            enclosed,
+            reduced_area,
         } = simulation::examine(&scene).map_err(CliError::SetUp)?;
         Found {
             warnings,
             nodes: nodes.to_string(),
             quality: Some(quality),
+            scales: scales(&scene, enclosed, reduced_area),
         }
     } else {
         simulation::check_outlines(&scene).map_err(CliError::SetUp)?;
@@ -148,6 +155,7 @@ fn examine(source: &OsStr, overrides: &[String]) -> Result<(Scene, Found), CliEr
                 nodes(&scene)
             ),
             quality: None,
+            scales: Vec::new(),
         }
     };
     Ok((scene, found))
@@ -158,6 +166,8 @@ struct Found {
     warnings: Vec<Warning>,
     /// How many there are, in words.
     nodes: String,
+    /// Ratios of its lengths and times, if the initial state was made.
+    scales: Vec<String>,
     /// Of the mesh, if it was made.
     quality: Option<MeshQuality>,
 }

@@ -19,6 +19,7 @@ mod picture_size;
 mod presets;
 mod progress;
 mod run;
+mod scales;
 mod set_up;
 mod shape;
 mod signals;

@@ -104,6 +104,10 @@ pub struct Examination {
     pub nodes: usize,
     /// Angles and sizes of its triangles.
     pub quality: MeshQuality,
+    /// The area of the region φ⁰ > 0.
+    pub enclosed: f64,
+    /// 4π·area/length² of the region φ⁰ > 0; `None` where it is not one piece.
+    pub reduced_area: Option<f64>,
 }
 
 /// Makes a scene's mesh and initial state, and describes them.
@@ -114,7 +118,12 @@ pub fn examine(scene: &Scene) -> Result<Examination, SimulationError> {
     let mesh = Mesh::of(scene)?;
     let initial = initial_fields(scene, &mesh)?;
     check_vesicle(scene, &mesh, &initial.phi)?;
+    let phi = &initial.phi;
+    let contour = Contour::new(&mesh, phi);
+    let is_one = Pieces::default().count(&mesh, phi) == 1;
     Ok(Examination {
+        enclosed: contour.area,
+        reduced_area: contour.isoperimetric_quotient().filter(|_| is_one),
         warnings: warnings(scene, &mesh, &initial.phi),
         nodes: mesh.nodes().len(),
         quality: MeshQuality::of(&mesh),

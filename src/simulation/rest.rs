@@ -55,8 +55,9 @@ mod tests {
     use super::*;
 
     /// An ellipse that becomes a circle: without nematic, on a coarse mesh.
-    const SETTINGS: [&str; 6] = [
+    const SETTINGS: [&str; 7] = [
         "nematic=false",
+        "anchoring=false",
         "area=false",
         "membrane.interface_width=0.08",
         "membrane.mobility=1.0",

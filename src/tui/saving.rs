@@ -219,6 +219,7 @@ mod tests {
             scene,
             switches: Vec::new(),
             mesh_changes: Vec::new(),
+            theory: None,
             what: What::Set(vec![Arc::new(picture)], Arc::new(Mutex::new(autosave))),
         }
     }

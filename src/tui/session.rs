@@ -518,6 +518,8 @@ impl Session {
             return self.message(Message::Saved(Err(reason)));
         };
         let what = what(run);
+        let theory = run.shape_at_rest().filter(|_| self.app.view.theory);
+        let theory = theory.and_then(|shape| shape.as_ref().ok().cloned());
         let mut switches = run.history.marks.clone();
         let mesh_changes = run.history.mesh_changes.clone();
         let mut scene = setting.scene.clone();
@@ -532,7 +534,7 @@ impl Session {
             scene: Arc::new(scene),
             switches,
             mesh_changes,
-            theory: None,
+            theory,
             what,
         });
         Ok(())

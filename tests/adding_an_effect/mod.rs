@@ -177,6 +177,7 @@ fn its_energy_is_in_the_record_in_a_figure_and_in_the_app() {
         scene: Arc::new(scene.clone()),
         switches: Vec::new(),
         mesh_changes: Vec::new(),
+        theory: None,
         history,
         snapshots: Vec::new(),
         command: String::new(),
