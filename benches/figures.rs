@@ -41,6 +41,7 @@ fn run(name: &str) -> RunData {
     RunData {
         name: name.to_owned(),
         scene: Arc::new(scene),
+        theory: None,
         history,
         marks: Vec::new(),
         snapshots: snapshots.collect(),
@@ -67,6 +68,7 @@ fn figures(criterion: &mut Criterion) {
         state: &runs[2].snapshots[0].state,
         report: &report,
         field: Field::Phase,
+        theory: None,
         command: "",
     };
     let options = replace(FigureOptions::view());

@@ -27,6 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         state: simulation.state(),
         report: simulation.report(),
         field: Field::Phase,
+        theory: None,
         command: "cargo run --example picture",
     };
     let folder = Path::new("figures/example");

@@ -42,6 +42,7 @@
 //! | [`fem`] | meshes, P1 elements, quadrature, assembly, projections |
 //! | [`linalg`] | sparse matrices and factors, Krylov methods, cosine transforms |
 //! | [`scene`] | what to simulate: TOML, presets, every check of a value |
+//! | [`theory`] | the sharp-interface theory: shapes at rest, relaxation |
 //! | [`geometry`] | points, vectors and symmetric tensors (nalgebra), segments, distances |
 
 #![warn(missing_docs)]
@@ -59,6 +60,7 @@ pub mod scheme;
 mod signals;
 pub mod simulation;
 pub mod study;
+pub mod theory;
 #[doc(hidden)]
 pub mod tui;
 

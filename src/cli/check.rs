@@ -4,6 +4,7 @@ use super::error::CliError;
 use super::output;
 use super::overrides::Overrides;
 use super::run::some_step;
+use super::scales::scales;
 use super::shell::scenes;
 use crate::fem::MeshQuality;
 use crate::record::{load_scene, step_count};
@@ -164,6 +165,9 @@ fn check_one(source: &OsStr, arguments: &Arguments) -> Result<(bool, Verdict), C
     if let Some(triangles) = triangles(&scene, &found) {
         output::line(format_args!("{name}: {triangles}"))?;
     }
+    for words in &found.scales {
+        output::line(format_args!("{name}: {words}"))?;
+    }
     let needs = needs(foresight.as_ref(), &scene);
     output::line(format_args!("{name}: {needs}"))?;
     Ok((is_decided, verdict))
@@ -214,12 +218,15 @@ fn examine(source: &OsStr, overrides: &[String]) -> Result<(Scene, Found), CliEr
             warnings,
             nodes,
             quality,
+            enclosed,
+            reduced_area,
         } = simulation::examine(&scene).map_err(CliError::SetUp)?;
         Found {
             warnings,
             nodes,
             nodes_are_estimated: false,
             quality: Some(quality),
+            scales: scales(&scene, enclosed, reduced_area),
         }
     } else {
         simulation::check_outlines(&scene).map_err(CliError::SetUp)?;
@@ -229,6 +236,7 @@ fn examine(source: &OsStr, overrides: &[String]) -> Result<(Scene, Found), CliEr
             nodes: nodes(&scene),
             nodes_are_estimated: is_estimate,
             quality: None,
+            scales: Vec::new(),
         }
     };
     Ok((scene, found))
@@ -241,6 +249,8 @@ struct Found {
     nodes: usize,
     /// or about.
     nodes_are_estimated: bool,
+    /// Ratios of its lengths and times, if the initial state was made.
+    scales: Vec<String>,
     /// Of the mesh, if it was made.
     quality: Option<MeshQuality>,
 }

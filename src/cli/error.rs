@@ -6,7 +6,7 @@ use crate::figure::{FigureError, SweepFigureError};
 use crate::record::{CheckpointError, LoadError, ReadError, RecordError, Whereabouts};
 use crate::scene::UnknownPreset;
 use crate::signals::EndingSignal;
-use crate::simulation::SimulationError;
+use crate::simulation::{NoShapeAtRest, SimulationError};
 use crate::study::sweep::SweepError;
 use crate::study::{ComparedRunError, StudyError};
 use crate::tui::AppError;
@@ -247,6 +247,9 @@ pub(super) enum CliError {
         /// The run's folder.
         folder: PathBuf,
     },
+    /// Theory foresees no shape at rest.
+    #[error(transparent)]
+    NoShape(#[from] NoShapeAtRest),
     /// The figures could not be made.
     #[error(transparent)]
     Figure(#[from] FigureError),
@@ -368,6 +371,7 @@ impl CliError {
             | CliError::ComparedRun(_)
             | CliError::SetInRun { .. }
             | CliError::Exists { .. }
+            | CliError::NoShape(_)
             | CliError::Slurm(SlurmError::Arguments { .. })
             | CliError::Figure(
                 FigureError::Width { .. }

@@ -136,7 +136,7 @@ pub(super) fn export(arguments: &Arguments) -> Result<(), CliError> {
 /// Draws the figures of a run into a folder; none where there are no fields.
 fn figures_of(run: &Path, name: &str, folder: &Path) -> Result<Vec<Packed>, CliError> {
     let command = format!("vesica figures {}", figures::quoted(name));
-    let Some(data) = figures::data((name.to_owned(), read_run(run)?), &command) else {
+    let Some(data) = figures::data((name.to_owned(), read_run(run)?), &command, false) else {
         return Ok(Vec::new());
     };
     let files = save_set(&[data], &FigureOptions::default(), folder)?;

@@ -7,7 +7,7 @@ use super::progress::Progress;
 use super::run::{Stop, simulate, some_step};
 use super::shell::{scenes, settings};
 use super::signals::EndSignal;
-use crate::figure::{Director, Existing, FigureOptions, RunData, check_free, save_set};
+use crate::figure::{Director, Existing, FigureOptions, RunData, Snapshot, check_free, save_set};
 use crate::record::{
     Ending, IfOccupied, RecordError, RecordedRun, RecorderBuilder, RunFolder, Settings, clean,
     load_scene, read_run,
@@ -15,9 +15,10 @@ use crate::record::{
 use crate::scene::{Scene, preset};
 use crate::signals::EndingSignal;
 use crate::simulation::{
-    Simulation, SimulationError, check_outlines, cores, free_memory, memory_needed,
-    threads_that_pay,
+    NoShapeAtRest, Simulation, SimulationError, check_outlines, cores, free_memory, memory_needed,
+    shape_at_rest, threads_that_pay,
 };
+use crate::theory::ShapeAtRest;
 use clap_complete::ArgValueCompleter;
 use indicatif::MultiProgress;
 use std::ffi::{OsStr, OsString};
@@ -62,6 +63,10 @@ pub(super) struct Arguments {
     /// Draw the director without heads: d and −d mean the same physics
     #[arg(long)]
     headless: bool,
+
+    /// Draw the shape at rest of the membrane alone over each snapshot, dashed (see `vesica shape`)
+    #[arg(long)]
+    theory: bool,
 
     /// Replace figures and runs that the folder holds
     #[arg(long)]
@@ -118,7 +123,7 @@ pub(super) fn figures(arguments: &Arguments) -> Result<(), CliError> {
                 None => continue,
             },
         };
-        runs.extend(data(run, &command));
+        runs.extend(data(run, &command, arguments.theory));
     }
     let options = FigureOptions {
         director: if arguments.headless {
@@ -384,15 +389,36 @@ fn compute_one(
 }
 
 /// What is drawn of a run; nothing, if no fields were saved.
-pub(super) fn data((name, run): (String, RecordedRun), command: &str) -> Option<RunData> {
-    (!run.fields.is_empty()).then(|| RunData {
+pub(super) fn data(
+    (name, run): (String, RecordedRun),
+    command: &str,
+    with_theory: bool,
+) -> Option<RunData> {
+    let first = run.fields.first()?;
+    let theory = with_theory.then(|| theory(&run, first)).transpose();
+    let theory = theory.unwrap_or_else(|reason| {
+        output::warning(format_args!("{name}: {reason}"));
+        None
+    });
+    Some(RunData {
         name,
+        theory: theory.map(Arc::new),
         scene: Arc::new(run.scene),
         marks: run.marks,
         history: run.history,
         snapshots: run.fields,
         command: command.to_owned(),
     })
+}
+
+/// The shape at rest that theory foresees for a run, from its first row and its first fields.
+fn theory(run: &RecordedRun, first: &Snapshot) -> Result<ShapeAtRest, NoShapeAtRest> {
+    let start = ["A", "B"].map(|name| {
+        let column = run.history.column(name);
+        column.and_then(|values| values.first().copied())
+    });
+    let start = start.map(|value| value.unwrap_or(f64::NAN));
+    shape_at_rest(&run.scene, (&first.mesh, &first.state.phi), start)
 }
 
 /// The command that draws the same figures.
@@ -411,6 +437,9 @@ impl fmt::Display for Command<'_> {
         write!(f, " {}", arguments.size)?;
         if arguments.headless {
             f.write_str(" --headless")?;
+        }
+        if arguments.theory {
+            f.write_str(" --theory")?;
         }
         Ok(())
     }

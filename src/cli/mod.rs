@@ -20,7 +20,9 @@ mod picture_size;
 mod presets;
 mod progress;
 mod run;
+mod scales;
 mod set_up;
+mod shape;
 mod shell;
 mod signals;
 mod sweep;
@@ -68,6 +70,8 @@ enum Command {
     Check(check::Arguments),
     /// Tell what accuracy costs in time, and which knob to turn
     Accuracy(accuracy::Arguments),
+    /// Tell the shape at rest that theory foresees for a scene
+    Shape(shape::Arguments),
     /// Simulate a scene many times with other values, here or on a cluster
     Sweep(sweep::Arguments),
     /// Compute a run again and tell whether its numbers are the same
@@ -98,6 +102,7 @@ pub fn main() -> ExitCode {
         Some(Command::Sweep(arguments)) => sweep::sweep(&arguments),
         Some(Command::Completions(arguments)) => shell::completions(&arguments),
         Some(Command::Man(arguments)) => shell::man(&arguments),
+        Some(Command::Shape(arguments)) => shape::shape(&arguments),
         Some(Command::Presets) => presets::list(),
         Some(Command::Preset(arguments)) => presets::print(&arguments),
         Some(Command::Check(arguments)) => check::check(&arguments),

@@ -200,7 +200,8 @@ fn reopen(
         )),
         Some(_) => {}
     }
-    let is_over = schedule.is_over(step, t);
+    let is_at_rest = resumption.is_at_rest();
+    let is_over = is_at_rest || schedule.is_over(step, t);
     let is_beyond = match schedule.steps {
         Some(steps) => step > steps,
         None => t > schedule.end * (1.0 + 1e-9),
@@ -219,11 +220,16 @@ fn reopen(
         } else {
             "nothing to do"
         };
-        tell(format_args!(
-            "the run in {folder} is at step {step} already, t = {}, and the end is {end}: {left} (a later \
-             end: --until T or --steps N)",
-            ShortNumber(t)
-        ));
+        let t = ShortNumber(t);
+        match is_at_rest {
+            true => tell(format_args!(
+                "the run in {folder} is at rest since step {step}, t = {t}: {left}"
+            )),
+            false => tell(format_args!(
+                "the run in {folder} is at step {step} already, t = {t}, and the end is {end}: {left} (a later \
+                 end: --until T or --steps N)"
+            )),
+        }
     }
     if is_over && !is_to_end {
         return Ok(());
@@ -351,7 +357,7 @@ pub(super) fn simulate(
     let mut patience = Patience::new(quiet);
     loop {
         let report = simulation.report();
-        if recorder.schedule().is_over(report.step, report.t) {
+        if recorder.schedule().is_done(report) {
             return Stop::Done;
         }
         if let Some(signal) = signal.received() {

@@ -34,7 +34,7 @@ pub use mass::MassForm;
 pub use mesh::{Grid, Mesh};
 pub use mesh_quality::{MeshQuality, SLIVER, WorstTriangle};
 pub use patch::Patch;
-pub use pieces::{Pieces, long_axis};
+pub use pieces::{Pieces, center_and_axis, long_axis};
 pub use projection::{GivenFunction, l2_projection, ritz_projection, solve_poisson};
 pub use quadrature::QuadratureRule;
 pub use raster::{Place, Raster};

@@ -52,6 +52,11 @@ impl Pieces {
 
 /// The direction in which the region φ > 0 is longest, by its second moments; a unit vector.
 pub fn long_axis(mesh: &Mesh, values: &[f64]) -> Vector {
+    center_and_axis(mesh, values).1
+}
+
+/// The centre of the region φ > 0, by its first moments, and the direction in which it is longest.
+pub fn center_and_axis(mesh: &Mesh, values: &[f64]) -> (Point, Vector) {
     // Of max(φ, 0), lumped: the mean, and about it ∫ x⊗x.
     let weighted = || {
         let triangles = mesh.triangles().iter().zip(mesh.areas());
@@ -73,11 +78,11 @@ pub fn long_axis(mesh: &Mesh, values: &[f64]) -> Vector {
     let [xx, xy, yy] = moments.entries();
     let angle = 0.5 * (2.0 * xy).atan2(xx - yy);
     // Of no region there is none: any will do.
-    if angle.is_finite() {
-        Vector::new(angle.cos(), angle.sin())
-    } else {
-        Vector::x()
-    }
+    let axis = match angle.is_finite() {
+        true => Vector::new(angle.cos(), angle.sin()),
+        false => Vector::x(),
+    };
+    (center, axis)
 }
 
 #[cfg(test)]

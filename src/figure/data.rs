@@ -7,6 +7,7 @@ use crate::record::{Columns, RunMark, ShortNumber};
 use crate::scene::{AnchoringKind, Scene};
 use crate::scheme::State;
 use crate::simulation::Report;
+use crate::theory::ShapeAtRest;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -26,6 +27,8 @@ pub struct RunData {
     pub history: Columns,
     /// The fields at some times, in the order of time.
     pub snapshots: Vec<Snapshot>,
+    /// The shape at rest of the membrane alone, to be drawn over each state.
+    pub theory: Option<Arc<ShapeAtRest>>,
     /// The command that makes its figures again.
     pub command: String,
 }
@@ -45,6 +48,8 @@ pub struct View<'a> {
     pub report: &'a Report,
     /// The field that is shown in colour.
     pub field: Field,
+    /// The shape at rest of the membrane alone, to be drawn over it.
+    pub theory: Option<&'a ShapeAtRest>,
     /// The command that makes the state again.
     pub command: &'a str,
 }
@@ -146,7 +151,7 @@ fn in_words(kind: AnchoringKind) -> &'static str {
 }
 
 /// A name that any file system takes: letters, figures, and a few signs.
-fn file_name(name: &str) -> String {
+pub(super) fn file_name(name: &str) -> String {
     let harmless = |c: char| match c {
         c if c.is_alphanumeric() || "-_.+".contains(c) => c,
         _ => '-',

@@ -39,7 +39,7 @@ mod work_precision;
 pub use colour::ColourMap;
 pub use data::{Field, RunData, Snapshot, View};
 pub use error::FigureError;
-pub use save::{check_free, save_set, save_view};
+pub use save::{check_free, save_set, save_shape, save_view};
 pub(crate) use sweep::Arranged;
 pub use sweep::{SweepFigureError, SweepView, save_sweep};
 pub use work_precision::save_study;

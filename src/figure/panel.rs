@@ -11,14 +11,15 @@ use super::outline::chain;
 use super::sampling::{Frame, sample, sample_each};
 use super::text::Label;
 use super::{Director, FigureError, needs};
-use crate::fem::{Contour, Mesh, Wall};
+use crate::fem::{Contour, Mesh, Wall, center_and_axis};
 use crate::physics::bending_energy_density;
 use crate::scheme::State;
+use crate::theory::ShapeAtRest;
 use plotters::chart::{ChartBuilder, LabelAreaPosition};
 use plotters::element::PathElement;
-use plotters::series::LineSeries;
+use plotters::series::{DashedLineSeries, LineSeries};
 use plotters::style::text_anchor::{HPos, VPos};
-use plotters::style::{BLACK, ShapeStyle, WHITE};
+use plotters::style::{BLACK, RGBColor, ShapeStyle, WHITE};
 use std::borrow::Cow;
 use std::iter::once;
 
@@ -30,6 +31,9 @@ const ARROW: f64 = 0.82;
 const LONGEST: f64 = 1.3;
 /// How much finer than the lattice the inside is known.
 const FINER: usize = 8;
+/// The colour of the outline of theory, and the lengths of its dashes and of the spaces between, in sizes of the text.
+const THEORY: RGBColor = RGBColor(0, 110, 60);
+const THEORY_DASHES: [f64; 2] = [0.5, 0.35];
 /// Shorter ones are not drawn: they have no direction to see.
 const SHORTEST: f64 = 0.05;
 
@@ -75,7 +79,7 @@ pub(super) fn symbol(state: &State, field: Field) -> Label {
     }
 }
 
-/// Draws a state in a square.
+/// Draws a state in a square; the shape at rest of theory is dashed, about the centre of the vesicle and along it.
 ///
 /// # Errors
 /// [`FigureError::Memory`] for its colours.
@@ -84,6 +88,7 @@ pub(super) fn draw(
     place: Rectangle,
     mesh: &Mesh,
     state: &State,
+    theory: Option<&ShapeAtRest>,
     style: &Style,
 ) -> Result<(), FigureError> {
     let Frame { corner, side } = Frame::around(mesh);
@@ -120,6 +125,20 @@ pub(super) fn draw(
     if area < (1.0 - 1e-9) * side * side {
         let segments = Wall::of(mesh).edges().to_vec();
         curves(&Contour { segments, area }, line(0.8))?;
+    }
+    if let Some(theory) = theory {
+        let (center, axis) = center_and_axis(mesh, &state.phi);
+        let outline = theory.outline(center, axis);
+        let points = outline.iter().map(|at| (at.x, at.y));
+        let [dash, space] = THEORY_DASHES.map(|length| units(length * style.size).max(1));
+        for piece in pieces(points) {
+            chart.draw_series(DashedLineSeries::new(
+                piece,
+                dash,
+                space,
+                stroke(THEORY, 1.6 * line_weight(style.size)),
+            ))?;
+        }
     }
     let frame = plotters::element::Rectangle::new(corners, line(0.8));
     chart.draw_series(once(frame))?;

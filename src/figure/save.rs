@@ -1,14 +1,15 @@
 //! Figures as files.
 
 use super::canvas::Drawing;
-use super::data::{Field, RunData, RunLabel, Snapshot, View, check_fields, five};
+use super::data::{Field, RunData, RunLabel, Snapshot, View, check_fields, file_name, five};
 use super::provenance::{Provenance, Shown};
 use super::scalars::{self, ScalarFigure};
 use super::strip::{self, Strip};
 use super::table::{write_state, write_strips};
 use super::text::Label;
 use super::{Existing, FigureError, FigureOptions, curves, needs, pixels, png, svg, view};
-use crate::record::{make_folder, write_fields, write_new, write_series, write_whole};
+use crate::geometry::Point;
+use crate::record::{Number, make_folder, write_fields, write_new, write_series, write_whole};
 use crate::scene::Scene;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -46,6 +47,42 @@ pub fn save_view(
     files.written.push(path);
     let drawing = view::draw(view, &label, options)?;
     files.picture(&stem, &drawing, options, &provenance)?;
+    Ok(files.written)
+}
+
+/// Saves the shape at rest of a membrane over its initial state: `<name>-shape` as PNG and SVG, and the outline as CSV, a point a
+/// row. Gives the files. The folder is made if it is not there.
+///
+/// # Errors
+/// [`FigureError`]; the files that were written before it stay.
+pub fn save_shape(
+    view: &View,
+    outline: &[Point],
+    options: &FigureOptions,
+    folder: &Path,
+) -> Result<Vec<PathBuf>, FigureError> {
+    options.check()?;
+    let label = RunLabel::new(view.name, view.scene, 0.0);
+    let stem = format!("{}-shape", file_name(view.name));
+    let mut files = Files::claim(folder, vec![stem], &PICTURE, options)?;
+    let stem = files.stem(0);
+    let mut text = "x,y\n".to_owned();
+    for point in outline {
+        text += &format!("{},{}\n", Number(point.x), Number(point.y));
+    }
+    files.text(&stem, "csv", &text)?;
+    let shown = Shown {
+        label: &label,
+        scene: view.scene,
+        times: vec![(view.report.step, view.report.t)],
+    };
+    let provenance = Provenance::new("Shape at rest", view.command, &[shown]);
+    files.picture(
+        &stem,
+        &view::draw(view, &label, options)?,
+        options,
+        &provenance,
+    )?;
     Ok(files.written)
 }
 
@@ -228,11 +265,13 @@ impl<'a> Set<'a> {
 
     fn save_strip(&self, files: &mut Files, options: &FigureOptions) -> Result<(), FigureError> {
         let mut strips = Vec::new();
-        for (label, snapshots) in self.labels.iter().zip(&self.strips) {
+        let runs = self.runs.iter().zip(self.labels).zip(&self.strips);
+        for ((run, label), snapshots) in runs {
             if !snapshots.is_empty() {
                 strips.push(Strip {
                     title: Label::text(&label.title),
                     snapshots: snapshots.clone(),
+                    theory: run.theory.as_deref(),
                 });
             }
         }

@@ -6,7 +6,12 @@ use super::data::{RunData, RunLabel};
 use super::number::extent;
 use super::table::Table;
 use super::text::Label;
+use crate::fem::center_and_axis;
+use crate::geometry::Point;
 use crate::record::RunMark;
+use crate::scene::{Boundary, Mesh};
+use crate::theory::RoundVesicle;
+use std::f64::consts::PI;
 
 /// A figure of scalars: its plots, and the same as a table.
 pub(super) struct ScalarFigure {
@@ -25,8 +30,21 @@ struct Scalar {
     name: Label,
     note: Label,
     values: Vec<Option<Vec<f64>>>,
-    /// A second value of each run, dashed, with its column.
-    target: Option<(String, Vec<Option<f64>>)>,
+    /// A straight line of each run, dashed, with its column.
+    target: Option<(String, Vec<Option<Line>>)>,
+}
+
+/// What a value is expected to be: `start` + `slope`·t.
+#[derive(Debug, Clone, Copy)]
+struct Line {
+    start: f64,
+    slope: f64,
+}
+
+impl Line {
+    fn at(self, t: f64) -> f64 {
+        self.start + self.slope * t
+    }
 }
 
 impl Scalar {
@@ -148,7 +166,8 @@ fn volume_and_area(runs: &[RunData]) -> Vec<Scalar> {
         values.iter_mut().for_each(|value| *value -= start);
     }
     let mut area = Scalar::new(runs, "B", Label::symbol("B"));
-    let targets: Vec<Option<f64>> = runs.iter().map(target_area).collect();
+    let level = |start| Line { start, slope: 0.0 };
+    let targets: Vec<Option<Line>> = runs.iter().map(|run| target_area(run).map(level)).collect();
     if targets.iter().any(Option::is_some) {
         area.note = Label::text("  (dashed: ").and_symbol("β").and(")");
         area.target = Some(("beta".to_owned(), targets));
@@ -163,11 +182,71 @@ fn target_area(run: &RunData) -> Option<f64> {
     Some(run.scene.area.as_ref()?.target * start)
 }
 
-/// Length, waist and greatest width of the vesicle.
+/// Length, waist and greatest width of the vesicle, and how it becomes round where theory says how fast.
 fn outline(runs: &[RunData]) -> Vec<Scalar> {
-    ["length", "waist", "width"]
-        .map(|column| Scalar::new(runs, column, Label::text(column)))
-        .into()
+    let sizes = ["length", "waist", "width"];
+    let mut scalars = Vec::from(sizes.map(|column| Scalar::new(runs, column, Label::text(column))));
+    scalars.push(amplitude(runs));
+    scalars
+}
+
+/// ln a of the vesicles that become round, r = R(1 + a cos 2θ), with the line of theory from its first value on.
+fn amplitude(runs: &[RunData]) -> Scalar {
+    let mut lines = Vec::new();
+    let mut values = Vec::new();
+    for run in runs {
+        let rate = decay_rate(run);
+        let amplitude = rate.and_then(|_| log_amplitude(run));
+        let start = amplitude
+            .as_ref()
+            .and_then(|values| values.first().copied());
+        let line = start.zip(rate).map(|(start, rate)| Line {
+            start,
+            slope: -rate,
+        });
+        lines.push(line);
+        values.push(amplitude);
+    }
+    Scalar {
+        column: "ln_a".to_owned(),
+        name: Label::text("ln ").and_symbol("a"),
+        note: Label::text("  (dashed: theory)"),
+        values,
+        target: Some(("ln_a_theory".to_owned(), lines)),
+    }
+}
+
+/// ln of (length − waist)/(length + waist); no number where the vesicle is round.
+fn log_amplitude(run: &RunData) -> Option<Vec<f64>> {
+    let [length, waist] = ["length", "waist"].map(|column| run.history.known(column));
+    let pairs = length?.iter().zip(waist?);
+    Some(
+        pairs
+            .map(|(length, waist)| ((length - waist) / (length + waist)).ln())
+            .collect(),
+    )
+}
+
+/// The rate at which the mode n = 2 of a run's vesicle decays, where theory foresees a circle.
+fn decay_rate(run: &RunData) -> Option<f64> {
+    let shape = run
+        .theory
+        .as_deref()
+        .filter(|shape| shape.elastica.reduced_area == 1.0)?;
+    let first = run.snapshots.first()?;
+    let (center, axis) = center_and_axis(&first.mesh, &first.state.phi);
+    let is_square =
+        !matches!(run.scene.mesh, Mesh::File(_)) && run.scene.boundary == Boundary::Natural;
+    let is_in_the_middle = (center - Point::new(0.5, 0.5)).norm() < 0.01;
+    let is_along_a_side = (axis.x * axis.y).abs() < 0.05;
+    let vesicle = RoundVesicle {
+        radius: (shape.enclosed / PI).sqrt(),
+        mobility: run.scene.membrane.mobility,
+        interface_width: run.scene.membrane.interface_width,
+        tension: shape.tension,
+        is_in_unit_square: is_square && is_in_the_middle && is_along_a_side,
+    };
+    vesicle.decay_rate(2)
 }
 
 fn plot(scalar: Scalar, runs: &[RunData]) -> Plot {
@@ -186,7 +265,7 @@ fn plot(scalar: Scalar, runs: &[RunData]) -> Plot {
         let ends = [times.first(), times.last()].into_iter().flatten();
         if let Some(&Some(target)) = targets.get(number) {
             curves.push(Curve {
-                points: ends.map(|t| (*t, target)).collect(),
+                points: ends.map(|t| (*t, target.at(*t))).collect(),
                 look: aside,
             });
         }
@@ -235,7 +314,9 @@ fn table(scalars: &[Scalar], runs: &[RunData], labels: &[RunLabel]) -> Table {
                         .as_ref()
                         .and_then(|values| values.get(row).copied()),
                 );
-                cells.extend(scalar.target.iter().map(|(_, targets)| targets[number]));
+                cells.extend(
+                    (scalar.target.iter()).map(|(_, targets)| Some(targets[number]?.at(*t))),
+                );
             }
             table.row(&label.file, cells);
         }

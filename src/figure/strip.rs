@@ -6,12 +6,14 @@ use super::number::number;
 use super::panel::{self, Style};
 use super::text::Label;
 use super::{FigureError, FigureOptions, TEXT_SIZES_A_WIDTH, text_size};
+use crate::theory::ShapeAtRest;
 use plotters::style::text_anchor::{HPos, VPos};
 
 /// A run's strip.
 pub(super) struct Strip<'a> {
     pub title: Label,
     pub snapshots: Vec<&'a Snapshot>,
+    pub theory: Option<&'a ShapeAtRest>,
 }
 
 /// Digits of a time above a picture.
@@ -80,7 +82,14 @@ pub(super) fn draw(strips: &[Strip], options: &FigureOptions) -> Result<Drawing,
                 for (column, snapshot) in snapshots.iter().enumerate() {
                     let left = left + column as f64 * (side + gap);
                     let square = Rectangle::new([left, top], [side; 2]).on_pixels();
-                    panel::draw(page, square, &snapshot.mesh, &snapshot.state, &style)?;
+                    panel::draw(
+                        page,
+                        square,
+                        &snapshot.mesh,
+                        &snapshot.state,
+                        strip.theory,
+                        &style,
+                    )?;
                     let numbers = [numbers_below, column == 0];
                     panel::draw_axes(page, square, &snapshot.mesh, size, numbers)?;
                     let at = [0.5 * (square.left + square.right), top - 1.35 * size];

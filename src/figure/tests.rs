@@ -98,6 +98,7 @@ fn run(name: &str, title: &str, snapshots: u64) -> RunData {
         snapshots: (0..snapshots).map(snapshot).collect(),
         history,
         marks: Vec::new(),
+        theory: None,
         command: format!("vesica figures {name}"),
     }
 }
@@ -118,6 +119,7 @@ fn drawings(runs: &[RunData], width: u32) -> Vec<(&'static str, Drawing)> {
         strips.push(Strip {
             title: Label::text(&label.title),
             snapshots: data::five(&run.snapshots),
+            theory: run.theory.as_deref(),
         });
     }
     let mut drawings = vec![(
@@ -144,6 +146,7 @@ fn first_view<'a>(run: &'a RunData, report: &'a Report, field: Field) -> View<'a
         state: &run.snapshots[0].state,
         report,
         field,
+        theory: None,
         command: "",
     }
 }

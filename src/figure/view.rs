@@ -47,7 +47,7 @@ pub(super) fn draw(
         // The name of the colour bar stands above it.
         top += 1.2 * size;
         let square = Rectangle::new([left, top], [side; 2]).on_pixels();
-        panel::draw(page, square, view.mesh, view.state, &style)?;
+        panel::draw(page, square, view.mesh, view.state, view.theory, &style)?;
         panel::draw_axes(page, square, view.mesh, size, [true; 2])?;
         let corner = [square.right + gap, square.top];
         panel::draw_bar(page, &scale, corner, square.height(), size, &name)?;

@@ -265,7 +265,7 @@ impl Recorder {
         }
         let mut outcome = Ok(());
         let mut tried = false;
-        if self.schedule.snapshot_due(report.step, report.t) {
+        if self.schedule.is_snapshot_due(report) {
             tried = true;
             outcome = self.snapshot(simulation);
         }

@@ -198,6 +198,12 @@ impl Resumption {
         self.checkpoint().map_or(0.0, SimulationCheckpoint::t)
     }
 
+    /// Whether nothing moved any more there, so that the run was over.
+    pub fn is_at_rest(&self) -> bool {
+        self.checkpoint()
+            .is_some_and(SimulationCheckpoint::is_at_rest)
+    }
+
     /// What the run had recorded, but for how often it is saved.
     pub fn settings(&self) -> Settings {
         let newest = self.candidates.first();

@@ -80,6 +80,8 @@ pub struct RunSummary {
     pub milliseconds: PhaseCosts,
     /// The time reached: that of the last whole step.
     pub t: f64,
+    /// Whether nothing moves any more there, by `[rest]` of the scene.
+    pub at_rest: bool,
     /// How far the next step is, where it takes long, or the run was ended within it.
     pub underway: Option<StepProgress>,
     /// E_total there.
@@ -229,6 +231,9 @@ fn values_of(kind: &EventKind) -> BTreeMap<Cow<'static, str>, f64> {
                 let [before, after] = energy.values;
                 values.insert(energy_column(energy.name).into(), after - before);
             }
+        }
+        EventKind::AtRest { unrest, .. } => {
+            values.insert("unrest".into(), *unrest);
         }
         EventKind::ParametersChanged { work, .. } => {
             values.insert("E_total".into(), *work);
@@ -405,6 +410,7 @@ impl RunSummary {
             session.to_step = report.step;
         }
         self.t = report.t;
+        self.at_rest = report.is_at_rest;
         self.errors = report.budget;
         self.largest_error = report.budget.largest().map(|(part, _)| part);
         self.total_energy = Some(report.total_energy);

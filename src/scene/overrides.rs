@@ -7,7 +7,7 @@
 
 use super::document::{Entry, Location, Node, Sources, Table, Value, read_value};
 use super::error::{Problem, SceneError};
-use super::tables::EFFECTS;
+use super::tables::is_optional;
 
 /// Deeper than any key of a scene.
 const DEEPEST_KEY: usize = 8;
@@ -49,11 +49,11 @@ pub(super) fn apply(
 
     let first = equals + 1 + (value.len() - value.trim_start().len());
     let value = value.trim();
-    if let [(effect, _)] = path[..]
-        && EFFECTS.contains(&effect)
+    if let [(name, _)] = path[..]
+        && is_optional(name)
         && value == "false"
     {
-        table.retain(|entry| entry.key != effect);
+        table.retain(|entry| entry.key != name);
         return Ok(());
     }
     let value = parse_value(sources, value, location.part(first..first + value.len()))?;

@@ -17,7 +17,7 @@ presets! {
     "case1" "case2" "case3" "case4"
     "case1-quick" "case2-quick" "case3-quick" "case4-quick"
     "case1-fine" "case2-fine" "case3-fine" "case4-fine"
-    "bending" "circle" "curvature" "field" "pull" "noise"
+    "bending" "circle" "relaxation" "curvature" "field" "pull" "noise"
     "switch" "squeeze" "fredericks"
 }
 

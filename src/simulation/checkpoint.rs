@@ -33,6 +33,7 @@ pub struct SimulationCheckpoint {
     reached_wall: bool,
     /// How many changes had begun in the last whole step.
     begun: usize,
+    is_at_rest: bool,
     effort: StepEffort,
     /// What was done of a step that was interrupted.
     left: Option<PartialStep>,
@@ -54,6 +55,11 @@ impl SimulationCheckpoint {
     /// The time that was reached.
     pub fn t(&self) -> f64 {
         self.t
+    }
+
+    /// Whether nothing moved any more, so that the run was over.
+    pub fn is_at_rest(&self) -> bool {
+        self.is_at_rest
     }
 
     /// How far the step after that was, if it had been begun.
@@ -85,6 +91,7 @@ impl Simulation {
         checkpoint.refused = report.refused;
         checkpoint.time_error = report.time_error;
         checkpoint.budget = report.budget;
+        checkpoint.is_at_rest = report.is_at_rest;
         checkpoint.reached_wall = self.near_wall.reached();
         checkpoint.begun = self.begun;
         checkpoint.effort = report.effort;
@@ -129,6 +136,7 @@ impl Simulation {
         report.refused = checkpoint.refused;
         report.time_error = checkpoint.time_error;
         report.budget = checkpoint.budget;
+        report.is_at_rest = checkpoint.is_at_rest;
         report.costs = super::Costs::default();
         report.effort = checkpoint.effort;
         self.pacing.clone_from(&checkpoint.pacing);

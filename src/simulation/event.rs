@@ -73,6 +73,13 @@ pub enum EventKind {
     },
     /// The mesh was made again about the membrane, and the state brought there.
     MeshChanged(Box<MeshChange>),
+    /// Nothing moves any more, and the run ends.
+    AtRest {
+        /// The energy that would be lost in a relaxation time, as a part of the energy.
+        unrest: f64,
+        /// rest.tolerance.
+        tolerance: f64,
+    },
 }
 
 /// What a new mesh has changed.
@@ -136,6 +143,7 @@ impl EventKind {
             Self::ReachedWall => "reached-wall",
             Self::ParametersChanged { .. } => "parameters-changed",
             Self::MeshChanged(_) => "mesh-changed",
+            Self::AtRest { .. } => "at-rest",
         }
     }
 }
@@ -173,6 +181,11 @@ impl fmt::Display for EventKind {
             ),
             EventKind::ReachedWall => f.write_str(
                 "the vesicle has reached the wall, which now takes part in what happens",
+            ),
+            EventKind::AtRest { unrest, tolerance } => write!(
+                f,
+                "the run ends at rest: in a relaxation time {unrest:.1e} of the energy would be lost, at most \
+                 rest.tolerance = {tolerance:e}"
             ),
             EventKind::ParametersChanged { changes, work } => {
                 for (index, change) in changes.iter().enumerate() {

@@ -14,7 +14,9 @@ mod mesh_follower;
 mod partial_step;
 mod presence;
 mod report;
+mod rest;
 mod schedule;
+mod shape_at_rest;
 mod step_effort;
 mod step_subdivision;
 mod steps;
@@ -48,6 +50,7 @@ pub use partial_step::StepProgress;
 pub use presence::{NoVesicle, Part, check_outlines};
 pub use report::{Costs, Report};
 pub use schedule::{Schedule, step_count};
+pub use shape_at_rest::{NoShapeAtRest, enclosed_area, shape_at_rest};
 pub use step_effort::{StepEffort, Tried};
 pub use threads::{cores, threads_that_pay};
 pub use warnings::warnings;
@@ -101,6 +104,10 @@ pub struct Examination {
     pub nodes: usize,
     /// Angles and sizes of its triangles.
     pub quality: MeshQuality,
+    /// The area of the region φ⁰ > 0.
+    pub enclosed: f64,
+    /// 4π·area/length² of the region φ⁰ > 0; `None` where it is not one piece.
+    pub reduced_area: Option<f64>,
 }
 
 /// Makes a scene's mesh and initial state, and describes them.
@@ -111,7 +118,12 @@ pub fn examine(scene: &Scene) -> Result<Examination, SimulationError> {
     let mesh = Mesh::of(scene)?;
     let initial = initial_fields(scene, &mesh)?;
     check_vesicle(scene, &mesh, &initial.phi)?;
+    let phi = &initial.phi;
+    let contour = Contour::new(&mesh, phi);
+    let is_one = Pieces::default().count(&mesh, phi) == 1;
     Ok(Examination {
+        enclosed: contour.area,
+        reduced_area: contour.isoperimetric_quotient().filter(|_| is_one),
         warnings: warnings(scene, &mesh, &initial.phi),
         nodes: mesh.nodes().len(),
         quality: MeshQuality::of(&mesh),
@@ -145,6 +157,8 @@ pub struct Simulation {
     /// How many changes had begun in the last whole step.
     begun: usize,
     threads: Threads,
+    /// Whether it goes on although nothing moves any more.
+    goes_beyond_rest: bool,
 }
 
 /// How long steps are, and where a run stands in it.
@@ -249,6 +263,7 @@ impl Simulation {
             schedule: Schedule::new(&scene.time, 1, 1),
             begun: 0,
             threads: Threads::default(),
+            goes_beyond_rest: false,
         };
         simulation.report.take(simulation.scheme.report());
         if let Some(place) = simulation.first_not_finite() {
@@ -379,6 +394,7 @@ impl Simulation {
         let (time, algebra) = (self.report.time_error, self.scheme.report().algebraic_error);
         self.report.budget.add_step(time, algebra);
         self.look();
+        self.notice_rest(t - before.1);
         watch(Phase::Ledger);
         self.report.costs = costs;
         Ok(true)
@@ -428,6 +444,7 @@ impl Simulation {
             .add_change(&change)
             .map_err(|error| SimulationError::Change(Box::new(error)))?;
         self.scheme.set_timetable(Timetable::of(&self.scene));
+        self.report.is_at_rest = false;
         if !change.is_ramp() {
             self.expect_jump();
         }

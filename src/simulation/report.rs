@@ -20,6 +20,8 @@ pub struct Report {
     /// Attempts at this step that were refused because their error was too large or they could not be
     /// solved; only where Δt is chosen.
     pub refused: u32,
+    /// Nothing moves any more, by `[rest]` of the scene: the run is over.
+    pub is_at_rest: bool,
     /// The estimated error of φ in this step, in L2.
     pub time_error: Option<f64>,
     /// The energy of each effect, weighted as in E_tot.

@@ -1,5 +1,6 @@
 //! Which steps of a run are recorded, and at which the fields are kept.
 
+use super::Report;
 use crate::scene::Time;
 
 /// The number of steps of a run: T/Δt, rounded. t_n = n·Δt. `None` where Δt is chosen on the way.
@@ -37,6 +38,16 @@ impl Schedule {
             Some(steps) => step >= steps,
             None => t >= self.end,
         }
+    }
+
+    /// Whether a run with this last step is at its end, or at rest before.
+    pub fn is_done(&self, report: &Report) -> bool {
+        report.is_at_rest || self.is_over(report.step, report.t)
+    }
+
+    /// Whether the fields are written after this step: also at rest, if there are any snapshots.
+    pub fn is_snapshot_due(&self, report: &Report) -> bool {
+        report.is_at_rest && self.snapshots > 0 || self.snapshot_due(report.step, report.t)
     }
 
     /// How much of the run is done, from 0 to 1.

@@ -106,7 +106,7 @@ fn advance(
         let report = simulation.report();
         let share = schedule.share(report.step, report.t);
         measurement.share = share;
-        if schedule.is_over(report.step, report.t) {
+        if schedule.is_done(report) {
             return Ok(Solution::of(&simulation));
         }
         let mut failure = None;

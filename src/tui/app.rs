@@ -1,7 +1,7 @@
 //! The app and its runs at their beginning, and what is often looked up in them.
 
 use std::collections::VecDeque;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use super::brake::Brake;
 use super::frame_history::{self, FrameHistory};
@@ -14,8 +14,9 @@ use super::state::{
 use super::throughput::Throughput;
 use super::update::SNAPSHOTS;
 use crate::scene::{AnchoringKind, Scene};
-use crate::simulation::{Report, RunId, RunSnapshot, cores};
+use crate::simulation::{NoShapeAtRest, Report, RunId, RunSnapshot, cores, shape_at_rest};
 use crate::study::PresetFigures;
+use crate::theory::ShapeAtRest;
 
 impl App {
     /// Asks whether to resume the runs of an earlier session, if there are any; no run starts before
@@ -51,6 +52,7 @@ impl App {
                 director: Director::Arrows,
                 colour_map: 0,
                 logarithmic: false,
+                theory: false,
             },
             focus: Panel::Field,
             looking_back: None,
@@ -247,6 +249,7 @@ impl Run {
             saved: None,
             keeping: Keeping::default(),
             rising: false,
+            theory: OnceLock::new(),
         }
     }
 
@@ -271,6 +274,18 @@ impl Run {
         pictures.sort_by_key(|picture| picture.report.step);
         pictures.dedup_by_key(|picture| picture.report.step);
         pictures
+    }
+
+    /// The shape at rest that theory foresees for its membrane alone; `None` until there is a picture.
+    pub fn shape_at_rest(&self) -> Option<&Result<Arc<ShapeAtRest>, NoShapeAtRest>> {
+        let (setting, picture) = (self.setting.as_ref()?, self.picture.as_ref()?);
+        let surface_area = self.history.surface_area.first()?;
+        Some(self.theory.get_or_init(|| {
+            // ∫φ is conserved.
+            let start = [picture.report.phase_integral, surface_area];
+            let state = (&*picture.mesh, &*picture.state.phi);
+            shape_at_rest(&setting.scene, state, start).map(Arc::new)
+        }))
     }
 
     /// Whether its error is being measured.

@@ -35,6 +35,7 @@ pub fn save_figures(job: &Job, folder: &RunFolder) -> Result<(), String> {
                 history: Columns::read(folder.path()).map_err(|error| error.to_string())?,
                 snapshots: snapshots.collect(),
                 marks: job.marks.clone(),
+                theory: job.theory.clone(),
                 command: command(pictures.last().map_or(0, |last| last.report.step)),
             };
             figure::save_set(&[run], &FigureOptions::default(), folder.path())
@@ -72,6 +73,7 @@ fn save_view(
             Field::Omega => figure::Field::Bending,
             Field::Mu => figure::Field::Potential,
         },
+        theory: job.theory.as_deref(),
         command: &command,
     };
     let options = FigureOptions {

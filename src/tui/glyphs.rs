@@ -35,6 +35,8 @@ pub struct Glyphs {
     pub contour: &'static str,
     /// The upper half of a cell, where two samples share it; `None`: they cannot.
     pub upper_half: Option<&'static str>,
+    /// The outline that theory foresees.
+    pub theory: &'static str,
     /// Separates things in a line.
     pub dot: &'static str,
     /// Before what has the focus.
@@ -57,6 +59,7 @@ pub static UNICODE: Glyphs = Glyphs {
     phase: &[" ", "░"],
     contour: "█",
     upper_half: Some("▀"),
+    theory: "•",
     dot: "·",
     focus: "█",
 };
@@ -87,6 +90,7 @@ pub static ASCII: Glyphs = Glyphs {
     phase: &[" ", "."],
     contour: "#",
     upper_half: None,
+    theory: "o",
     dot: "-",
     focus: "*",
 };
@@ -223,7 +227,15 @@ mod tests {
     #[test]
     fn the_ascii_set_is_ascii_and_every_character_has_a_substitute() {
         let set = &ASCII;
-        let mut glyphs = vec![set.rule, set.bar, set.band, set.rest, set.contour, set.dot];
+        let mut glyphs = vec![
+            set.rule,
+            set.bar,
+            set.band,
+            set.rest,
+            set.contour,
+            set.dot,
+            set.theory,
+        ];
         glyphs.extend(set.arrows.iter().chain(&set.strokes).chain(&set.ticks));
         glyphs.extend(set.levels.iter().chain(set.shares).chain(set.ramp));
         assert!(glyphs.iter().all(|glyph| glyph.is_ascii()));

@@ -15,6 +15,7 @@ use super::state::View;
 use crate::record::{RunFolder, RunMark, write_state, write_states};
 use crate::scene::Scene;
 use crate::simulation::{RunSnapshot, panic_words};
+use crate::theory::ShapeAtRest;
 
 /// Where what is saved goes, within the working folder: a new folder each time.
 pub(super) const PARENT: &str = "saved";
@@ -28,6 +29,8 @@ pub struct Job {
     pub scene: Arc<Scene>,
     /// What the curves are marked with.
     pub marks: Vec<RunMark>,
+    /// The shape at rest of the membrane alone, where it is shown.
+    pub theory: Option<Arc<ShapeAtRest>>,
     /// What.
     pub what: What,
 }
@@ -213,6 +216,7 @@ mod tests {
             name: "circle".into(),
             scene,
             marks: Vec::new(),
+            theory: None,
             what: What::Set(vec![Arc::new(picture)], Arc::new(Mutex::new(autosave))),
         }
     }

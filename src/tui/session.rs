@@ -516,10 +516,13 @@ impl Session {
             let reason = "the run has no state yet".to_owned();
             return self.message(Message::Saved(Err(reason)));
         };
+        let theory = run.shape_at_rest().filter(|_| self.app.view.theory);
+        let theory = theory.and_then(|shape| shape.as_ref().ok().cloned());
         self.saver.give(Job {
             name: slot.name.clone(),
             scene: Arc::clone(&slot.scene),
             marks: run.history.marks.clone(),
+            theory,
             what: what(run),
         });
         Ok(())

@@ -4,7 +4,7 @@ use super::knobs::Knobs;
 use crate::scene::Assignment;
 use std::collections::VecDeque;
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use super::autosave::Kept;
 use super::brake::{Brake, Replay};
@@ -12,8 +12,9 @@ use super::frame_history::FrameHistory;
 use super::run_control::RunControl;
 use crate::record::KeptAt;
 use crate::scene::{AnchoringKind, Scene};
-use crate::simulation::{Report, RunId, RunSnapshot, SetUp, Setting, StepProgress};
+use crate::simulation::{NoShapeAtRest, Report, RunId, RunSnapshot, SetUp, Setting, StepProgress};
 use crate::study::{ErrorRow, Offer};
+use crate::theory::ShapeAtRest;
 
 pub use super::history::History;
 pub use super::throughput::Throughput;
@@ -164,6 +165,8 @@ pub struct Run {
     pub keeping: Keeping,
     /// Whether the energy rose in the last step: said once, when it begins.
     pub rising: bool,
+    /// The shape at rest that theory foresees for its membrane alone, or why there is none; computed when it is first shown.
+    pub theory: OnceLock<Result<Arc<ShapeAtRest>, NoShapeAtRest>>,
 }
 
 /// The measured error of a run, as far as it is measured.
@@ -385,6 +388,8 @@ pub struct View {
     pub colour_map: usize,
     /// Whether the curves have a logarithmic scale.
     pub logarithmic: bool,
+    /// Whether the shape at rest that theory foresees lies over the field.
+    pub theory: bool,
 }
 
 /// A field that can be shown.

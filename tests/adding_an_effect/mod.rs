@@ -176,6 +176,7 @@ fn its_energy_is_in_the_record_in_a_figure_and_in_the_app() {
         name: "small".to_owned(),
         scene: Arc::new(scene.clone()),
         marks: Vec::new(),
+        theory: None,
         history,
         snapshots: Vec::new(),
         command: String::new(),

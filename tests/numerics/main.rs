@@ -17,6 +17,7 @@ mod paths;
 mod quick;
 mod random_scenes;
 mod reference;
+mod relaxation;
 mod rest;
 mod secant;
 mod symmetry;

@@ -50,6 +50,7 @@ fn a_pixel_has_the_colour_of_the_value_at_its_centre() {
         state: &state,
         report: &report,
         field: Field::Phase,
+        theory: None,
         command: "",
     };
     let options = options(600);

@@ -247,6 +247,7 @@ macro_rules! table {
 mod domain;
 mod membrane;
 mod mesh;
+mod rest;
 mod solver;
 mod time;
 mod vesicle;
@@ -258,9 +259,13 @@ pub use domain::Boundary;
 pub use membrane::Membrane;
 pub use mesh::{Mesh, Refinement};
 pub use nematic::{Defect, InitialDirector};
+pub use rest::Rest;
 pub use solver::{Iteration, LinearMethod, Quadrature, Solver};
 pub use time::{Time, TimeScheme};
 pub use vesicle::{Curve, Outline, Projection, Shape, Vesicle};
+
+/// The name of the table that ends a run at rest.
+const REST: &str = "rest";
 
 /// Declares [`Scene`] with the tables of its effects.
 macro_rules! scene {
@@ -285,6 +290,8 @@ macro_rules! scene {
             pub vesicle: Vesicle,
             /// Δt and T.
             pub time: Time,
+            /// `[rest]`; `None`: the run goes to T.
+            pub rest: Option<Rest>,
             /// The membrane and its bending: ε, γ_ben, k(x).
             pub membrane: Membrane,
             $(
@@ -307,6 +314,7 @@ macro_rules! scene {
                     mesh: Mesh::default(),
                     vesicle: Vesicle::default(),
                     time: Time::default(),
+                    rest: None,
                     membrane: Membrane::default(),
                     $($(#[cfg($cfg)])? $name: None,)+
                     solver: Solver::default(),
@@ -317,6 +325,11 @@ macro_rules! scene {
 
         /// The names of the effects that have a table.
         pub(super) const EFFECTS: &[&str] = &[$($(#[cfg($cfg)])? stringify!($name)),+];
+
+        /// The tables that a scene may be without.
+        pub(super) fn is_optional(table: &str) -> bool {
+            table == REST || EFFECTS.contains(&table)
+        }
 
         /// A value for each effect that has a table: one that is forgotten does not compile.
         #[derive(Debug)]
@@ -335,6 +348,7 @@ macro_rules! scene {
                 TableInfo::new::<Mesh>("mesh"),
                 TableInfo::new::<Vesicle>("vesicle"),
                 TableInfo::new::<Time>("time"),
+                TableInfo::new::<Rest>(REST),
                 TableInfo::new::<Membrane>("membrane"),
                 $($(#[cfg($cfg)])? TableInfo::new::<$Table>(stringify!($name)),)+
                 TableInfo::new::<Solver>("solver"),
@@ -355,6 +369,10 @@ macro_rules! scene {
                     boundary: Domain::read(top.table("domain")?, context)?.boundary,
                     vesicle: Vesicle::read(top.table("vesicle")?, context)?,
                     time: Time::read(top.table("time")?, context)?,
+                    rest: match top.present(REST)? {
+                        Some(table) => Some(Rest::read(table, context)?),
+                        None => None,
+                    },
                     membrane: Membrane::read(top.table("membrane")?, context)?,
                     $($(#[cfg($cfg)])? $name: match top.present(stringify!($name))? {
                         Some(table) => Some($Table::read(table, context)?),
@@ -436,6 +454,7 @@ macro_rules! scene {
                     ("mesh", Some(&self.mesh)),
                     ("vesicle", Some(&self.vesicle)),
                     ("time", Some(&self.time)),
+                    (REST, self.rest.as_ref().map(|table| table as &dyn Table)),
                     ("membrane", Some(&self.membrane)),
                     $(
                         $(#[cfg($cfg)])?
@@ -529,6 +548,12 @@ impl Scene {
     /// Makes the tables what they are before the changes that keys of theirs stand for.
     pub(super) fn undo_table_changes(&mut self) {
         self.tables_mut().for_each(|table| table.undo_changes());
+    }
+
+    /// The tables of effects that it has.
+    pub fn effects(&self) -> impl Iterator<Item = &'static str> {
+        let names = self.named_tables().map(|(name, _)| name);
+        names.filter(|name| EFFECTS.contains(name))
     }
 
     /// What the tables that it has warn of.

@@ -50,7 +50,7 @@ fn unknown_keys() {
     assert_eq!(
         message("[aera]").replace("noise, tension,", "noise,"),
         "a.toml:1:2: unknown key 'aera' at the top level; did you mean 'area'? Allowed: name, accuracy, \
-         domain, mesh, vesicle, time, membrane, area, nematic, anchoring, field, pull, \
+         domain, mesh, vesicle, time, rest, membrane, area, nematic, anchoring, field, pull, \
          noise, solver, change",
     );
     assert_eq!(

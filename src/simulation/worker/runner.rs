@@ -214,6 +214,7 @@ impl<Sink: Fn(Message)> Runner<Sink> {
                     let time = Time { end, ..scene.time };
                     schedule = Schedule::new(&time, 1, self.config.snapshots);
                     simulation.follow(&schedule);
+                    simulation.go_beyond_rest();
                     going &= rest != Some(IdleReason::Done);
                 }
                 Ok(Command::Change { set, over }) => self.change(&mut simulation, set, over),
@@ -284,7 +285,7 @@ impl<Sink: Fn(Message)> Runner<Sink> {
         going: bool,
     ) -> Option<IdleReason> {
         let report = simulation.report();
-        if schedule.is_over(report.step, report.t) {
+        if schedule.is_done(report) {
             Some(IdleReason::Done)
         } else if !going {
             Some(IdleReason::Paused)
@@ -363,7 +364,7 @@ impl<Sink: Fn(Message)> Runner<Sink> {
         self.events.gather(simulation.last_whole().0);
         self.tell_events(simulation);
         let (report, _) = simulation.last_whole();
-        if schedule.snapshot_due(report.step, report.t) {
+        if schedule.is_snapshot_due(report) {
             let picture = Arc::new(self.picture(simulation).to_picture());
             self.events.tell(WorkerEvent::Snapshot(picture));
         }

@@ -58,6 +58,8 @@ pub enum Action {
     SaveSet,
     /// The director's next style.
     Director,
+    /// The shape that theory foresees, over the field or not.
+    Theory,
     /// The next colour map.
     ColourMap,
     /// Logarithmic curves or not.

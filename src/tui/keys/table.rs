@@ -225,6 +225,15 @@ pub static BINDINGS: &[Binding] = &[
     },
     Binding {
         place: Place::Main,
+        keys: &[key('T', Action::Theory)],
+        label: "T",
+        plain_label: "T",
+        brief: |_| "theory",
+        words: "the shape at rest that theory foresees for the membrane alone, over the field; again: not",
+        when: with_picture,
+    },
+    Binding {
+        place: Place::Main,
         keys: &[key('l', Action::Logarithmic)],
         label: "l",
         plain_label: "l",

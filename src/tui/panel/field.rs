@@ -8,13 +8,13 @@ use ratatui::text::{Line, Span};
 use super::Look;
 use super::plot::{Plot, level, ramp_glyph, ramp_style};
 use super::shown::Shown;
-use super::text;
+use super::{text, theory};
 use crate::geometry::BoundingBox;
 use crate::tui::canvas::Canvas;
 use crate::tui::field_image;
 use crate::tui::layout::{Step, centred, fit};
 use crate::tui::numbers::brief;
-use crate::tui::state::{Director, Field, View};
+use crate::tui::state::{Director, Field, Run, View};
 use crate::tui::theme::Theme;
 
 /// Columns left of the frame, for the numbers of the y axis.
@@ -93,6 +93,11 @@ pub fn draw(
         view,
     };
     let (cells, range) = plot.draw(theme, canvas, frame, buffer);
+    if view.theory
+        && let Some(Ok(shape)) = shown.run.and_then(Run::shape_at_rest)
+    {
+        theory::draw(shape, picture, region, cells, theme, buffer);
+    }
     axes(region, parts(step), frame, theme, buffer);
     let bar = Rect {
         x: frame.right() + 1,

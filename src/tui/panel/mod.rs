@@ -20,6 +20,7 @@ mod shown;
 #[cfg(test)]
 mod tests;
 mod text;
+mod theory;
 
 use ratatui::Frame;
 use ratatui::buffer::Buffer;

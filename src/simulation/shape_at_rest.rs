@@ -1,0 +1,106 @@
+//! The shape at rest that the sharp-interface theory foresees for a scene.
+
+use crate::fem::{Mesh, Pieces};
+use crate::scene::{ScalarField, Scene};
+use crate::theory::{AreaPenalty, ElasticaError, ShapeAtRest};
+
+/// Why the theory foresees no shape at rest.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum NoShapeAtRest {
+    /// The theory is of one closed curve.
+    #[error("the theory of the shape at rest is of one vesicle, and there are {vesicles}")]
+    Vesicles {
+        /// How many there are.
+        vesicles: usize,
+    },
+    /// Its energy has another form.
+    #[error(
+        "the theory of the shape at rest is of a membrane without spontaneous curvature: try it with \
+         --set membrane.spontaneous_curvature=0"
+    )]
+    SpontaneousCurvature,
+    /// There is no such curve.
+    #[error(transparent)]
+    Elastica(#[from] ElasticaError),
+}
+
+/// The shape at rest of the membrane of a scene as if it were alone: without nematic and outer fields. `phi` is any state of
+/// the run; A = ∫φ⁰ and B(φ⁰) are those of the initial state.
+///
+/// # Errors
+/// [`NoShapeAtRest`].
+pub fn shape_at_rest(
+    scene: &Scene,
+    (mesh, phi): (&Mesh, &[f64]),
+    [phase_integral, surface_area]: [f64; 2],
+) -> Result<ShapeAtRest, NoShapeAtRest> {
+    if scene.membrane.spontaneous_curvature != ScalarField::Constant(0.0) {
+        return Err(NoShapeAtRest::SpontaneousCurvature);
+    }
+    let vesicles = Pieces::default().count(mesh, phi);
+    if vesicles != 1 {
+        return Err(NoShapeAtRest::Vesicles { vesicles });
+    }
+    let penalty = scene.area.map(|area| AreaPenalty {
+        target: area.target * surface_area,
+        penalty: area.penalty,
+    });
+    Ok(ShapeAtRest::new(
+        enclosed_area(mesh, phase_integral),
+        penalty,
+    )?)
+}
+
+/// (|Ω| + ∫φ)/2: the area inside of a membrane where φ jumps from −1 to 1.
+pub fn enclosed_area(mesh: &Mesh, phase_integral: f64) -> f64 {
+    0.5 * (mesh.areas().iter().sum::<f64>() + phase_integral)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Simulation, tests::small};
+    use super::*;
+
+    fn of(settings: &[&str]) -> Result<ShapeAtRest, NoShapeAtRest> {
+        let scene = small(settings);
+        let simulation = Simulation::new(&scene).expect("a small scene");
+        let report = simulation.report();
+        let phi = &simulation.state().phi;
+        let start = [report.phase_integral, report.surface_area];
+        shape_at_rest(&scene, (simulation.mesh(), phi), start)
+    }
+
+    #[test]
+    fn the_theory_says_what_it_is_not_for() {
+        let two = "vesicle={ parts = [{ shape = 'circle', radius = 0.12, center = [0.25, 0.5] }, \
+                   { shape = 'circle', radius = 0.12, center = [0.75, 0.5] }] }";
+        assert_eq!(of(&[two]), Err(NoShapeAtRest::Vesicles { vesicles: 2 }));
+        let curved = of(&["membrane.spontaneous_curvature=0.5"]);
+        assert_eq!(curved, Err(NoShapeAtRest::SpontaneousCurvature));
+        let long = of(&["area={ target = 3.0, penalty = 1e-5 }"]);
+        assert!(
+            matches!(
+                long,
+                Err(NoShapeAtRest::Elastica(ElasticaError::Touching { .. }))
+            ),
+            "{long:?}"
+        );
+    }
+
+    /// The profile of a circle of radius R has the area π(R² + π²ε²/6).
+    #[test]
+    fn the_area_inside_is_half_of_the_domain_and_the_integral() {
+        let shape = of(&[
+            "vesicle={ shape = 'circle', radius = 0.3 }",
+            "mesh.cells=40",
+        ])
+        .expect("a circle");
+        let pi = std::f64::consts::PI;
+        let exact = pi * (0.09 + pi * pi * 0.06 * 0.06 / 6.0);
+        assert!(
+            (shape.enclosed / exact - 1.0).abs() < 0.01,
+            "{}",
+            shape.enclosed
+        );
+    }
+}

@@ -1,0 +1,69 @@
+//! The shape at rest that theory foresees, over the field.
+
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+use ratatui::style::Modifier;
+
+use crate::fem::center_and_axis;
+use crate::geometry::{BoundingBox, Point};
+use crate::simulation::RunSnapshot;
+use crate::theory::ShapeAtRest;
+use crate::tui::theme::{Role, Theme};
+
+/// Draws the outline about the centre of the vesicle and along it, on the cells that show the region.
+pub fn draw(
+    shape: &ShapeAtRest,
+    picture: &RunSnapshot,
+    region: BoundingBox,
+    cells: Rect,
+    theme: &Theme,
+    buffer: &mut Buffer,
+) {
+    let (center, axis) = center_and_axis(&picture.mesh, &picture.state.phi);
+    let style = theme.style(Role::Good).add_modifier(Modifier::BOLD);
+    for point in shape.outline(center, axis) {
+        let Some(position) = cell_of(point, region, cells) else {
+            continue;
+        };
+        if let Some(cell) = buffer.cell_mut(position) {
+            cell.set_symbol(theme.glyphs().theory).set_style(style);
+        }
+    }
+}
+
+/// The cell in which a point of the region lies.
+fn cell_of(point: Point, region: BoundingBox, cells: Rect) -> Option<(u16, u16)> {
+    let extent = region.extent();
+    let share = [
+        (point.x - region.lower.x) / extent.x,
+        (region.upper.y - point.y) / extent.y,
+    ];
+    if !share.iter().all(|share| (0.0..1.0).contains(share)) {
+        return None;
+    }
+    let [column, row] = [
+        share[0] * f64::from(cells.width),
+        share[1] * f64::from(cells.height),
+    ];
+    Some((cells.x + column as u16, cells.y + row as u16))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_lies_in_its_cell() {
+        let region = BoundingBox {
+            lower: Point::new(0.0, 0.0),
+            upper: Point::new(2.0, 1.0),
+        };
+        let cells = Rect::new(5, 3, 20, 10);
+        let cell = |x, y| cell_of(Point::new(x, y), region, cells);
+        assert_eq!(cell(0.05, 0.95), Some((5, 3)));
+        assert_eq!(cell(1.99, 0.01), Some((24, 12)));
+        for (x, y) in [(-0.1, 0.5), (2.0, 0.5), (1.0, 1.1), (f64::NAN, 0.5)] {
+            assert_eq!(cell(x, y), None);
+        }
+    }
+}
