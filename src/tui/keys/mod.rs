@@ -48,6 +48,8 @@ pub enum Action {
     SaveSet,
     /// The director's next style.
     Director,
+    /// More of the domain, or less.
+    Zoom,
     /// The next colour map.
     ColourMap,
     /// Logarithmic curves or not.
