@@ -10,12 +10,15 @@ use crate::geometry::BoundingBox;
 /// Rasters kept: those of a gallery of four and of the single view, twice over for a resize.
 const KEPT: usize = 16;
 
+/// What was found of some meshes.
+type Kept<T> = Vec<(Weak<Mesh>, T)>;
+
 /// The rasters of the meshes that were last drawn. It belongs to the drawing code, next to the terminal.
 #[derive(Debug, Default)]
 pub struct Canvas {
     /// The last used last.
-    rasters: Vec<(Weak<Mesh>, (BoundingBox, Arc<Raster>))>,
-    regions: Vec<(Weak<Mesh>, BoundingBox)>,
+    rasters: Kept<(BoundingBox, Arc<Raster>)>,
+    regions: Kept<BoundingBox>,
 }
 
 impl Canvas {
@@ -49,18 +52,14 @@ impl Canvas {
 
 /// Takes what was kept of a mesh out. A mesh is known by its address; the weak reference sees to it
 /// that no other mesh can come to lie there.
-fn take<T>(
-    kept: &mut Vec<(Weak<Mesh>, T)>,
-    mesh: &Arc<Mesh>,
-    fits: impl Fn(&T) -> bool,
-) -> Option<T> {
+fn take<T>(kept: &mut Kept<T>, mesh: &Arc<Mesh>, fits: impl Fn(&T) -> bool) -> Option<T> {
     let same = |(of, value): &(Weak<Mesh>, T)| of.as_ptr() == Arc::as_ptr(mesh) && fits(value);
     let index = kept.iter().position(same)?;
     Some(kept.remove(index).1)
 }
 
 /// Keeps something of a mesh, and forgets what was not used for the longest time.
-fn keep<T>(kept: &mut Vec<(Weak<Mesh>, T)>, mesh: &Arc<Mesh>, value: T) {
+fn keep<T>(kept: &mut Kept<T>, mesh: &Arc<Mesh>, value: T) {
     kept.retain(|(of, _)| of.strong_count() > 0);
     if kept.len() >= KEPT {
         kept.remove(0);

@@ -58,6 +58,11 @@ impl Grid {
 /// In widths of a cell, y downwards.
 type Place = [f64; 2];
 
+/// The square of the distance of two places.
+fn square(one: Place, other: Place) -> f64 {
+    (one[0] - other[0]).powi(2) + (one[1] - other[1]).powi(2)
+}
+
 /// The samples that the lines go through. A line goes through samples for which `is_free` holds and where |d| is at
 /// least `shortest`.
 pub fn lines(
@@ -117,7 +122,7 @@ fn places_from_the_middle(grid: Grid) -> Vec<Place> {
         |[column, row]: [usize; 2]| grid.place([column * grid.a_cell[0], row * grid.a_cell[1]]);
     let mut places: Vec<Place> = all.map(place).collect();
     let middle = [0.5 * columns as f64, rows as f64];
-    let distance = |place: &Place| (place[0] - middle[0]).hypot(place[1] - middle[1]);
+    let distance = |place: &Place| square(*place, middle);
     places.sort_by(|one, other| distance(one).total_cmp(&distance(other)));
     places
 }
@@ -166,20 +171,24 @@ fn trace(
     line.into()
 }
 
-/// The samples of a line without repetitions and without those at its corners.
+/// The samples of a line, one in each step of it: without repetitions, without those at its corners, and without those
+/// of a neighbouring column or row that it touches and leaves.
 fn thin(samples: impl Iterator<Item = [usize; 2]>) -> Vec<[usize; 2]> {
     let mut kept: Vec<[usize; 2]> = Vec::new();
     for sample in samples {
+        let is_next_to =
+            |other: &[usize; 2]| (0..2).all(|axis| other[axis].abs_diff(sample[axis]) <= 1);
         if kept.last() == Some(&sample) {
             continue;
         }
-        if let [.., before, _] = kept[..]
-            && before[0].abs_diff(sample[0]) == 1
-            && before[1].abs_diff(sample[1]) == 1
+        if let [.., before, _] = &kept[..]
+            && is_next_to(before)
         {
             kept.pop();
         }
-        kept.push(sample);
+        if kept.last() != Some(&sample) {
+            kept.push(sample);
+        }
     }
     kept
 }
@@ -188,33 +197,33 @@ fn thin(samples: impl Iterator<Item = [usize; 2]>) -> Vec<[usize; 2]> {
 struct Taken {
     grid: Grid,
     spacing: f64,
-    /// For each sample the distance to the nearest line, as far as that is less than the spacing.
-    distance: Vec<f64>,
+    /// For each sample the square of the distance to the nearest line, as far as that is less than the spacing.
+    squares: Vec<f64>,
 }
 
 impl Taken {
     fn new(grid: Grid, spacing: f64) -> Self {
-        let distance = vec![f64::INFINITY; grid.size[0] * grid.size[1]];
+        let squares = vec![f64::INFINITY; grid.size[0] * grid.size[1]];
         Self {
             grid,
             spacing,
-            distance,
+            squares,
         }
     }
 
-    fn distance(&self, place: Place) -> f64 {
+    fn is_nearer(&self, place: Place, distance: f64) -> bool {
         let sample = self.grid.sample(place);
-        sample.map_or(0.0, |[x, y]| self.distance[y * self.grid.size[0] + x])
+        sample.is_none_or(|[x, y]| self.squares[y * self.grid.size[0] + x] < distance * distance)
     }
 
     /// Whether no line may begin here.
     fn is_beside_a_line(&self, place: Place) -> bool {
-        self.distance(place) < self.spacing
+        self.is_nearer(place, self.spacing)
     }
 
     /// Whether a line ends here.
     fn is_near_a_line(&self, place: Place) -> bool {
-        self.distance(place) < NEAREST * self.spacing
+        self.is_nearer(place, NEAREST * self.spacing)
     }
 
     fn take(&mut self, line: &[Place]) {
@@ -231,9 +240,8 @@ impl Taken {
             for row in row.saturating_sub(reach[1])..end(row, 1) {
                 for column in column.saturating_sub(reach[0])..end(column, 0) {
                     let place = self.grid.place([column, row]);
-                    let distance = (place[0] - x).hypot(place[1] - y);
-                    let nearest = &mut self.distance[row * self.grid.size[0] + column];
-                    *nearest = nearest.min(distance);
+                    let nearest = &mut self.squares[row * self.grid.size[0] + column];
+                    *nearest = nearest.min(square(place, [x, y]));
                 }
             }
         }
@@ -314,6 +322,25 @@ mod tests {
         };
         assert!(neighbours(|y| y - 1) > 300);
         assert!(neighbours(|y| y + 1) < 30);
+    }
+
+    #[test]
+    fn a_line_is_one_sample_wide() {
+        let line = [
+            [3, 0],
+            [3, 0],
+            [4, 0],
+            [4, 1],
+            [4, 2],
+            [3, 2],
+            [4, 2],
+            [4, 3],
+            [5, 3],
+            [4, 3],
+            [4, 4],
+        ];
+        let expected = [[3, 0], [4, 1], [4, 2], [4, 3], [4, 4]];
+        assert_eq!(thin(line.into_iter()), expected);
     }
 
     #[test]

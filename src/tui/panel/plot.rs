@@ -40,7 +40,7 @@ pub struct Plot<'a> {
 }
 
 /// Levels of φ: it is one of two values nearly everywhere, and what is between them moves with the membrane.
-const PHASE_LEVELS: usize = 8;
+const PHASE_LEVELS: usize = 6;
 
 /// The level, out of [`LEVELS`], of a share of the range: fields are quantised before they are
 /// coloured.
@@ -386,7 +386,7 @@ mod tests {
     }
 
     #[test]
-    fn sixteen_levels_and_eight_of_the_phase() {
+    fn sixteen_levels_and_six_of_the_phase() {
         let levels = |field| [0.0, 0.499, 0.5, 1.0].map(|share| level(field, share));
         assert_eq!(levels(Field::Mu), [0, 7, 8, 15]);
         assert_eq!(levels(Field::Phase), [0, 6, 9, 15]);

@@ -72,11 +72,9 @@ fn frames(theme: &Theme) -> Vec<usize> {
             mesh: mesh.clone(),
             state: Arc::new(state),
         }));
-        let TEMP = std::time::Instant::now();
         terminal
             .draw(|frame| draw(&app, theme, &mut canvas, frame))
             .expect("it cannot fail");
-        eprintln!("TEMP {:?}", TEMP.elapsed());
         sizes.push(counter.take());
     }
     sizes
