@@ -7,6 +7,7 @@ use crate::scene::preset;
 use crate::study::sweep::SweepFolder;
 use crate::tui::brake;
 use crate::tui::figures::save_figures;
+use crate::tui::glyphs::Parts;
 use crate::tui::state::Slot;
 use crate::tui::theme::ColorTier;
 use crate::tui::{self, Failed, Options, SweepMap, SweepOutcome};
@@ -46,6 +47,32 @@ pub(super) struct Arguments {
     /// Colours of the terminal; auto: what it says of itself
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = Color::Auto)]
     color: Color,
+
+    /// Glyphs that the membrane and the director are drawn with; octant and braille are finer, and need a font that
+    /// has them
+    #[arg(long, value_name = "WHAT", value_enum, default_value_t = GlyphSet::Block)]
+    glyphs: GlyphSet,
+}
+
+/// What lines are drawn with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum GlyphSet {
+    /// Quarters of a cell, which every font has
+    Block,
+    /// Eighths of a cell
+    Octant,
+    /// Eight dots a cell
+    Braille,
+}
+
+impl GlyphSet {
+    fn parts(self) -> Parts {
+        match self {
+            Self::Block => Parts::Quadrants,
+            Self::Octant => Parts::Octants,
+            Self::Braille => Parts::Braille,
+        }
+    }
 }
 
 /// Values of TERM for what cannot place text, such as an editor's shell or a printer, or has no second screen
@@ -180,6 +207,7 @@ fn run(slots: Vec<Slot>, active: usize, arguments: &Arguments) -> Result<(), Cli
         threads: arguments.threads,
         pace: arguments.pace,
         tier: arguments.color.tier(),
+        parts: arguments.glyphs.parts(),
         save: save_figures,
     })?;
     match (outcome.ending.signal(), outcome.failed) {

@@ -7,7 +7,9 @@ use super::progress::Progress;
 use super::run::{Stop, simulate, some_step};
 use super::shell::{scenes, settings};
 use super::signals::EndSignal;
-use crate::figure::{Director, Existing, FigureOptions, RunData, Snapshot, check_free, save_set};
+use crate::figure::{
+    Director, Existing, FigureOptions, RunData, Snapshot, Zoom, check_free, save_set,
+};
 use crate::record::{
     Ending, IfOccupied, RecordError, RecordedRun, RecorderBuilder, RunFolder, Settings, clean,
     load_scene, read_run,
@@ -67,6 +69,22 @@ pub(super) struct Arguments {
     /// Draw the shape at rest of the membrane alone over each snapshot, dashed (see `vesica shape`)
     #[arg(long)]
     theory: bool,
+
+    /// Show the part of the domain around the vesicle, the same in all pictures of a figure: the default
+    #[arg(long, overrides_with = "domain")]
+    crop: bool,
+
+    /// Show the whole domain
+    #[arg(long, overrides_with = "crop")]
+    domain: bool,
+
+    /// Draw curves over the logarithm of t: what happens in the first steps is seen; t = 0 is left out
+    #[arg(long)]
+    log_t: bool,
+
+    /// Leave the letters of SVG files as text that can be edited, in DejaVu Sans; else they are outlines
+    #[arg(long)]
+    text: bool,
 
     /// Replace figures and runs that the folder holds
     #[arg(long)]
@@ -136,6 +154,13 @@ pub(super) fn figures(arguments: &Arguments) -> Result<(), CliError> {
         } else {
             Existing::Refuse
         },
+        zoom: if arguments.domain && !arguments.crop {
+            Zoom::Domain
+        } else {
+            Zoom::Fit
+        },
+        logarithmic_time: arguments.log_t,
+        svg_text: arguments.text,
         ..arguments.size.options()
     };
     let files = save_set(&runs, &options, &folder)?;
@@ -435,8 +460,15 @@ impl fmt::Display for Command<'_> {
             write!(f, " --set {}", quoted(set))?;
         }
         write!(f, " {}", arguments.size)?;
-        if arguments.headless {
-            f.write_str(" --headless")?;
+        for (option, is_given) in [
+            ("headless", arguments.headless),
+            ("domain", arguments.domain),
+            ("log-t", arguments.log_t),
+            ("text", arguments.text),
+        ] {
+            if is_given {
+                write!(f, " --{option}")?;
+            }
         }
         if arguments.theory {
             f.write_str(" --theory")?;

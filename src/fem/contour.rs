@@ -23,6 +23,14 @@ pub struct OutlineMeasure {
     pub width: f64,
 }
 
+/// The rectangle around the nodes at which a P1 function is positive; `None` where it is nowhere.
+pub fn extent_of_inside(mesh: &Mesh, values: &[f64]) -> Option<BoundingBox> {
+    let nodes = mesh.nodes().iter().zip(values);
+    let mut inside = nodes.filter(|(_, value)| **value > 0.0).peekable();
+    inside.peek()?;
+    Some(BoundingBox::around(inside.map(|(node, _)| node)))
+}
+
 impl Contour {
     /// The zero set of nodal values.
     pub fn new(mesh: &Mesh, values: &[f64]) -> Self {
@@ -140,6 +148,17 @@ mod tests {
         let contour = Contour::new(&mesh, &ellipse(&mesh, 0.25, 0.25));
         assert!((contour.length() / (0.5 * PI) - 1.0).abs() < 1e-4);
         assert!((contour.area / (PI / 16.0) - 1.0).abs() < 2e-4);
+    }
+
+    #[test]
+    fn the_extent_of_the_inside_is_that_of_the_contour_to_an_edge() {
+        let mesh = Mesh::structured(100, 0.0, 0).expect("a regular mesh");
+        let extent = extent_of_inside(&mesh, &ellipse(&mesh, 0.2, 0.4)).expect("an inside");
+        let exact = [[0.3, 0.1], [0.7, 0.9]].map(Point::from);
+        assert!((extent.lower - exact[0]).amax() <= 0.0101, "{extent:?}");
+        assert!((extent.upper - exact[1]).amax() <= 0.0101, "{extent:?}");
+        let nowhere = vec![f64::NAN; mesh.nodes().len()];
+        assert_eq!(extent_of_inside(&mesh, &nowhere), None);
     }
 
     #[test]

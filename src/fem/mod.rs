@@ -26,7 +26,7 @@ mod space;
 pub use assembly::{Assembly, LoadEntries, MatrixEntries};
 pub use boundary::{Wall, is_in_hole};
 pub use chebyshev::MassInverse;
-pub use contour::{Contour, OutlineMeasure};
+pub use contour::{Contour, OutlineMeasure, extent_of_inside};
 pub use error::FemError;
 pub use gradient_recovery::GradientRecovery;
 pub use locator::Locator;

@@ -6,7 +6,7 @@
 //! and the fonts of the machine.
 
 use super::FigureError;
-use super::text::{Label, line_height};
+use super::text::{Label, TextPiece, line_height};
 use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
 use plotters::element::PathElement;
@@ -97,6 +97,8 @@ pub(super) struct Shape {
     /// is filled.
     pub stroke: Option<f32>,
     pub colour: RGBColor,
+    /// Which of the picture's texts the path is the outlines of.
+    pub text: Option<usize>,
 }
 
 /// A text and the frame that it takes.
@@ -104,6 +106,8 @@ pub(super) struct Shape {
 pub(super) struct PlacedText {
     pub text: String,
     pub frame: Rectangle,
+    /// The same in pieces of one size.
+    pub pieces: Vec<TextPiece>,
 }
 
 /// A picture: images, and over them shapes, the later over the earlier. Lengths are in pixels.
@@ -113,7 +117,7 @@ pub(super) struct Drawing {
     pub height: u32,
     pub images: Vec<Image>,
     pub shapes: Vec<Shape>,
-    /// Every text again, for tests and for readers of an SVG.
+    /// Every text again, for tests, for readers of an SVG, and for one whose text can be edited.
     pub texts: Vec<PlacedText>,
 }
 
@@ -140,6 +144,16 @@ impl Drawing {
     }
 
     fn push(&mut self, path: Option<Path>, stroke: Option<u32>, colour: BackendColor) {
+        self.push_text(path, stroke, colour, None);
+    }
+
+    fn push_text(
+        &mut self,
+        path: Option<Path>,
+        stroke: Option<u32>,
+        colour: BackendColor,
+        text: Option<usize>,
+    ) {
         let (r, g, b) = colour.rgb;
         // What is not wholly transparent is opaque here.
         if let Some(path) = path.filter(|_| colour.alpha > 0.0) {
@@ -147,6 +161,7 @@ impl Drawing {
                 path,
                 stroke: stroke.map(|width| in_pixels(width) as f32),
                 colour: RGBColor(r, g, b),
+                text,
             });
         }
     }
@@ -257,12 +272,17 @@ impl DrawingBackend for &mut Drawing {
     ) -> Done {
         let label = Label::of_string(text);
         let at = [x, y].map(in_pixels);
-        let (frame, outlines) = label.set(style.size() / UNITS, at, style.anchor());
-        if outlines.is_some() {
-            let text = label.plain();
-            self.texts.push(PlacedText { text, frame });
+        let size = style.size() / UNITS;
+        let (frame, outlines) = label.set(size, at, style.anchor());
+        let number = outlines.is_some().then_some(self.texts.len());
+        if number.is_some() {
+            self.texts.push(PlacedText {
+                text: label.plain(),
+                frame,
+                pieces: label.pieces(size, frame),
+            });
         }
-        self.push(outlines, None, style.color());
+        self.push_text(outlines, None, style.color(), number);
         Ok(())
     }
 

@@ -4,7 +4,7 @@ use super::canvas::{
     Drawing, Page, Rectangle, font, in_pixels, part, pieces, stroke, units, write_paragraph,
 };
 use super::legend::{Entry, draw_legend};
-use super::number::{Axis, extent, roomy_range};
+use super::number::{Axis, extent, letter, roomy_range};
 use super::panel::line_weight;
 use super::text::{Label, line_height};
 use super::{FigureError, FigureOptions, TEXT_SIZES_A_WIDTH, text_size};
@@ -12,6 +12,7 @@ use plotters::chart::{ChartBuilder, LabelAreaPosition};
 use plotters::element::PathElement;
 use plotters::series::{DashedLineSeries, LineSeries};
 use plotters::style::{BLACK, RGBColor, ShapeStyle};
+use std::cmp::Ordering;
 use std::iter::once;
 
 /// The height of a plot to its width.
@@ -100,7 +101,7 @@ pub(super) fn draw(
     let numbers = axes.iter().map(|axis| axis.widest(size));
     let left_room = numbers.fold(0.0, f64::max) + 2.0 * TICKS[0] * size;
     let inner = (cell - left_room).max(2.0 * size);
-    let time = time_axis(plots, inner, size);
+    let time = time_axis(plots, options.logarithmic_time, inner, size);
     // A number at the end of the axis reaches beyond it by half its width.
     let overhang = 0.5 * time.widest(size);
     let inner = inner - overhang;
@@ -108,7 +109,13 @@ pub(super) fn draw(
 
     let name = |number: usize| {
         let (plot, axis) = (&plots[number], &axes[number]);
-        axis.name(plot.name.clone()).and_label(plot.note.clone())
+        let letter = match plots.len() {
+            1 => Label::default(),
+            _ => letter(number),
+        };
+        letter
+            .and_label(axis.name(plot.name.clone()))
+            .and_label(plot.note.clone())
     };
     Drawing::compose(options.width, |page| {
         let room = width - 2.0 * margin;
@@ -148,18 +155,25 @@ fn value_axis(plot: &Plot, most: usize) -> Axis {
 }
 
 /// From the first time to the last, with as many ticks as have room for their numbers.
-fn time_axis(plots: &[Plot], width: f64, size: f64) -> Axis {
+fn time_axis(plots: &[Plot], is_logarithmic: bool, width: f64, size: f64) -> Axis {
     let points = plots.iter().flat_map(|plot| &plot.curves);
     let times = points.flat_map(|curve| &curve.points).map(|(t, _)| *t);
+    // t = 0 has no place on a logarithmic axis.
+    let times = times.filter(|t| !is_logarithmic || *t > 0.0);
     let range = match extent(times) {
         Some([first, last]) if first < last => [first, last],
         // One moment, or none.
         Some([first, _]) => [first, first + first.abs().max(1e-7)],
+        None if is_logarithmic => [0.1, 1.0],
         None => [0.0, 1.0],
+    };
+    let axis = |most: usize| match is_logarithmic {
+        true => Axis::logarithmic(range, most),
+        false => Axis::new(range, most),
     };
     (1..=6)
         .rev()
-        .map(|most| Axis::new(range, most))
+        .map(axis)
         .find(|axis| {
             let fits = |pair: &[f64]| {
                 let labels: f64 = pair.iter().map(|t| axis.label(*t).width(size)).sum();
@@ -167,7 +181,7 @@ fn time_axis(plots: &[Plot], width: f64, size: f64) -> Axis {
             };
             axis.ticks.windows(2).all(fits)
         })
-        .unwrap_or_else(|| Axis::new(range, 1))
+        .unwrap_or_else(|| axis(1))
 }
 
 /// Draws a chart on a part of a page, with so much room for the numbers at the left and below.
@@ -197,7 +211,11 @@ fn draw_plot(
     for curve in curves {
         let style = curve.look.style(size);
         // Where a value is no number the line has a gap.
-        for piece in pieces(curve.points.iter().copied()) {
+        let points = curve
+            .points
+            .iter()
+            .filter(|(t, _)| t.partial_cmp(&first) != Some(Ordering::Less));
+        for piece in pieces(points.copied()) {
             let points = thinned(&piece, |t| (columns * time.place(t)).floor());
             match curve.look.pattern.dashes(size) {
                 None => chart.draw_series(LineSeries::new(points, style))?,

@@ -75,8 +75,8 @@ pub(super) fn arrow(
             let y = center[1] + forward * along[1] + aside * along[0];
             (x.round() as i32, y.round() as i32)
         };
-        let head = 0.85;
-        let barb = 0.36 * head;
+        let head = 0.95;
+        let barb = 0.4 * head;
         let corners = [
             tip,
             at(1.0 - head, barb),

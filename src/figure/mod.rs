@@ -36,9 +36,11 @@ mod text;
 mod view;
 mod work_precision;
 
+use crate::geometry::{BoundingBox, crop, widened};
 pub use colour::ColourMap;
 pub use data::{Field, RunData, Snapshot, View};
 pub use error::FigureError;
+pub(crate) use number::round_ticks;
 pub use save::{check_free, save_set, save_shape, save_view};
 pub(crate) use sweep::Arranged;
 pub use sweep::{SweepFigureError, SweepView, save_sweep};
@@ -79,6 +81,42 @@ pub enum Director {
     Off,
 }
 
+/// How much of the domain is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Zoom {
+    /// The vesicle, wherever it is at the times that are shown, with a margin.
+    #[default]
+    Fit,
+    /// All of it.
+    Domain,
+    /// The middle of the vesicle, twice as large as with `Fit`.
+    Double,
+}
+
+impl Zoom {
+    /// The part of a domain that is shown where there is room of an aspect (width by height). `vesicle` is the
+    /// rectangle around the vesicle at all times.
+    pub fn region(
+        self,
+        domain: &BoundingBox,
+        vesicle: Option<&BoundingBox>,
+        aspect: f64,
+    ) -> BoundingBox {
+        let Some(vesicle) = vesicle.filter(|_| self != Self::Domain) else {
+            return *domain;
+        };
+        let fitted = widened(&crop(domain, vesicle), domain, aspect);
+        if self == Self::Fit {
+            return fitted;
+        }
+        let (center, quarter) = (vesicle.center(), 0.25 * fitted.extent());
+        BoundingBox {
+            lower: center - quarter,
+            upper: center + quarter,
+        }
+    }
+}
+
 /// What to do where a file of a figure's name is there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Existing {
@@ -100,8 +138,14 @@ pub struct FigureOptions {
     pub dpi: u32,
     /// How the director is drawn.
     pub director: Director,
+    /// How much of the domain is shown.
+    pub zoom: Zoom,
     /// The colours of the fields.
     pub colours: ColourMap,
+    /// Whether the time axis of curves is logarithmic.
+    pub logarithmic_time: bool,
+    /// Whether the letters of an SVG stay text that can be edited, and need its font; else they are outlines.
+    pub svg_text: bool,
     /// What to do where a file of a figure's name is there.
     pub existing: Existing,
     /// Whether a set has the snapshots as VTU files and the whole history as well.
@@ -115,6 +159,9 @@ impl Default for FigureOptions {
             width: 2000,
             dpi: 300,
             director: Director::default(),
+            zoom: Zoom::default(),
+            logarithmic_time: false,
+            svg_text: false,
             colours: ColourMap::default(),
             existing: Existing::default(),
             fields: false,

@@ -19,6 +19,7 @@ pub(super) struct Axis {
     /// The power of ten that the ticks' numbers leave out.
     pub exponent: i32,
     decimals: usize,
+    is_logarithmic: bool,
 }
 
 impl Axis {
@@ -44,11 +45,40 @@ impl Axis {
             ticks,
             exponent,
             decimals: decimals as usize,
+            is_logarithmic: false,
+        }
+    }
+
+    /// A logarithmic axis from `low` > 0 to `high`, with ticks at powers of ten, at most so many, and where these are
+    /// fewer than two at 2 and 5 times such as well.
+    pub fn logarithmic([low, high]: [f64; 2], most_ticks: usize) -> Axis {
+        let orders = decimal_order(low)..=decimal_order(high);
+        let is_on = |tick: &f64| (low..=high).contains(tick);
+        let ticks = |factors: &'static [f64]| {
+            let powers = orders.clone().map(|order| 10_f64.powi(order));
+            let all = powers.flat_map(|power| factors.iter().map(move |factor| factor * power));
+            all.filter(is_on).collect::<Vec<f64>>()
+        };
+        let powers = ticks(&[1.0]);
+        let every = powers.len().div_ceil(most_ticks.max(1)).max(1);
+        let ticks = match powers.len() {
+            0 | 1 => ticks(&[1.0, 2.0, 5.0]),
+            _ => powers.into_iter().step_by(every).collect(),
+        };
+        Axis {
+            range: [low, high],
+            ticks,
+            exponent: 0,
+            decimals: 0,
+            is_logarithmic: true,
         }
     }
 
     /// The number at a tick.
     pub fn label(&self, tick: f64) -> Label {
+        if self.is_logarithmic {
+            return number(tick, 1);
+        }
         let decimals = self.decimals;
         let value = tick / 10_f64.powi(self.exponent);
         Label::text(&with_minus(&format!("{value:.decimals$}")))
@@ -73,8 +103,16 @@ impl Axis {
     /// Where a value is, from 0 at the low end to 1 at the high end.
     pub fn place(&self, value: f64) -> f64 {
         let [low, high] = self.range;
-        (value - low) / (high - low)
+        match self.is_logarithmic {
+            true => (value / low).ln() / (high / low).ln(),
+            false => (value - low) / (high - low),
+        }
     }
+}
+
+/// Round numbers within a range, so many at most, or one more where both ends are such.
+pub(crate) fn round_ticks(range: [f64; 2], most: usize) -> Vec<f64> {
+    Axis::new(range, most).ticks
 }
 
 /// A coordinate of plotters, with ticks of its own that are written as print has them.
@@ -83,7 +121,10 @@ impl Ranged for Axis {
     type ValueType = f64;
 
     fn map(&self, value: &f64, limits: (i32, i32)) -> i32 {
-        RangedCoordf64::from(self.range()).map(value, limits)
+        match self.is_logarithmic {
+            true => RangedCoordf64::from(0.0..1.0).map(&self.place(*value), limits),
+            false => RangedCoordf64::from(self.range()).map(value, limits),
+        }
     }
 
     fn key_points<Hint: KeyPointHint>(&self, _: Hint) -> Vec<f64> {
@@ -151,6 +192,20 @@ fn decimal_order(size: f64) -> i32 {
         .unwrap_or(0)
 }
 
+/// The letter of one of several pictures, counted from 0, with a space after it: (a), …, (z), (aa), ….
+pub(super) fn letter(mut number: usize) -> Label {
+    let mut letters = Vec::new();
+    loop {
+        letters.push(char::from(b'a' + (number % 26) as u8));
+        match number / 26 {
+            0 => break,
+            more => number = more - 1,
+        }
+    }
+    let word: String = letters.iter().rev().collect();
+    Label::text(&format!("({word}) "))
+}
+
 /// A number as print has it, to `digits` digits: 2.5×10⁻⁴.
 pub(super) fn number(value: f64, digits: usize) -> Label {
     if !value.is_finite() || value == 0.0 {
@@ -213,6 +268,21 @@ mod tests {
     }
 
     #[test]
+    fn ticks_of_a_logarithmic_axis_are_powers_of_ten() {
+        let axis = Axis::logarithmic([2e-7, 1e-3], 5);
+        let labels: Vec<String> = (axis.ticks.iter())
+            .map(|tick| axis.label(*tick).plain())
+            .collect();
+        assert_eq!(labels, ["10−6", "10−5", "10−4", "10−3"]);
+        assert!(axis.place(2e-7).abs() < 1e-12 && (axis.place(1e-3) - 1.0).abs() < 1e-12);
+        assert!((Axis::logarithmic([1e-4, 1.0], 5).place(1e-2) - 0.5).abs() < 1e-12);
+        assert_eq!(Axis::logarithmic([1e-8, 1.0], 3).ticks.len(), 3);
+        // Within one decade.
+        let ticks = Axis::logarithmic([1.5, 8.0], 5).ticks;
+        assert_eq!(ticks, [2.0, 5.0]);
+    }
+
+    #[test]
     fn a_factor_that_is_left_out_is_told() {
         let axis = Axis::new([-2e-15, 3e-15], 4);
         assert_eq!(axis.name(Label::symbol("A")).plain(), "A / 10−15");
@@ -237,6 +307,12 @@ mod tests {
         ] {
             assert_eq!(number(value, 4).plain(), text);
         }
+    }
+
+    #[test]
+    fn pictures_have_letters() {
+        let letters = [0, 1, 25, 26, 27, 52].map(|number| letter(number).plain());
+        assert_eq!(letters, ["(a) ", "(b) ", "(z) ", "(aa) ", "(ab) ", "(ba) "]);
     }
 
     #[test]

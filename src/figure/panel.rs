@@ -6,12 +6,13 @@ use super::canvas::{
 use super::colour::Scale;
 use super::data::Field;
 use super::elements::{arrow, raster};
-use super::number::{Axis, extent, number};
+use super::number::{Axis, extent};
 use super::outline::chain;
 use super::sampling::{Frame, sample, sample_each};
 use super::text::Label;
 use super::{Director, FigureError, needs};
 use crate::fem::{Contour, Mesh, Wall, center_and_axis};
+use crate::geometry::{BoundingBox, Point, Segment};
 use crate::physics::bending_energy_density;
 use crate::scheme::State;
 use crate::theory::ShapeAtRest;
@@ -25,6 +26,8 @@ use std::iter::once;
 
 /// A picture is sampled at so many points a side at least: an SVG may be shown larger.
 const LEAST_SAMPLES: f64 = 480.0;
+/// The least step of the director's lattice, in sizes of the text: the head of an arrow is seen.
+const LATTICE: f64 = 0.66;
 /// An arrow of a unit vector, in steps of its lattice.
 const ARROW: f64 = 0.82;
 /// No arrow is longer, in steps of its lattice.
@@ -42,6 +45,8 @@ pub(super) struct Style<'a> {
     pub scale: &'a Scale,
     pub field: Field,
     pub director: Director,
+    /// The part of the plane.
+    pub frame: Frame,
     /// The size of the text.
     pub size: f64,
 }
@@ -79,7 +84,7 @@ pub(super) fn symbol(state: &State, field: Field) -> Label {
     }
 }
 
-/// Draws a state in a square; the shape at rest of theory is dashed, about the centre of the vesicle and along it.
+/// Draws a state in a rectangle; the shape at rest of theory is dashed, about the centre of the vesicle and along it.
 ///
 /// # Errors
 /// [`FigureError::Memory`] for its colours.
@@ -91,16 +96,22 @@ pub(super) fn draw(
     theory: Option<&ShapeAtRest>,
     style: &Style,
 ) -> Result<(), FigureError> {
-    let Frame { corner, side } = Frame::around(mesh);
-    let [x, y] = corner.map(|low| low..low + side);
-    let corners = [(x.start, y.start), (x.end, y.end)];
+    let Frame { corner, sides } = style.frame;
+    let [x, y] = [0, 1].map(|axis| corner[axis]..corner[axis] + sides[axis]);
+    let (x_end, y_end) = (x.end, y.end);
+    let corners = [(x.start, y.start), (x_end, y_end)];
     let mut chart = ChartBuilder::on(&part(page, place)).build_cartesian_2d(x, y)?;
     let values = values(state, style.field);
-    let field = |place| field_image(place, mesh, &values, style.scale);
+    let field = |place| field_image(place, (mesh, style.frame), &values, style.scale);
     chart.draw_series(once(raster(corners, field)))?;
     let line = |width: f64| stroke(BLACK, width * line_weight(style.size));
     if let Some(director) = &state.director {
-        let ends = director_ends(place, mesh, (&state.phi, director), style.size);
+        let ends = director_ends(
+            place,
+            (mesh, style.frame),
+            (&state.phi, director),
+            style.size,
+        );
         match style.director {
             Director::Arrows => {
                 chart.draw_series(ends.map(|ends| arrow(ends, line(0.75))))?;
@@ -111,8 +122,18 @@ pub(super) fn draw(
             Director::Off => {}
         }
     }
+    let bounds = BoundingBox {
+        lower: corner.into(),
+        upper: [x_end, y_end].into(),
+    };
     let mut curves = |contour: &Contour, line: ShapeStyle| {
-        for curve in chain(contour) {
+        let segments = contour.segments.iter();
+        let segments = segments.filter_map(|segment| clipped(*segment, &bounds));
+        let contour = Contour {
+            segments: segments.collect(),
+            area: contour.area,
+        };
+        for curve in chain(&contour) {
             for piece in pieces(curve.into_iter().map(<(f64, f64)>::from)) {
                 chart.draw_series(LineSeries::new(piece, line))?;
             }
@@ -122,16 +143,19 @@ pub(super) fn draw(
     curves(&Contour::new(mesh, &state.phi), line(1.6))?;
     // A domain that does not fill the frame has its own line.
     let area: f64 = mesh.areas().iter().sum();
-    if area < (1.0 - 1e-9) * side * side {
+    if area < (1.0 - 1e-9) * sides[0] * sides[1] {
         let segments = Wall::of(mesh).edges().to_vec();
         curves(&Contour { segments, area }, line(0.8))?;
     }
     if let Some(theory) = theory {
         let (center, axis) = center_and_axis(mesh, &state.phi);
         let outline = theory.outline(center, axis);
-        let points = outline.iter().map(|at| (at.x, at.y));
+        let is_shown = |at: &Point| at >= &bounds.lower && at <= &bounds.upper;
         let [dash, space] = THEORY_DASHES.map(|length| units(length * style.size).max(1));
-        for piece in pieces(points) {
+        let shown = outline
+            .chunk_by(|a, b| is_shown(a) == is_shown(b))
+            .filter(|part| is_shown(&part[0]));
+        for piece in shown.flat_map(|part| pieces(part.iter().map(|at| (at.x, at.y)))) {
             chart.draw_series(DashedLineSeries::new(
                 piece,
                 dash,
@@ -148,7 +172,7 @@ pub(super) fn draw(
 /// The colours of a P1 function on the pixels of a place.
 fn field_image(
     place: Rectangle,
-    mesh: &Mesh,
+    mesh: (&Mesh, Frame),
     values: &[f64],
     scale: &Scale,
 ) -> Result<Image, FigureError> {
@@ -159,7 +183,7 @@ fn field_image(
     let _claim = needs::colours(size)?;
     // What no value is put into is outside of the domain.
     let mut cells = vec![WHITE; size[0] * size[1]];
-    sample_each(mesh, [values], size[0], size[1], |cell, [value]| {
+    sample_each(mesh, [values], size, |cell, [value]| {
         cells[cell] = scale.at(value);
     });
     Ok(Image { place, size, cells })
@@ -168,35 +192,37 @@ fn field_image(
 /// Where the director begins and ends inside the vesicle, on a lattice.
 fn director_ends(
     place: Rectangle,
-    mesh: &Mesh,
+    (mesh, frame): (&Mesh, Frame),
     (phi, director): (&[f64], &[Vec<f64>; 2]),
     size: f64,
 ) -> impl Iterator<Item = [(f64, f64); 2]> {
-    // As many as can be told apart.
-    let cells = (place.width() / (0.42 * size)).clamp(10.0, 34.0) as usize;
-    let frame = Frame::around(mesh);
-    let spacing = frame.side / cells as f64;
+    // As many as can be told apart, with their heads.
+    let longer = place.width().max(place.height());
+    let along = (longer / (LATTICE * size)).clamp(10.0, 34.0);
+    let cells = [place.width(), place.height()].map(|side| (along * side / longer).ceil() as usize);
+    let spacing = frame.sides[0].max(frame.sides[1]) / along;
     let [x, y] = director;
-    let fine = FINER * cells;
-    let inside = sample(mesh, [phi], fine, fine);
+    let fine = cells.map(|cells| FINER * cells);
+    let inside = sample((mesh, frame), [phi], fine);
     // Whether φ > 0 there, to a fraction of the lattice's step.
     let is_inside = move |end: [f64; 2]| {
         let [x, y] = frame.share(end);
-        let [column, row] = [x, 1.0 - y].map(|share| (fine as f64 * share).max(0.0) as usize);
-        let number = (fine * row + column).min(inside.len() - 1);
-        inside[number][0] > 0.0
+        let at = |share: f64, axis: usize| (fine[axis] as f64 * share).max(0.0) as usize;
+        let (column, row) = (at(x, 0).min(fine[0] - 1), at(1.0 - y, 1).min(fine[1] - 1));
+        inside[fine[0] * row + column][0] > 0.0
     };
-    let sampled = sample(mesh, [phi, x, y], cells, cells);
+    let sampled = sample((mesh, frame), [phi, x, y], cells);
     let ends = move |(number, [phi, dx, dy]): (usize, [f64; 3])| {
         let length = dx.hypot(dy);
         // What is no number is not drawn either.
         let is_seen = phi > 0.0 && length > SHORTEST && length.is_finite();
-        let center = [number % cells, cells - 1 - number / cells].map(|it| it as f64 + 0.5);
+        let center = [number % cells[0], cells[1] - 1 - number / cells[0]];
+        let center = [0, 1].map(|axis| {
+            let share = (center[axis] as f64 + 0.5) / cells[axis] as f64;
+            frame.corner[axis] + frame.sides[axis] * share
+        });
         let half = 0.5 * spacing * (ARROW * length).min(LONGEST) / length;
-        let end = |sign: f64| {
-            let step = [dx, dy].map(|part| sign * half * part);
-            [0, 1].map(|axis| frame.corner[axis] + spacing * center[axis] + step[axis])
-        };
+        let end = |sign: f64| [center[0] + sign * half * dx, center[1] + sign * half * dy];
         let ends = [-1.0, 1.0].map(end);
         // What belongs to the inside does not reach over the membrane.
         let is_drawn = is_seen && ends.into_iter().all(&is_inside);
@@ -205,38 +231,72 @@ fn director_ends(
     sampled.into_iter().enumerate().filter_map(ends)
 }
 
+/// The part of a segment that lies in a rectangle (Liang and Barsky, 1984).
+fn clipped([from, to]: Segment, bounds: &BoundingBox) -> Option<Segment> {
+    let along = to - from;
+    let (mut first, mut last) = (0.0_f64, 1.0_f64);
+    for axis in [0, 1] {
+        for (room, speed) in [
+            (from[axis] - bounds.lower[axis], -along[axis]),
+            (bounds.upper[axis] - from[axis], along[axis]),
+        ] {
+            if speed == 0.0 && room < 0.0 {
+                return None;
+            }
+            match speed {
+                0.0 => {}
+                speed if speed > 0.0 => last = last.min(room / speed),
+                speed => first = first.max(room / speed),
+            }
+        }
+    }
+    (first < last).then(|| [from + first * along, from + last * along])
+}
+
 /// How long ticks are, in sizes of the text.
 const TICK: f64 = 0.28;
 /// Between a tick and its number at the side.
 const TICK_GAP: f64 = 0.25;
 /// Between a tick and its number below.
-const NUMBER_GAP: f64 = 0.1;
+const NUMBER_GAP: f64 = 0.4;
 
-/// A number that is wider than this, in sizes of the text, would meet that of the next picture.
-const LONG_NUMBER: f64 = 0.9;
+/// The axes of a picture: where its ticks stand, and their numbers.
+pub(super) struct Axes([Axis; 2]);
 
-/// The room that the numbers of the y axis take at the left of a picture.
-pub(super) fn left_room(size: f64) -> f64 {
-    Label::text("0.5").width(size) + (TICK + TICK_GAP) * size
+impl Axes {
+    /// Those of a part of the plane in a picture of this width and height, whose text has a size.
+    pub fn new(frame: Frame, sides: [f64; 2], size: f64) -> Self {
+        Self([0, 1].map(|axis| {
+            let low = frame.corner[axis];
+            // So that the numbers do not meet.
+            let most = (sides[axis] / (2.6 * size)).clamp(2.0, 6.0);
+            Axis::new([low, low + frame.sides[axis]], most as usize)
+        }))
+    }
+
+    /// The room that the y axis takes at the left of a picture.
+    pub fn left_room(&self, size: f64) -> f64 {
+        let name = self.0[1].name(Label::symbol("y")).width(size);
+        self.0[1].widest(size) + name + (TICK + 3.0 * TICK_GAP) * size
+    }
 }
 
-/// The room that the numbers of the x axis take below a picture.
+/// The room that the x axis takes below a picture.
 pub(super) fn lower_room(size: f64) -> f64 {
-    super::text::line_height(size) + (TICK + NUMBER_GAP) * size
+    2.0 * super::text::line_height(size) + (TICK + NUMBER_GAP) * size
 }
 
-/// Ticks at the square's lower and left side; `numbers` says which of the two has numbers.
+/// Ticks at the lower and left side of a picture; `numbers` says which of the two has numbers and a name.
 pub(super) fn draw_axes(
     page: &Page,
     place: Rectangle,
-    mesh: &Mesh,
+    axes: &Axes,
     size: f64,
     numbers: [bool; 2],
 ) -> Result<(), FigureError> {
-    let Frame { corner, side } = Frame::around(mesh);
-    for (axis, name) in ["x", "y"].into_iter().enumerate() {
-        // So many sizes of the text away from the square.
-        let at = |share: f64, out: f64| match axis {
+    for (number, (axis, name)) in axes.0.iter().zip(["x", "y"]).enumerate() {
+        // So many sizes of the text away from the picture.
+        let at = |share: f64, out: f64| match number {
             0 => [
                 place.left + share * place.width(),
                 place.bottom + out * size,
@@ -246,42 +306,27 @@ pub(super) fn draw_axes(
                 place.bottom - share * place.height(),
             ],
         };
-        let gap = TICK + [NUMBER_GAP, TICK_GAP][axis];
-        let beside = [(HPos::Center, VPos::Top), (HPos::Right, VPos::Center)][axis];
-        for share in [0.0, 0.5, 1.0] {
+        let gap = TICK + [NUMBER_GAP, TICK_GAP][number];
+        let beside = [(HPos::Center, VPos::Top), (HPos::Right, VPos::Center)][number];
+        for tick in &axis.ticks {
+            let share = axis.place(*tick);
             let width = 0.8 * line_weight(size);
             draw_line(page, &[at(share, 0.0), at(share, TICK)], width)?;
-            let label = tick_label(corner[axis] + share * side, side);
-            // Long numbers at the ends keep out of the next picture.
-            let is_long = axis == 0 && label.width(size) >= LONG_NUMBER * size;
-            let anchor = match share {
-                0.0 if is_long => (HPos::Left, VPos::Top),
-                1.0 if is_long => (HPos::Right, VPos::Top),
-                _ => beside,
-            };
-            if numbers[axis] {
-                write_label(page, &label, size, at(share, gap), anchor)?;
+            if numbers[number] {
+                write_label(page, &axis.label(*tick), size, at(share, gap), beside)?;
             }
         }
-        if numbers[axis] {
-            // The axis' name stands between the numbers.
-            write_label(page, &Label::symbol(name), size, at(0.75, gap), beside)?;
+        if numbers[number] {
+            // The axis' name stands in its middle, beyond the numbers.
+            let beyond = match number {
+                0 => gap + super::text::line_height(1.0),
+                _ => gap + axis.widest(size) / size + 2.0 * TICK_GAP,
+            };
+            let name = axis.name(Label::symbol(name));
+            write_label(page, &name, size, at(0.5, beyond), beside)?;
         }
     }
     Ok(())
-}
-
-/// A coordinate in at most two decimals, or in three digits where the domain is too small for that.
-fn tick_label(value: f64, span: f64) -> Label {
-    if span < 0.05 {
-        return number(value, 3);
-    }
-    let text = format!("{value:.2}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    Label::text(&match text {
-        "-0" => "0".to_owned(),
-        text => text.replace('-', "\u{2212}"),
-    })
 }
 
 /// The ticks of a colour bar that is `height` high: two at least, for one number is no scale.

@@ -1,35 +1,71 @@
 //! P1 functions at the points of a lattice, exactly.
 
-use crate::fem::Mesh;
+use super::Zoom;
+use crate::fem::{Mesh, extent_of_inside};
+use crate::geometry::BoundingBox;
+use crate::scheme::State;
 
 /// Points within this of a triangle's edge, in barycentric coordinates, count as inside: no point
 /// may fall between two triangles by rounding.
 const SLACK: f64 = 1e-9;
 
-/// The square in the plane that a picture shows.
+/// The rectangle in the plane that a picture shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Frame {
     /// Its lower left corner.
     pub corner: [f64; 2],
-    /// The length of its sides.
-    pub side: f64,
+    /// Its width and its height.
+    pub sides: [f64; 2],
 }
 
 impl Frame {
-    /// The smallest one that has a mesh in its middle: the unit square for a mesh of that.
-    pub fn around(mesh: &Mesh) -> Self {
-        let region = mesh.bounding_box();
-        let side = region.extent().max();
+    /// A part of the plane.
+    pub fn of(region: &BoundingBox) -> Self {
+        Self {
+            corner: region.lower.into(),
+            sides: region.extent().into(),
+        }
+    }
+
+    /// The part of a domain that shows some states, at least of this aspect (width by height) and for a domain as
+    /// a whole a square about it.
+    pub fn around<'a>(
+        domain: &BoundingBox,
+        states: impl IntoIterator<Item = (&'a Mesh, &'a State)>,
+        zoom: Zoom,
+        aspect: f64,
+    ) -> Self {
+        let extents = states
+            .into_iter()
+            .filter_map(|(mesh, state)| extent_of_inside(mesh, &state.phi));
+        let vesicle = extents.reduce(|one, other| one.union(&other));
+        if zoom == Zoom::Domain || vesicle.is_none() {
+            return Self::square(domain);
+        }
+        Self::of(&zoom.region(domain, vesicle.as_ref(), aspect))
+    }
+
+    /// The smallest square that has a domain in its middle.
+    pub fn square(domain: &BoundingBox) -> Self {
+        let side = domain.extent().max();
         let corner = [0, 1].map(|axis| {
-            let room = side - region.extent()[axis];
-            region.lower[axis] - 0.5 * room
+            let room = side - domain.extent()[axis];
+            domain.lower[axis] - 0.5 * room
         });
-        Self { corner, side }
+        Self {
+            corner,
+            sides: [side; 2],
+        }
+    }
+
+    /// Its width by its height.
+    pub fn aspect(&self) -> f64 {
+        self.sides[0] / self.sides[1]
     }
 
     /// Where a place is in the frame, from 0 to 1 in both directions.
     pub fn share(&self, place: [f64; 2]) -> [f64; 2] {
-        [0, 1].map(|axis| (place[axis] - self.corner[axis]) / self.side)
+        [0, 1].map(|axis| (place[axis] - self.corner[axis]) / self.sides[axis])
     }
 }
 
@@ -37,13 +73,11 @@ impl Frame {
 /// with the cell's number, row by row from above: none where the mesh has no triangle, and twice where two
 /// meet.
 pub(super) fn sample_each<const N: usize>(
-    mesh: &Mesh,
+    (mesh, frame): (&Mesh, Frame),
     fields: [&[f64]; N],
-    columns: usize,
-    rows: usize,
+    [columns, rows]: [usize; 2],
     mut put: impl FnMut(usize, [f64; N]),
 ) {
-    let frame = Frame::around(mesh);
     let center = |cell: usize, cells: usize| (cell as f64 + 0.5) / cells as f64;
     for (corners, gradients) in mesh.triangles().iter().zip(mesh.gradients()) {
         let places = corners.map(|node| mesh.nodes()[node as usize]);
@@ -52,10 +86,10 @@ pub(super) fn sample_each<const N: usize>(
         let across = cells_between(shares.map(|[x, _]| x), columns);
         let up = cells_between(shares.map(|[_, y]| y), rows);
         for from_below in up {
-            let y = frame.corner[1] + frame.side * center(from_below, rows);
+            let y = frame.corner[1] + frame.sides[1] * center(from_below, rows);
             let row = rows - 1 - from_below;
             for column in across.clone() {
-                let x = frame.corner[0] + frame.side * center(column, columns);
+                let x = frame.corner[0] + frame.sides[0] * center(column, columns);
                 // ψ_a(x) = 1 + ∇ψ_a·(x − x_a).
                 let shares = [0, 1, 2].map(|a: usize| {
                     let ([gx, gy], [px, py]): ([f64; 2], [f64; 2]) =
@@ -74,13 +108,12 @@ pub(super) fn sample_each<const N: usize>(
 
 /// Those values, NaN where the mesh has no triangle.
 pub(super) fn sample<const N: usize>(
-    mesh: &Mesh,
+    place: (&Mesh, Frame),
     fields: [&[f64]; N],
-    columns: usize,
-    rows: usize,
+    [columns, rows]: [usize; 2],
 ) -> Vec<[f64; N]> {
     let mut values = vec![[f64::NAN; N]; columns * rows];
-    sample_each(mesh, fields, columns, rows, |cell, sampled| {
+    sample_each(place, fields, [columns, rows], |cell, sampled| {
         values[cell] = sampled
     });
     values
@@ -102,6 +135,10 @@ fn cells_between(coordinates: [f64; 3], cells: usize) -> std::ops::Range<usize> 
 mod tests {
     use super::*;
 
+    fn whole(mesh: &Mesh) -> (&Mesh, Frame) {
+        (mesh, Frame::square(&mesh.bounding_box()))
+    }
+
     #[test]
     fn an_affine_function_is_exact_everywhere() {
         for jitter in [0.0, 0.2] {
@@ -110,7 +147,7 @@ mod tests {
             let values: Vec<f64> = mesh.nodes().iter().map(|p| affine(p.x, p.y)).collect();
             let ones = vec![1.0; values.len()];
             let (columns, rows) = (31, 14);
-            let sampled = sample(&mesh, [&values, &ones], columns, rows);
+            let sampled = sample(whole(&mesh), [&values, &ones], [columns, rows]);
             for (cell, [value, one]) in sampled.into_iter().enumerate() {
                 let x = (f64::from((cell % columns) as u32) + 0.5) / columns as f64;
                 let y = 1.0 - (f64::from((cell / columns) as u32) + 0.5) / rows as f64;
@@ -124,14 +161,15 @@ mod tests {
     fn the_frame_is_a_square_about_the_domain() {
         let unit = Mesh::structured(4, 0.2, 1).expect("a fair mesh");
         let corner = [0.0, 0.0];
-        assert_eq!(Frame::around(&unit), Frame { corner, side: 1.0 });
+        let sides = [1.0; 2];
+        assert_eq!(whole(&unit).1, Frame { corner, sides });
         // A triangle, twice as wide as high.
         let nodes = [[-3.0, 1.0], [1.0, 1.0], [1.0, 3.0]].map(Into::into);
         let wide = Mesh::new(nodes.to_vec(), vec![[0, 1, 2]]).expect("counter-clockwise");
-        let frame = Frame::around(&wide);
-        assert_eq!((frame.corner, frame.side), ([-3.0, 0.0], 4.0));
+        let frame = whole(&wide).1;
+        assert_eq!((frame.corner, frame.sides), ([-3.0, 0.0], [4.0; 2]));
         let x = [-3.0, 1.0, 1.0];
-        let sampled = sample(&wide, [&x], 4, 4);
+        let sampled = sample(whole(&wide), [&x], [4, 4]);
         let row = |row: usize| {
             sampled[4 * row..][..4]
                 .iter()
@@ -149,7 +187,7 @@ mod tests {
         let mesh = Mesh::structured(8, 0.0, 1).expect("a fair mesh");
         let ones = vec![1.0; mesh.nodes().len()];
         for cells in [1, 4, 8, 16, 24, 100] {
-            let sampled = sample(&mesh, [&ones], cells, cells);
+            let sampled = sample(whole(&mesh), [&ones], [cells; 2]);
             assert!(sampled.iter().all(|[one]| (one - 1.0).abs() < 1e-12));
         }
     }

@@ -14,8 +14,8 @@ use crate::scene::Scene;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Saves a view in a folder: `<name>-step-<step>`, with the field if it is not φ, as PNG, SVG, CSV (the values at the nodes) and
-/// VTU. Gives the files. The folder is made if it is not there.
+/// Saves a view in a folder: `<name>-step-<step>`, with the field if it is not φ, as PNG, SVG and CSV (the values at the
+/// nodes). Gives the files. The folder is made if it is not there.
 ///
 /// # Errors
 /// [`FigureError`]; the files that were written before it stay.
@@ -30,7 +30,7 @@ pub fn save_view(
     let (step, t) = (view.report.step, view.report.t);
     let (what, suffix) = what_and_suffix(view.field);
     let stem = format!("{}-step-{step:07}{suffix}", label.file);
-    let mut files = Files::claim(folder, vec![stem], &["png", "svg", "csv", "vtu"], options)?;
+    let mut files = Files::claim(folder, vec![stem], &PICTURE, options)?;
     let shown = Shown {
         label: &label,
         scene: view.scene,
@@ -42,9 +42,6 @@ pub fn save_view(
     files.write(&stem, "csv", |file| {
         write_state(file, &label.file, view.mesh, (step, t), view.state)
     })?;
-    let path = files.path(&stem, "vtu");
-    write_fields(&path, view.mesh, view.state, t)?;
-    files.written.push(path);
     let drawing = view::draw(view, &label, options)?;
     files.picture(&stem, &drawing, options, &provenance)?;
     Ok(files.written)
@@ -418,6 +415,10 @@ impl Files {
         drop(picture);
         self.write(stem, "png", |out| out.write_all(&file))?;
         drop(file);
-        self.text(stem, "svg", &svg::encode(drawing, dpi, provenance)?)
+        self.text(
+            stem,
+            "svg",
+            &svg::encode(drawing, options.svg_text, dpi, provenance)?,
+        )
     }
 }

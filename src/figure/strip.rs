@@ -2,8 +2,9 @@
 
 use super::canvas::{Drawing, Rectangle, write_label, write_paragraph};
 use super::data::{Field, Snapshot};
-use super::number::number;
-use super::panel::{self, Style};
+use super::number::{letter, number};
+use super::panel::{self, Axes, Style};
+use super::sampling::Frame;
 use super::text::Label;
 use super::{FigureError, FigureOptions, TEXT_SIZES_A_WIDTH, text_size};
 use crate::theory::ShapeAtRest;
@@ -16,11 +17,16 @@ pub(super) struct Strip<'a> {
     pub theory: Option<&'a ShapeAtRest>,
 }
 
+/// A picture is at most so high for its width: the vesicle is seen with what is around it.
+const LEAST_ASPECT: f64 = 0.6;
+
 /// Digits of a time above a picture.
 const TIME_DIGITS: usize = 4;
 
-fn time_label(t: f64) -> Label {
-    Label::symbol("t")
+/// The letter of a picture and its time.
+fn time_label(picture: usize, t: f64) -> Label {
+    letter(picture)
+        .and_symbol("t")
         .and(" = ")
         .and_label(number(t, TIME_DIGITS))
 }
@@ -37,33 +43,45 @@ pub(super) fn draw(strips: &[Strip], options: &FigureOptions) -> Result<Drawing,
         options.colours,
     );
     let size = text_size(options.width, TEXT_SIZES_A_WIDTH);
+    let shown = || states().map(|snapshot| (&*snapshot.mesh, &*snapshot.state));
+    let domains = shown().map(|(mesh, _)| mesh.bounding_box());
+    let Some(domain) = domains.reduce(|one, other| one.union(&other)) else {
+        return Drawing::compose(options.width, |_| Ok(1.0));
+    };
+    let frame = Frame::around(&domain, shown(), options.zoom, LEAST_ASPECT);
     let style = Style {
         scale: &scale,
         field: Field::Phase,
         director: options.director,
+        frame,
         size,
     };
     let name = Label::symbol("φ");
     let (width, margin, gap) = (f64::from(options.width), 0.7 * size, 1.7 * size);
     let bar = panel::bar_room(&scale, size, &name);
-    let left = margin + panel::left_room(size);
-    let room = width - left - gap - bar - margin;
+    let room = |left: f64| width - left - gap - bar - margin;
 
-    let titles = states().map(|snapshot| time_label(snapshot.t).width(size));
+    let titles = (states().enumerate()).map(|(number, it)| time_label(number, it.t).width(size));
     let widest_title = titles.fold(0.0, f64::max);
     let least_side = (widest_title + 0.3 * size).max(5.0 * size);
     let counts = strips.iter().map(|strip| strip.snapshots.len());
     let most = counts.fold(1, usize::max);
-    let side_of = |columns: usize| (room - gap * (columns as f64 - 1.0)) / columns as f64;
+    // The numbers of the axes do not depend on a picture's exact size.
+    let guess = (width - 12.0 * size) / most.clamp(1, 5) as f64 - gap;
+    let axes = Axes::new(frame, [guess, guess / frame.aspect()], size);
+    let left = margin + axes.left_room(size);
+    let side_of = |columns: usize| (room(left) - gap * (columns as f64 - 1.0)) / columns as f64;
     let fits = |columns: &usize| side_of(*columns) >= least_side;
     let columns = (1..=most).rev().find(fits).unwrap_or(1);
     // Lines of much the same length: of five, three and two, not four and one.
     let columns = most.div_ceil(most.div_ceil(columns));
     // Two or three pictures alone are not to fill the width.
     let side = side_of(columns.max(most.min(3))).floor();
+    let height = side / frame.aspect();
 
     Drawing::compose(options.width, |page| {
         let mut top = margin;
+        let mut pictures = 0;
         for (number, strip) in strips.iter().enumerate() {
             top = write_paragraph(
                 page,
@@ -81,26 +99,27 @@ pub(super) fn draw(strips: &[Strip], options: &FigureOptions) -> Result<Drawing,
                 let numbers_below = count > 1 || number + 1 == strips.len();
                 for (column, snapshot) in snapshots.iter().enumerate() {
                     let left = left + column as f64 * (side + gap);
-                    let square = Rectangle::new([left, top], [side; 2]).on_pixels();
+                    let area = Rectangle::new([left, top], [side, height]).on_pixels();
                     panel::draw(
                         page,
-                        square,
+                        area,
                         &snapshot.mesh,
                         &snapshot.state,
                         strip.theory,
                         &style,
                     )?;
                     let numbers = [numbers_below, column == 0];
-                    panel::draw_axes(page, square, &snapshot.mesh, size, numbers)?;
-                    let at = [0.5 * (square.left + square.right), top - 1.35 * size];
+                    panel::draw_axes(page, area, &axes, size, numbers)?;
+                    let at = [0.5 * (area.left + area.right), top - 1.35 * size];
                     let place = (HPos::Center, VPos::Top);
-                    write_label(page, &time_label(snapshot.t), size, at, place)?;
+                    write_label(page, &time_label(pictures, snapshot.t), size, at, place)?;
+                    pictures += 1;
                 }
                 if line == 0 {
                     let corner = [left + columns as f64 * (side + gap), top.round()];
-                    panel::draw_bar(page, &scale, corner, side.round(), size, &name)?;
+                    panel::draw_bar(page, &scale, corner, height.round(), size, &name)?;
                 }
-                top += side;
+                top += height;
                 top += match numbers_below {
                     true => panel::lower_room(size) + if is_last { 0.0 } else { 0.5 * size },
                     false => 0.5 * size,

@@ -1,6 +1,6 @@
 //! SVG files of drawings.
 
-use super::canvas::{Drawing, Image, Shape};
+use super::canvas::{Drawing, Image, PlacedText, Shape};
 use super::png::encode_plain;
 use super::provenance::Provenance;
 use super::{FigureError, MILLIMETRES_AN_INCH};
@@ -10,12 +10,13 @@ use plotters::style::RGBColor;
 use std::fmt::{self, Write};
 use tiny_skia::{PathSegment, Point};
 
-/// The text of the SVG file.
+/// The text of the SVG file; its letters are outlines, or text in a font that the reader must have.
 ///
 /// # Errors
 /// [`FigureError::Encode`].
 pub(super) fn encode(
     drawing: &Drawing,
+    has_text: bool,
     dpi: u32,
     provenance: &Provenance,
 ) -> Result<String, FigureError> {
@@ -59,15 +60,45 @@ pub(super) fn encode(
         )?;
     }
     for shape in &drawing.shapes {
-        write_shape(&mut text, shape)?;
+        let placed = shape.text.and_then(|number| drawing.texts.get(number));
+        match placed.filter(|_| has_text) {
+            Some(placed) => write_text(&mut text, placed, shape.colour)?,
+            None => write_shape(&mut text, shape)?,
+        }
     }
     text.push_str("</svg>\n");
     Ok(text)
 }
 
+fn hexadecimal(RGBColor(r, g, b): RGBColor) -> String {
+    format!("#{r:02X}{g:02X}{b:02X}")
+}
+
+/// A text whose letters stay letters: a line of it is one element.
+fn write_text(text: &mut String, placed: &PlacedText, colour: RGBColor) -> fmt::Result {
+    let colour = hexadecimal(colour);
+    let fonts = "DejaVu Sans, Verdana, sans-serif";
+    write!(
+        text,
+        r#"<text xml:space="preserve" fill="{colour}" font-family="{fonts}">"#
+    )?;
+    for piece in &placed.pieces {
+        let [x, y] = piece.at.map(|it| short(it as f32));
+        let (size, style) = (
+            short(piece.size as f32),
+            if piece.is_slanted { "italic" } else { "normal" },
+        );
+        let words = Escaped(&piece.text);
+        write!(
+            text,
+            r#"<tspan x="{x}" y="{y}" font-size="{size}" font-style="{style}">{words}</tspan>"#
+        )?;
+    }
+    writeln!(text, "</text>")
+}
+
 fn write_shape(text: &mut String, shape: &Shape) -> fmt::Result {
-    let RGBColor(r, g, b) = shape.colour;
-    let colour = format!("#{r:02X}{g:02X}{b:02X}");
+    let colour = hexadecimal(shape.colour);
     match shape.stroke.map(short) {
         Some(width) => write!(
             text,

@@ -253,6 +253,50 @@ fn text_is_whole_and_apart_at_every_size() {
 }
 
 #[test]
+fn text_is_whole_and_apart_around_the_whole_domain_and_the_middle_of_the_vesicle() {
+    let runs = [run("a", "Case 3", 5), run("b", "Case 2", 3)];
+    for zoom in [Zoom::Domain, Zoom::Double] {
+        for width in [400, 1200] {
+            let options = FigureOptions {
+                zoom,
+                ..options(width)
+            };
+            let strips = runs.each_ref().map(|run| Strip {
+                title: Label::text(&run.name),
+                snapshots: data::five(&run.snapshots),
+                theory: None,
+            });
+            assert_tidy(
+                "strip",
+                &strip::draw(&strips, &options).expect("room for it"),
+            );
+            let (label, report) = (RunLabel::new("a", &runs[0].scene, f64::INFINITY), report(0));
+            let view = first_view(&runs[0], &report, Field::Phase);
+            let drawing = view::draw(&view, &label, &options).expect("room for it");
+            assert_tidy("view", &drawing);
+        }
+    }
+}
+
+#[test]
+fn what_is_logarithmic_leaves_out_the_start() {
+    let options = FigureOptions {
+        logarithmic_time: true,
+        ..options(1200)
+    };
+    let runs = [run("a", "Case 3", 1)];
+    let labels = [RunLabel::new("a", &runs[0].scene, f64::INFINITY)];
+    let figure = &scalars::figures(&runs, &labels)[0];
+    let title = Label::text("Energies");
+    let drawing = curves::draw(&title, &[], &figure.plots, &options).expect("it is drawn");
+    assert_tidy("energies", &drawing);
+    let texts: Vec<&str> = drawing.texts.iter().map(|text| &*text.text).collect();
+    for text in ["10−6", "10−5", "10−4", "(a) Etotal", "(b) Eben"] {
+        assert!(texts.contains(&text), "{text} in {texts:?}");
+    }
+}
+
+#[test]
 fn the_check_of_text_finds_what_is_wrong() {
     let outcome = |at: [f64; 2]| {
         std::panic::catch_unwind(|| {

@@ -216,6 +216,28 @@ impl Label {
         lines
     }
 
+    /// Its pieces of letters that are set in the same way, in the frame that it takes at a size.
+    pub fn pieces(&self, size: f64, frame: Rectangle) -> Vec<TextPiece> {
+        let letters: Vec<Letter> = self.letters().collect();
+        let mut left = frame.left;
+        let base = frame.top + ASCENT * size;
+        let groups = letters.chunk_by(|one, other| one.0 == other.0);
+        let piece = |group: &[Letter]| {
+            let set = group[0].0;
+            let (scale, rise) = set.size_and_rise();
+            let advance = group.iter().map(|(_, letter)| set.font().advance(*letter));
+            let at = [left, base - rise * size];
+            left += advance.sum::<f64>() * scale * size;
+            TextPiece {
+                text: group.iter().map(|(_, letter)| *letter).collect(),
+                at,
+                size: scale * size,
+                is_slanted: set == Set::Slanted,
+            }
+        };
+        groups.map(piece).collect()
+    }
+
     /// The frame that the label takes at a size and a place, and its outlines in one path: none if there is
     /// nothing to see.
     pub fn set(&self, size: f64, [x, y]: [f64; 2], anchor: Pos) -> (Rectangle, Option<Path>) {
@@ -248,6 +270,16 @@ impl Label {
         }
         (frame, outline.path.finish())
     }
+}
+
+/// Letters of one size.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct TextPiece {
+    pub text: String,
+    /// Where they begin, on their base line.
+    pub at: [f64; 2],
+    pub size: f64,
+    pub is_slanted: bool,
 }
 
 /// A character and how it is set.
@@ -322,6 +354,24 @@ mod tests {
                 assert!(font.face.glyph_index(character).is_some(), "{character}");
             }
         }
+    }
+
+    #[test]
+    fn pieces_follow_each_other_on_their_base_lines() {
+        let (label, size) = (energy(), 10.0);
+        let at = [3.0, 5.0];
+        let (frame, _) = label.set(size, at, Pos::new(HPos::Left, VPos::Top));
+        let pieces = label.pieces(size, frame);
+        let text: Vec<&str> = pieces.iter().map(|piece| &*piece.text).collect();
+        assert_eq!(text, ["λ", "nem", "E", "nem", " / 10", "−4"]);
+        let [first, index, .., last] = &pieces[..] else {
+            panic!("six pieces");
+        };
+        assert_eq!(first.at, [3.0, 5.0 + ASCENT * size]);
+        assert!(first.is_slanted && !index.is_slanted && index.size < size);
+        assert!(index.at[1] > first.at[1] && last.at[1] < first.at[1]);
+        let end = last.at[0] + Label::text("−4").width(last.size);
+        assert!((end - frame.right).abs() < 1e-9);
     }
 
     #[test]

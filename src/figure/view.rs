@@ -3,7 +3,8 @@
 use super::canvas::{Drawing, Rectangle, write_paragraph};
 use super::data::{RunLabel, View};
 use super::number::number;
-use super::panel::{self, Style};
+use super::panel::{self, Axes, Style};
+use super::sampling::Frame;
 use super::text::Label;
 use super::{FigureError, FigureOptions, VIEW_TEXT_SIZES_A_WIDTH, text_size};
 
@@ -18,15 +19,20 @@ pub(super) fn draw(
 ) -> Result<Drawing, FigureError> {
     let size = text_size(options.width, VIEW_TEXT_SIZES_A_WIDTH);
     let scale = panel::scale(std::iter::once(view.state), view.field, options.colours);
+    let shown = [(view.mesh, view.state)];
+    let frame = Frame::around(&view.mesh.bounding_box(), shown, options.zoom, 1.0);
     let style = Style {
         scale: &scale,
         field: view.field,
         director: options.director,
+        frame,
         size,
     };
     let name = panel::symbol(view.state, view.field);
     let (width, margin, gap) = (f64::from(options.width), 0.7 * size, 0.9 * size);
-    let left = margin + panel::left_room(size);
+    // The numbers of the axes do not depend on a picture's exact size.
+    let axes = Axes::new(frame, [0.75 * width, 0.75 * width / frame.aspect()], size);
+    let left = margin + axes.left_room(size);
     let bar = panel::bar_room(&scale, size, &name);
     let side = (width - left - gap - bar - margin).floor();
 
@@ -46,11 +52,11 @@ pub(super) fn draw(
         }
         // The name of the colour bar stands above it.
         top += 1.2 * size;
-        let square = Rectangle::new([left, top], [side; 2]).on_pixels();
-        panel::draw(page, square, view.mesh, view.state, view.theory, &style)?;
-        panel::draw_axes(page, square, view.mesh, size, [true; 2])?;
-        let corner = [square.right + gap, square.top];
-        panel::draw_bar(page, &scale, corner, square.height(), size, &name)?;
-        Ok(square.bottom + panel::lower_room(size) + margin)
+        let place = Rectangle::new([left, top], [side, side / frame.aspect()]).on_pixels();
+        panel::draw(page, place, view.mesh, view.state, view.theory, &style)?;
+        panel::draw_axes(page, place, &axes, size, [true; 2])?;
+        let corner = [place.right + gap, place.top];
+        panel::draw_bar(page, &scale, corner, place.height(), size, &name)?;
+        Ok(place.bottom + panel::lower_room(size) + margin)
     })
 }

@@ -31,6 +31,19 @@ impl BoundingBox {
         (self.upper - self.lower).sup(&Vector::zeros())
     }
 
+    /// The smallest one that holds this one and another.
+    pub fn union(&self, other: &Self) -> Self {
+        Self {
+            lower: self.lower.inf(&other.lower),
+            upper: self.upper.sup(&other.upper),
+        }
+    }
+
+    /// The point in its middle.
+    pub fn center(&self) -> Point {
+        nalgebra::center(&self.lower, &self.upper)
+    }
+
     /// Its width by its height.
     pub fn aspect(&self) -> f64 {
         self.extent().x / self.extent().y
@@ -48,6 +61,13 @@ mod tests {
         assert_eq!(hull.lower, Point::new(-2.0, 5.0));
         assert_eq!(hull.upper, Point::new(1.0, 6.0));
         assert_eq!(hull.extent(), Vector::new(3.0, 1.0));
+        let other = BoundingBox::around([[0.0, 0.0], [2.0, 5.5]].map(Point::from));
+        let both = BoundingBox {
+            lower: Point::new(-2.0, 0.0),
+            upper: Point::new(2.0, 6.0),
+        };
+        assert_eq!(hull.union(&other), both);
+        assert_eq!(both.center(), Point::new(0.0, 3.0));
         let nothing = BoundingBox::around(std::iter::empty::<Point>());
         assert_eq!(nothing.extent(), Vector::zeros());
     }

@@ -5,6 +5,7 @@
 
 mod angle;
 mod bounding_box;
+mod crop;
 mod nearest_segments;
 mod segment;
 mod segment_grid;
@@ -12,6 +13,7 @@ mod tensor;
 
 pub use angle::{direction, frame};
 pub use bounding_box::BoundingBox;
+pub use crop::{crop, widened};
 pub use nearest_segments::NearestSegments;
 pub use segment::{Segment, first_crossing, segment_distance, segment_offset};
 pub use segment_grid::SegmentGrid;

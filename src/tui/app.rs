@@ -9,7 +9,7 @@ use super::history::History;
 use super::run_control::RunControl;
 use super::state::{
     App, Director, Expectation, Field, Keeping, Notice, Overlay, Panel, Question, Run, Save,
-    Saving, Screen, Slot, Status, View,
+    Saving, Screen, Slot, Status, View, Zoom,
 };
 use super::throughput::Throughput;
 use super::update::SNAPSHOTS;
@@ -49,7 +49,8 @@ impl App {
             overlay: None,
             view: View {
                 field: Field::Phase,
-                director: Director::Arrows,
+                director: Director::Strokes,
+                zoom: Zoom::Fit,
                 colour_map: 0,
                 logarithmic: false,
                 theory: false,

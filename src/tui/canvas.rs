@@ -10,12 +10,15 @@ use crate::geometry::BoundingBox;
 /// Rasters kept: those of a gallery of four and of the single view, twice over for a resize.
 const KEPT: usize = 16;
 
+/// What was found of some meshes.
+type Kept<T> = Vec<(Weak<Mesh>, T)>;
+
 /// The rasters of the meshes that were last drawn. It belongs to the drawing code, next to the terminal.
 #[derive(Debug, Default)]
 pub struct Canvas {
     /// The last used last.
-    rasters: Vec<(Weak<Mesh>, Arc<Raster>)>,
-    regions: Vec<(Weak<Mesh>, BoundingBox)>,
+    rasters: Kept<(BoundingBox, Arc<Raster>)>,
+    regions: Kept<BoundingBox>,
 }
 
 impl Canvas {
@@ -27,32 +30,36 @@ impl Canvas {
         region
     }
 
-    /// Samples of these columns and rows over the rectangle that a mesh covers.
-    pub fn raster(&mut self, mesh: &Arc<Mesh>, columns: usize, rows: usize) -> Arc<Raster> {
-        let fits = |raster: &Arc<Raster>| raster.columns() == columns && raster.rows() == rows;
-        let raster = take(&mut self.rasters, mesh, fits).unwrap_or_else(|| {
-            let region = self.region(mesh);
-            Arc::new(Raster::new(mesh, region, columns, rows))
-        });
-        keep(&mut self.rasters, mesh, raster.clone());
+    /// Samples of these columns and rows over a rectangle of a mesh.
+    pub fn raster(
+        &mut self,
+        mesh: &Arc<Mesh>,
+        region: BoundingBox,
+        (columns, rows): (usize, usize),
+    ) -> Arc<Raster> {
+        let fits = |(of, raster): &(BoundingBox, Arc<Raster>)| {
+            *of == region && raster.columns() == columns && raster.rows() == rows
+        };
+        let kept = take(&mut self.rasters, mesh, fits);
+        let raster = kept.map_or_else(
+            || Arc::new(Raster::new(mesh, region, columns, rows)),
+            |(_, raster)| raster,
+        );
+        keep(&mut self.rasters, mesh, (region, raster.clone()));
         raster
     }
 }
 
 /// Takes what was kept of a mesh out. A mesh is known by its address; the weak reference sees to it
 /// that no other mesh can come to lie there.
-fn take<T>(
-    kept: &mut Vec<(Weak<Mesh>, T)>,
-    mesh: &Arc<Mesh>,
-    fits: impl Fn(&T) -> bool,
-) -> Option<T> {
+fn take<T>(kept: &mut Kept<T>, mesh: &Arc<Mesh>, fits: impl Fn(&T) -> bool) -> Option<T> {
     let same = |(of, value): &(Weak<Mesh>, T)| of.as_ptr() == Arc::as_ptr(mesh) && fits(value);
     let index = kept.iter().position(same)?;
     Some(kept.remove(index).1)
 }
 
 /// Keeps something of a mesh, and forgets what was not used for the longest time.
-fn keep<T>(kept: &mut Vec<(Weak<Mesh>, T)>, mesh: &Arc<Mesh>, value: T) {
+fn keep<T>(kept: &mut Kept<T>, mesh: &Arc<Mesh>, value: T) {
     kept.retain(|(of, _)| of.strong_count() > 0);
     if kept.len() >= KEPT {
         kept.remove(0);
@@ -63,6 +70,16 @@ fn keep<T>(kept: &mut Vec<(Weak<Mesh>, T)>, mesh: &Arc<Mesh>, value: T) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Point;
+
+    const REGION: BoundingBox = BoundingBox {
+        lower: Point::new(0.0, 0.0),
+        upper: Point::new(1.0, 1.0),
+    };
+    const PART: BoundingBox = BoundingBox {
+        lower: Point::new(0.25, 0.0),
+        upper: Point::new(1.0, 1.0),
+    };
 
     fn mesh() -> Arc<Mesh> {
         Arc::new(Mesh::structured(4, 0.0, 0).expect("a regular mesh"))
@@ -71,26 +88,32 @@ mod tests {
     #[test]
     fn a_raster_is_built_once() {
         let (mut canvas, mesh, other) = (Canvas::default(), mesh(), mesh());
-        let first = canvas.raster(&mesh, 6, 3);
-        assert!(Arc::ptr_eq(&first, &canvas.raster(&mesh, 6, 3)));
-        assert!(!Arc::ptr_eq(&first, &canvas.raster(&mesh, 3, 6)));
-        assert!(!Arc::ptr_eq(&first, &canvas.raster(&other, 6, 3)));
-        assert!(Arc::ptr_eq(&first, &canvas.raster(&mesh, 6, 3)));
+        let first = canvas.raster(&mesh, REGION, (6, 3));
+        assert!(Arc::ptr_eq(&first, &canvas.raster(&mesh, REGION, (6, 3))));
+        assert!(!Arc::ptr_eq(&first, &canvas.raster(&mesh, REGION, (3, 6))));
+        assert!(!Arc::ptr_eq(&first, &canvas.raster(&mesh, PART, (6, 3))));
+        assert!(!Arc::ptr_eq(&first, &canvas.raster(&other, REGION, (6, 3))));
+        assert!(Arc::ptr_eq(&first, &canvas.raster(&mesh, REGION, (6, 3))));
     }
 
     #[test]
     fn what_is_not_needed_is_forgotten() {
         let mut canvas = Canvas::default();
         let long_lived = mesh();
-        let first = canvas.raster(&long_lived, 1, 1);
+        let first = canvas.raster(&long_lived, REGION, (1, 1));
         for columns in 2..100 {
-            canvas.raster(&long_lived, columns, 1);
+            canvas.raster(&long_lived, REGION, (columns, 1));
         }
         assert_eq!(canvas.rasters.len(), KEPT);
+        canvas.region(&long_lived);
+        canvas.region(&long_lived);
         assert_eq!(canvas.regions.len(), 1);
-        assert!(!Arc::ptr_eq(&first, &canvas.raster(&long_lived, 1, 1)));
+        assert!(!Arc::ptr_eq(
+            &first,
+            &canvas.raster(&long_lived, REGION, (1, 1))
+        ));
         drop(long_lived);
-        canvas.raster(&mesh(), 2, 2);
+        canvas.raster(&mesh(), REGION, (2, 2));
         assert_eq!(canvas.rasters.len(), 1);
     }
 }

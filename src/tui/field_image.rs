@@ -13,7 +13,8 @@ use crate::scheme::State;
 /// ends of the colour bar stand for.
 #[derive(Debug, Default)]
 pub struct FieldImage {
-    /// The values; `None` outside the domain, and everywhere where there is no such field.
+    /// The values; `None` outside the domain and, of the director, outside the vesicle, and everywhere where there
+    /// is no such field.
     pub values: Vec<Option<f64>>,
     /// φ at the same samples.
     pub phase: Vec<Option<f64>>,
@@ -43,13 +44,14 @@ impl FieldImage {
                     let mut across = Vec::new();
                     raster.gather(x, &mut across);
                     raster.gather(y, &mut values);
-                    for (y, x) in values.iter_mut().zip(across) {
-                        *y = y.zip(x).map(|(y, x)| x.hypot(y));
+                    for ((y, x), phase) in values.iter_mut().zip(across).zip(&phase) {
+                        let is_inside = phase.is_some_and(|phase| phase > 0.0);
+                        *y = y.zip(x).filter(|_| is_inside).map(|(y, x)| x.hypot(y));
                     }
                 }
             },
         }
-        let range = range(field, &values, &phase);
+        let range = range(field, &values);
         if field == Field::DirectorLength {
             // What is 1 but for the scheme's own errors lies in the middle, where two colours meet, and
             // would be speckled with both.
@@ -76,31 +78,23 @@ impl FieldImage {
 
 /// The values of the first and of the last colour. The ends are round numbers, so that the colours
 /// of a field do not change with every frame.
-fn range(field: Field, values: &[Option<f64>], phase: &[Option<f64>]) -> [f64; 2] {
-    let greatest = |of: &mut dyn Iterator<Item = f64>| {
+fn range(field: Field, values: &[Option<f64>]) -> [f64; 2] {
+    let greatest = |of: &mut dyn Iterator<Item = f64>, least: f64| {
         let finite = of.filter(|value| value.is_finite());
-        round_up(finite.map(f64::abs).fold(0.0, f64::max))
+        round_up(finite.map(f64::abs).fold(least, f64::max))
     };
     let mut all = values.iter().flatten().copied();
     match field {
         Field::Phase => [-1.0, 1.0],
         Field::Omega | Field::Mu => {
-            let end = greatest(&mut all);
+            let end = greatest(&mut all, 0.0);
             [-end, end]
         }
-        Field::EnergyDensity => [0.0, greatest(&mut all)],
+        Field::EnergyDensity => [0.0, greatest(&mut all, 0.0)],
         Field::DirectorLength => {
-            // About 1, where the penalty pulls it; outside the vesicle nothing does.
-            let inside = values.iter().zip(phase).filter_map(|(value, phase)| {
-                let inside = phase.is_some_and(|phase| phase > 0.0);
-                value.filter(|_| inside)
-            });
-            let departures = inside.map(|length| length - 1.0);
-            let departure = departures
-                .filter(|departure| departure.is_finite())
-                .map(f64::abs)
-                .fold(0.0, f64::max);
-            let end = round_up(departure.max(LEAST_DEPARTURE)).min(1.0);
+            // About 1, where the penalty pulls it.
+            let departure = greatest(&mut all.map(|length| length - 1.0), LEAST_DEPARTURE);
+            let end = departure.min(1.0);
             [1.0 - end, 1.0 + end]
         }
     }
@@ -110,7 +104,7 @@ fn range(field: Field, values: &[Option<f64>], phase: &[Option<f64>]) -> [f64; 2
 pub fn names(field: Field, theme: &Theme) -> (&'static str, &'static str) {
     match field {
         Field::Phase => (theme.word("φ", "phi"), "phase field"),
-        Field::DirectorLength => ("|d|", "strength of the director"),
+        Field::DirectorLength => ("|d|", "length of the director"),
         Field::Omega => (theme.word("ω", "omega"), "bending variable"),
         Field::Mu => (theme.word("μ", "mu"), "chemical potential"),
         Field::EnergyDensity => (
@@ -169,6 +163,8 @@ mod tests {
         let length = sampled(Field::DirectorLength, Some([x, y]));
         assert!(close(length.range, [0.9, 1.1]), "{:?}", length.range);
         assert!((length.values[7].expect("inside") - 1.0).abs() < 1e-12);
+        // φ = 4x − 2: outside there is no director to look at.
+        assert_eq!(length.values[3], None);
         let none = sampled(Field::DirectorLength, None);
         assert!(none.values.iter().all(Option::is_none) && none.values.len() == 64);
     }
@@ -177,7 +173,7 @@ mod tests {
     fn a_field_that_is_not_a_number_has_a_range_all_the_same() {
         let mut sampled = sampled(Field::Omega, None);
         sampled.values.fill(Some(f64::NAN));
-        let range = range(Field::Omega, &sampled.values, &sampled.phase);
+        let range = range(Field::Omega, &sampled.values);
         assert!(close(range, [-1.0, 1.0]));
     }
 }

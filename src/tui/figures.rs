@@ -9,7 +9,7 @@ use crate::figure::{self, FigureOptions, RunData, Snapshot};
 use crate::record::{Columns, RunFolder};
 use crate::simulation::{Claim, RunSnapshot};
 
-/// Saves figures: of a view PNG, SVG, CSV and VTU; of a set all figures of the run up to now, its
+/// Saves figures: of a view PNG, SVG and CSV, beside its fields; of a set all figures of the run up to now, its
 /// fields and its whole history. `scene.toml` stands beside them, and they say how they can be made
 /// again.
 ///
@@ -78,6 +78,7 @@ fn save_view(
     };
     let options = FigureOptions {
         director: view.director,
+        zoom: view.zoom,
         colours: COLOUR_MAPS[view.colour_map % COLOUR_MAPS.len()].figure,
         ..FigureOptions::view()
     };

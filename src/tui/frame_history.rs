@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use crate::fem::extent_of_inside;
+use crate::geometry::BoundingBox;
 use crate::simulation::RunSnapshot;
 
 /// Bytes that older fields may take, by default.
@@ -28,6 +30,8 @@ pub struct FrameHistory {
     width: u64,
     /// The step of a picture that must not be thinned out: it is shown.
     pinned: Option<u64>,
+    /// The rectangle around the vesicle in all pictures that came.
+    vesicle: Option<BoundingBox>,
 }
 
 impl Default for FrameHistory {
@@ -45,7 +49,13 @@ impl FrameHistory {
             budget,
             width: 1,
             pinned: None,
+            vesicle: None,
         }
+    }
+
+    /// The rectangle around the vesicle in all pictures that came, also in those that are not stored any more.
+    pub fn vesicle(&self) -> Option<BoundingBox> {
+        self.vesicle
     }
 
     /// How many are stored.
@@ -113,6 +123,9 @@ impl FrameHistory {
                 self.bytes -= self.bytes_of(self.pictures.len() - 1);
                 self.pictures.pop();
             }
+        }
+        if let Some(now) = extent_of_inside(&picture.mesh, &picture.state.phi) {
+            self.vesicle = Some(self.vesicle.map_or(now, |before| before.union(&now)));
         }
         self.pictures.push(picture);
         self.bytes += self.bytes_of(self.pictures.len() - 1);
@@ -328,6 +341,27 @@ mod tests {
             .map(|it| Arc::ptr_eq(&it.mesh, &one))
             .collect();
         assert_eq!((meshes[0], meshes[meshes.len() - 1]), (true, true));
+    }
+
+    #[test]
+    fn the_vesicle_is_known_wherever_it_was() {
+        let mut past = FrameHistory::new(1);
+        // φ is 0 in this picture, and there is no vesicle.
+        past.put(picture(0));
+        assert_eq!(past.vesicle(), None);
+        let part = |is_inside: fn(f64) -> bool| {
+            let mut picture = Arc::unwrap_or_clone(picture(1));
+            let state = Arc::make_mut(&mut picture.state);
+            for (phi, node) in state.phi.iter_mut().zip(picture.mesh.nodes()) {
+                *phi = if is_inside(node.x) { 1.0 } else { -1.0 };
+            }
+            Arc::new(picture)
+        };
+        past.put(part(|x| x < 0.3));
+        past.put(part(|x| (0.5..0.6).contains(&x)));
+        let vesicle = past.vesicle().expect("there is one");
+        let sides = [vesicle.lower.x, vesicle.upper.x].map(|x| (9.0 * x).round());
+        assert_eq!(sides, [0.0, 5.0]);
     }
 
     #[test]

@@ -2,6 +2,43 @@
 //! alone, which the fonts of terminals have; words may also have Greek letters and those of Latin-1.
 
 use ratatui::symbols::border;
+use ratatui::symbols::braille::BRAILLE;
+use ratatui::symbols::pixel::{OCTANTS, QUADRANTS};
+
+/// The parts of a cell that lines are drawn with: any of them together are one glyph.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Parts {
+    /// Two by two, of Block Elements, which every font has.
+    #[default]
+    Quadrants,
+    /// Two beside each other, four rows: glyphs of Unicode 16, which few fonts have.
+    Octants,
+    /// As many, as dots.
+    Braille,
+}
+
+impl Parts {
+    /// Parts beside each other.
+    pub const COLUMNS: usize = 2;
+
+    /// Parts one below the other.
+    pub fn rows(self) -> usize {
+        match self {
+            Self::Quadrants => 2,
+            Self::Octants | Self::Braille => 4,
+        }
+    }
+
+    /// The glyph of the parts whose bits are set: from the left to the right, then the row below.
+    pub fn glyph(self, bits: u8) -> char {
+        let bits = usize::from(bits);
+        match self {
+            Self::Quadrants => QUADRANTS[bits % QUADRANTS.len()],
+            Self::Octants => OCTANTS[bits],
+            Self::Braille => BRAILLE[bits],
+        }
+    }
+}
 
 /// The characters that the screen is drawn with.
 #[derive(Debug, PartialEq)]
@@ -31,7 +68,7 @@ pub struct Glyphs {
     /// The same for φ, which is one of two values nearly everywhere: light, so that the contour and
     /// the director stand out.
     pub phase: &'static [&'static str],
-    /// The contour φ = 0 where there are no colours.
+    /// The contour φ = 0 where a cell has no parts.
     pub contour: &'static str,
     /// The upper half of a cell, where two samples share it; `None`: they cannot.
     pub upper_half: Option<&'static str>,
@@ -198,6 +235,23 @@ mod tests {
                 assert_eq!(ink[0], 0);
             }
         }
+    }
+
+    #[test]
+    fn parts_are_counted_row_by_row() {
+        let glyphs = |parts: Parts, bits: [u8; 4]| bits.map(|bits| parts.glyph(bits));
+        assert_eq!(
+            glyphs(Parts::Quadrants, [0, 1, 2, 12]),
+            [' ', '▘', '▝', '▄']
+        );
+        assert_eq!(
+            glyphs(Parts::Braille, [1, 2, 64, 255]),
+            ['⠁', '⠈', '⡀', '⣿']
+        );
+        assert_eq!(
+            glyphs(Parts::Octants, [0, 0x0f, 0x55, 255]),
+            [' ', '▀', '▌', '█']
+        );
     }
 
     #[test]

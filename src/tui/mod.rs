@@ -42,6 +42,7 @@ mod terminal;
 pub mod theme;
 pub mod throughput;
 pub mod update;
+mod window;
 
 pub use opening::{DEFAULT, open, open_with_cases};
 pub use session::{AppError, Failed, Options, Outcome, run};

@@ -21,6 +21,7 @@ use super::brake::Brake;
 use super::canvas::Canvas;
 use super::event::AppEvent;
 use super::exit_summary;
+use super::glyphs::Parts;
 use super::input::Input;
 use super::message::{Effect, Message};
 use super::redraw_scheduler::{Occasion, RedrawScheduler};
@@ -73,6 +74,8 @@ pub struct Options {
     pub pace: f64,
     /// The colours to use, if not those of the environment.
     pub tier: Option<ColorTier>,
+    /// The glyphs that lines are drawn with.
+    pub parts: Parts,
     /// How things are saved.
     pub save: Save,
 }
@@ -120,7 +123,8 @@ pub struct Failed {
 /// [`AppError`]; the terminal is as it was before.
 pub fn run(options: Options) -> Result<Outcome, AppError> {
     allocator::give_back_large_blocks();
-    let theme = Theme::detect(options.tier, |name| std::env::var(name).ok());
+    let theme =
+        Theme::detect(options.tier, |name| std::env::var(name).ok()).with_parts(options.parts);
     // NO_COLOR is the theme's affair, and a person may overrule it. (crossterm, on its own, would
     // send resets of all attributes in place of the colours.)
     crossterm::style::force_color_output(true);

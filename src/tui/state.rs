@@ -18,7 +18,7 @@ use crate::theory::ShapeAtRest;
 
 pub use super::history::History;
 pub use super::throughput::Throughput;
-pub use crate::figure::Director;
+pub use crate::figure::{Director, Zoom};
 
 /// The whole state of the app.
 #[derive(Debug)]
@@ -384,12 +384,21 @@ pub struct View {
     pub field: Field,
     /// The director over φ and |d|.
     pub director: Director,
+    /// How much of the domain is shown.
+    pub zoom: Zoom,
     /// Which of the colour maps, counted modulo their number.
     pub colour_map: usize,
     /// Whether the curves have a logarithmic scale.
     pub logarithmic: bool,
     /// Whether the shape at rest that theory foresees lies over the field.
     pub theory: bool,
+}
+
+impl View {
+    /// Whether the director is drawn: over what is smooth enough for it.
+    pub fn shows_director(&self) -> bool {
+        self.director != Director::Off && matches!(self.field, Field::Phase | Field::DirectorLength)
+    }
 }
 
 /// A field that can be shown.

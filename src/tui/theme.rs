@@ -5,7 +5,7 @@
 use ratatui::style::{Color, Modifier, Style};
 
 use super::colour_map::{COLOUR_MAPS, ColourMap, LEVELS, luminance, palette_rgb};
-use super::glyphs::{ASCII, Glyphs, UNICODE};
+use super::glyphs::{ASCII, Glyphs, Parts, UNICODE};
 
 /// How many colours a terminal shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -44,6 +44,8 @@ pub struct Theme {
     pub tier: ColorTier,
     /// Whether more than ASCII may be written.
     pub unicode: bool,
+    /// What lines are drawn with, where more than ASCII may be written.
+    parts: Parts,
 }
 
 /// A colour in every tier: 24 bits, number in the palette of 256, one of the 16.
@@ -77,7 +79,21 @@ const MUTED: Shade = ([0x86, 0x86, 0x86], 244, Color::Reset);
 impl Theme {
     /// The theme for given capabilities.
     pub fn new(tier: ColorTier, unicode: bool) -> Self {
-        Self { tier, unicode }
+        Self {
+            tier,
+            unicode,
+            parts: Parts::default(),
+        }
+    }
+
+    /// The same with lines drawn in this way.
+    pub fn with_parts(self, parts: Parts) -> Self {
+        Self { parts, ..self }
+    }
+
+    /// The parts of a cell that lines are drawn with; `None`: a cell has no parts.
+    pub fn parts(&self) -> Option<Parts> {
+        self.unicode.then_some(self.parts)
     }
 
     /// What the environment says (`variable` looks one up), unless a tier is asked for.
@@ -193,22 +209,19 @@ impl Theme {
         self.shade((map.contour, map.contour_palette, Color::Red))
     }
 
-    /// Ink on a level of a map, where fields are painted: dark on bright and bright on dark; faint
-    /// ink is half way to the ground.
-    pub fn ink(&self, map: &ColourMap, level: usize, faint: bool) -> Color {
+    /// Ink on a level of a map, where fields are painted: dark on bright and bright on dark.
+    pub fn ink(&self, map: &ColourMap, level: usize) -> Color {
         let level = level.min(LEVELS - 1);
         let rgb = match self.tier {
             ColorTier::Palette => palette_rgb(map.palette[level]).unwrap_or(map.rgb[level]),
             _ => map.rgb[level],
         };
         // At this luminance black and white have the same contrast.
-        let bright = luminance(rgb) > 0.18;
-        self.shade(match (bright, faint) {
-            (true, false) => ([0x14, 0x1c, 0x28], 234, Color::Reset),
-            (true, true) => ([0x8c, 0x88, 0x80], 245, Color::Reset),
-            (false, false) => ([0xf4, 0xf4, 0xf4], 255, Color::Reset),
-            (false, true) => ([0x88, 0x90, 0x98], 246, Color::Reset),
-        })
+        if luminance(rgb) > 0.18 {
+            self.shade(([0x14, 0x1c, 0x28], 234, Color::Reset))
+        } else {
+            self.shade(([0xf4, 0xf4, 0xf4], 255, Color::Reset))
+        }
     }
 }
 
@@ -362,7 +375,7 @@ mod tests {
             for map in &COLOUR_MAPS {
                 for level in 0..LEVELS {
                     let ground = rgb(theme.level(map, level));
-                    let contrast = contrast(rgb(theme.ink(map, level, false)), ground);
+                    let contrast = contrast(rgb(theme.ink(map, level)), ground);
                     assert!(contrast > 3.5, "{} {level}: {contrast}", map.name);
                 }
             }

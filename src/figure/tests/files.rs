@@ -124,7 +124,7 @@ fn the_origin_of_a_picture_reads_back_from_png_and_svg() {
     let mut in_png: Vec<(String, String)> = latin.chain(unicode).collect();
     in_png.sort();
 
-    let text = svg::encode(&drawing, 300, &provenance).expect("it is encoded");
+    let text = svg::encode(&drawing, false, 300, &provenance).expect("it is encoded");
     let document = roxmltree::Document::parse(&text).expect("it is XML");
     let entries = document
         .descendants()
@@ -156,7 +156,7 @@ fn an_svg_needs_no_font_and_has_the_size_of_the_png() {
     let mut all = drawings(std::slice::from_ref(&run), 1200);
     all.extend(views(&run, 1200, 0..FIELDS));
     for (name, drawing) in all {
-        let text = svg::encode(&drawing, 300, &provenance(&run)).expect("it is encoded");
+        let text = svg::encode(&drawing, false, 300, &provenance(&run)).expect("it is encoded");
         let document = roxmltree::Document::parse(&text).expect("it is XML");
         let root = document.root_element();
         assert_eq!(root.attribute("width"), Some("101.600mm"), "{name}");
@@ -301,16 +301,35 @@ fn nothing_is_overwritten_unless_it_is_wanted() {
     );
     let files = save(Existing::Number).expect("it is saved");
     // The numbers first.
-    for (file, extension) in files.iter().zip(["csv", "vtu", "png", "svg"]) {
+    for (file, extension) in files.iter().zip(["csv", "png", "svg"]) {
         let name = format!("a-homeotropic-step-0000000-2.{extension}");
         assert!(file.ends_with(name), "{files:?}");
     }
-    assert_eq!(files.len(), 4);
+    assert_eq!(files.len(), 3);
     assert_eq!(fs::read_to_string(&first).expect("it is there"), "mine");
-    assert_eq!(names(folder.path()).len(), 8);
+    assert_eq!(names(folder.path()).len(), 6);
     save(Existing::Replace).expect("it is saved");
     assert_ne!(fs::read_to_string(&first).expect("it is there"), "mine");
-    assert_eq!(names(folder.path()).len(), 8);
+    assert_eq!(names(folder.path()).len(), 6);
+}
+
+#[test]
+fn letters_of_an_svg_are_outlines_or_text() {
+    let run = run("a", "Case 3 & more", 1);
+    let drawing = drawings(std::slice::from_ref(&run), 640).remove(0).1;
+    let encode = |has_text: bool| {
+        svg::encode(&drawing, has_text, 300, &provenance(&run)).expect("it is encoded")
+    };
+    let (outlines, text) = (encode(false), encode(true));
+    assert!(!outlines.contains("<text"));
+    assert_eq!(text.matches("<text").count(), drawing.texts.len());
+    assert!(
+        text.contains(">Case 3 &amp; more, homeotropic</tspan>"),
+        "{text}"
+    );
+    assert!(text.contains(r#"font-style="italic">t</tspan>"#));
+    let paths = |file: &str| file.matches("<path").count();
+    assert_eq!(paths(&text) + drawing.texts.len(), paths(&outlines));
 }
 
 #[test]

@@ -30,7 +30,8 @@ fn what_a_picture_takes_is_foreseen() {
                 png::encode(&pixels, drawing.width, drawing.height, 300, &provenance)
                     .expect("it is encoded")
             });
-            let (svg, _) = most(|| svg::encode(&drawing, 300, &provenance).expect("it is encoded"));
+            let (svg, _) =
+                most(|| svg::encode(&drawing, false, 300, &provenance).expect("it is encoded"));
             let foreseen = bytes_of_picture(&drawing);
             let [png, svg, foreseen] = [png, svg, foreseen].map(|bytes| bytes as f64 / 1e6);
             println!(

@@ -35,6 +35,11 @@ impl Field {
     pub fn vector(&self) -> Vector {
         self.strength * direction(self.angle)
     }
+
+    /// Whether it is switched on at a time, but for the rounding to steps, and not zero.
+    pub fn is_on(&self, t: f64) -> bool {
+        self.strength > 0.0 && t >= self.from && self.until.is_none_or(|until| t < until)
+    }
 }
 
 impl Rules for Field {

@@ -60,6 +60,8 @@ pub enum Action {
     Director,
     /// The shape that theory foresees, over the field or not.
     Theory,
+    /// More of the domain, or less.
+    Zoom,
     /// The next colour map.
     ColourMap,
     /// Logarithmic curves or not.

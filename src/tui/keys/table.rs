@@ -211,8 +211,17 @@ pub static BINDINGS: &[Binding] = &[
         label: "d",
         plain_label: "d",
         brief: |_| "director",
-        words: "director as arrows, as strokes, or not at all",
+        words: "director as lines along it, as arrows, or not at all",
         when: with_director,
+    },
+    Binding {
+        place: Place::Main,
+        keys: &[key('z', Action::Zoom)],
+        label: "z",
+        plain_label: "z",
+        brief: |_| "zoom",
+        words: "zoom: the vesicle fills the picture, the whole domain, or twice as large",
+        when: always,
     },
     Binding {
         place: Place::Main,

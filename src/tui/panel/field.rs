@@ -6,32 +6,33 @@ use ratatui::style::Style;
 use ratatui::text::{Line, Span};
 
 use super::Look;
+use super::external_field;
 use super::plot::{Plot, level, ramp_glyph, ramp_style};
 use super::shown::Shown;
 use super::{text, theory};
+use crate::figure::round_ticks;
 use crate::geometry::BoundingBox;
 use crate::tui::canvas::Canvas;
 use crate::tui::field_image;
-use crate::tui::layout::{Step, centred, fit};
+use crate::tui::layout::{Step, centred};
 use crate::tui::numbers::brief;
-use crate::tui::state::{Director, Field, Run, View};
+use crate::tui::state::{Director, Field, Run, View, Zoom};
 use crate::tui::theme::Theme;
+use crate::tui::window::Window;
 
 /// Columns left of the frame, for the numbers of the y axis.
 fn labels(step: Step) -> u16 {
     match step {
-        Step::TooSmall | Step::Narrow => 2,
-        Step::Normal => 4,
-        Step::Wide => 5,
+        Step::TooSmall | Step::Narrow => 4,
+        Step::Normal | Step::Wide => 5,
     }
 }
 
-/// Parts of an axis that have numbers at their ends.
-fn parts(step: Step) -> u16 {
+/// Numbers on an axis, at most.
+fn numbers(step: Step) -> usize {
     match step {
-        Step::TooSmall | Step::Narrow => 1,
-        Step::Normal => 2,
-        Step::Wide => 4,
+        Step::TooSmall | Step::Narrow | Step::Normal => 4,
+        Step::Wide => 8,
     }
 }
 
@@ -52,14 +53,11 @@ pub fn draw(
         focused,
         step,
     } = look;
-    let area = text::title(
-        buffer,
-        area,
-        theme,
-        focused,
-        title(view, theme),
-        notes(shown, view, theme),
-    );
+    let title = title(view, theme);
+    // The title has marks and gaps around it, and so have the notes.
+    let room = usize::from(area.width).saturating_sub(title.width() + 7);
+    let notes = notes(shown, view, theme, room);
+    let area = text::title(buffer, area, theme, focused, title, notes);
     let (Some(setting), Some(picture)) = (shown.setting, shown.picture) else {
         let words = match shown.run {
             None => "not started yet",
@@ -68,13 +66,15 @@ pub fn draw(
         let area = centred(area, words.len() as u16, 1);
         return text::line(buffer, area, 0, Span::styled(words, theme.muted()));
     };
-    let region = canvas.region(&picture.mesh);
     let labels = labels(step);
     let room = (
         area.width.saturating_sub(labels + 2 + BAR),
         area.height.saturating_sub(3),
     );
-    let (columns, rows) = fit(region.aspect(), room.0, room.1);
+    let domain = canvas.region(&picture.mesh);
+    let vesicle = shown.run.and_then(|run| run.past.vesicle());
+    let window = Window::new(domain, vesicle, view.zoom, room);
+    let Window { columns, rows, .. } = window;
     if columns < 2 || rows < 1 {
         return;
     }
@@ -90,15 +90,17 @@ pub fn draw(
         mesh: &picture.mesh,
         state: &picture.state,
         setting,
+        region: window.region,
         view,
     };
     let (cells, range) = plot.draw(theme, canvas, frame, buffer);
     if view.theory
         && let Some(Ok(shape)) = shown.run.and_then(Run::shape_at_rest)
     {
-        theory::draw(shape, picture, region, cells, theme, buffer);
+        theory::draw(shape, picture, window.region, cells, theme, buffer);
     }
-    axes(region, parts(step), frame, theme, buffer);
+    axes(window.region, numbers(step), frame, theme, buffer);
+    external_field::draw(shown, frame, theme, buffer);
     let bar = Rect {
         x: frame.right() + 1,
         width: BAR - 1,
@@ -122,66 +124,107 @@ fn title<'a>(view: View, theme: &Theme) -> Line<'a> {
     ])
 }
 
-/// How it is shown.
-fn notes<'a>(shown: &Shown<'_>, view: View, theme: &Theme) -> Line<'a> {
+/// How it is shown: as much of it as has room.
+fn notes<'a>(shown: &Shown<'_>, view: View, theme: &Theme, room: usize) -> Line<'a> {
+    let line = Style::default().fg(theme.contour(theme.map(view.colour_map)));
+    let mut parts = vec![vec![
+        Span::styled(theme.glyphs().contour, line),
+        Span::styled(theme.word(" φ = 0", " phi = 0"), theme.muted()),
+    ]];
+    let short = theme.word("½", "1/2");
     let director = match view.director {
-        _ if shown.scene().nematic.is_none() => "no director",
-        Director::Arrows => "arrows",
-        Director::Strokes => "strokes",
-        Director::Off => "director off",
+        _ if shown.scene().nematic.is_none() => "no director".to_owned(),
+        Director::Strokes if theme.parts().is_some() => format!("lines along d, |d| > {short}"),
+        Director::Arrows | Director::Strokes => {
+            let word = match view.director {
+                Director::Arrows => "arrows",
+                _ => "strokes",
+            };
+            format!("{word}, dots where |d| < {short}")
+        }
+        Director::Off => String::new(),
     };
-    let words = if theme.paints() {
-        let map = theme.map(view.colour_map).name;
-        format!("{director} {} {map}", theme.glyphs().dot)
-    } else {
-        director.to_owned()
+    let zoom = match view.zoom {
+        Zoom::Fit => "fit",
+        Zoom::Domain => "domain",
+        Zoom::Double => "2x",
     };
-    Line::styled(words, theme.muted())
+    let words = [
+        Some(director).filter(|_| view.shows_director()),
+        Some(zoom.to_owned()),
+    ];
+    let map = theme
+        .paints()
+        .then(|| theme.map(view.colour_map).name.to_owned());
+    let words = words.into_iter().chain([map]).flatten();
+    parts.extend(words.map(|words| vec![Span::styled(words, theme.muted())]));
+    let mut notes = Line::default();
+    for part in parts {
+        let separator = match notes.spans.is_empty() {
+            true => String::new(),
+            false => format!(" {} ", theme.glyphs().dot),
+        };
+        let part = Line::from_iter(
+            [Span::styled(separator, theme.muted())]
+                .into_iter()
+                .chain(part),
+        );
+        if notes.width() + part.width() <= room {
+            notes.extend(part);
+        }
+    }
+    notes
 }
 
-/// A coordinate in at most two decimals, or in three digits where the domain is too small for that.
+/// A coordinate in as few decimals as it needs, three at most, or in three digits where the domain is too small for
+/// that.
 fn coordinate(value: f64, span: f64) -> String {
     if span < 0.05 {
         return brief(value, 3);
     }
-    let text = format!("{value:.2}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    let text = format!("{value:.3}");
+    match text.trim_end_matches('0').trim_end_matches('.') {
+        "-0" => "0".to_owned(),
+        text => text.to_owned(),
+    }
 }
 
 /// Ticks on the frame and their numbers.
-fn axes(region: BoundingBox, parts: u16, frame: Rect, theme: &Theme, buffer: &mut Buffer) {
+fn axes(region: BoundingBox, most: usize, frame: Rect, theme: &Theme, buffer: &mut Buffer) {
     let glyphs = theme.glyphs();
     let (left, bottom) = (frame.x, frame.bottom() - 1);
-    for tick in 0..=parts {
-        let share = f64::from(tick) / f64::from(parts);
-        let label = |axis: usize| {
-            let (start, span) = (region.lower[axis], region.extent()[axis]);
-            Span::styled(coordinate(start + share * span, span), theme.muted())
-        };
-        let inner = tick > 0 && tick < parts;
-        let x = left + (share * f64::from(frame.width - 1)).round() as u16;
-        let number = label(0);
-        let width = number.width() as u16;
-        let area = Rect {
-            x: x.saturating_sub(width / 2),
-            y: bottom + 1,
-            width,
-            height: 1,
-        };
-        text::line(buffer, area, 0, number);
-        if let Some(cell) = buffer.cell_mut((x, bottom)).filter(|_| inner) {
-            cell.set_symbol(glyphs.ticks[0]);
-        }
-        let y = bottom - (share * f64::from(frame.height - 1)).round() as u16;
-        let area = Rect {
-            x: 0,
-            y,
-            width: left.saturating_sub(1),
-            height: 1,
-        };
-        text::line_right(buffer, area, 0, label(1));
-        if let Some(cell) = buffer.cell_mut((left, y)).filter(|_| inner) {
-            cell.set_symbol(glyphs.ticks[1]);
+    let inner = [frame.width, frame.height].map(|cells| f64::from(cells - 2));
+    for axis in [0, 1] {
+        let (start, span) = (region.lower[axis], region.extent()[axis]);
+        for tick in round_ticks([start, start + span], most) {
+            // Between the sides of the picture, from the left or from below.
+            let cell = (inner[axis] * (tick - start) / span).min(inner[axis] - 1.0) as u16;
+            let number = Span::styled(coordinate(tick, span), theme.muted());
+            let width = number.width() as u16;
+            let (area, at, mark) = if axis == 0 {
+                let x = left + 1 + cell;
+                let area = Rect {
+                    x: x.saturating_sub(width / 2),
+                    y: bottom + 1,
+                    width,
+                    height: 1,
+                };
+                (area, (x, bottom), glyphs.ticks[0])
+            } else {
+                let y = bottom - 1 - cell;
+                let room = left.saturating_sub(1).min(width);
+                let area = Rect {
+                    x: left.saturating_sub(1 + room),
+                    y,
+                    width: room,
+                    height: 1,
+                };
+                (area, (left, y), glyphs.ticks[1])
+            };
+            text::line(buffer, area, 0, number);
+            if let Some(cell) = buffer.cell_mut(at) {
+                cell.set_symbol(mark);
+            }
         }
     }
 }
@@ -193,6 +236,7 @@ fn colour_bar(range: [f64; 2], view: View, theme: &Theme, area: Rect, buffer: &m
     for row in 0..area.height {
         // The shares at the middle of the upper and of the lower half of the cell.
         let share = |quarter: f64| 1.0 - (f64::from(row) + quarter) / rows;
+        let level = |share: f64| level(view.field, share);
         let (upper, lower) = (level(share(0.25)), level(share(0.75)));
         let (symbol, style) = match theme.glyphs().upper_half.filter(|_| theme.paints()) {
             Some(half) => {
@@ -236,6 +280,8 @@ mod tests {
     fn coordinates_of_a_small_domain_do_not_all_read_0() {
         let parts = |span: f64| [0.0, 0.25, 0.5].map(|share| coordinate(share * span, span));
         assert_eq!(parts(1.0), ["0", "0.25", "0.5"]);
+        assert_eq!(coordinate(0.125, 1.0), "0.125");
+        assert_eq!(coordinate(-1e-17, 1.0), "0");
         assert_eq!(parts(1e-5), ["0", "2.5e-6", "5e-6"]);
         assert_eq!(coordinate(-0.25, 1.5), "-0.25");
     }

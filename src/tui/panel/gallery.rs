@@ -4,15 +4,21 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::text::{Line, Span};
 
+use super::external_field;
 use super::plot::Plot;
 use super::shown::Shown;
 use super::text;
+use crate::geometry::{BoundingBox, Point};
 use crate::tui::canvas::Canvas;
 use crate::tui::curve;
-use crate::tui::layout::{fit, take_left, take_top};
+use crate::tui::layout::{take_left, take_top};
 use crate::tui::numbers::{percent, significant};
-use crate::tui::state::{App, Slot};
+use crate::tui::state::{App, Slot, View};
 use crate::tui::theme::{Role, Theme};
+use crate::tui::window::Window;
+
+/// Rows of a tile below a picture: the frame, and scalars if they do not stand beside it.
+const BELOW: u16 = 6;
 
 /// Draws the gallery: a header with the common clock, and the cases in the arrangement that makes
 /// the pictures largest.
@@ -25,12 +31,48 @@ pub fn draw(app: &App, theme: &Theme, canvas: &mut Canvas, area: Rect, buffer: &
         return;
     }
     let common = reached(slots);
-    for (index, tile) in tiles(area, slots.len()).into_iter().enumerate() {
+    let runs = || slots.iter().filter_map(|slot| slot.run.as_ref());
+    // All on the same scale.
+    let vesicles = runs().filter_map(|run| run.past.vesicle());
+    let picture = runs().find_map(|run| run.picture.as_ref());
+    let view = TileView {
+        view: app.view,
+        domain: picture.map_or(UNIT, |picture| canvas.region(&picture.mesh)),
+        vesicles: vesicles.reduce(|one, other| one.union(&other)),
+    };
+    for (index, tile) in tiles(area, slots.len(), &view).into_iter().enumerate() {
         let focused = app.cases().start + index == app.active;
         if let Some(slot) = slots.get(index) {
             let shown = Shown::at(slot, common);
-            draw_tile(app, &shown, focused, theme, canvas, tile, buffer);
+            draw_tile(&view, &shown, focused, theme, canvas, tile, buffer);
         }
+    }
+}
+
+/// The domain before there is a mesh.
+const UNIT: BoundingBox = BoundingBox {
+    lower: Point::new(0.0, 0.0),
+    upper: Point::new(1.0, 1.0),
+};
+
+/// What all tiles have in common.
+struct TileView {
+    view: View,
+    /// The domain of the first.
+    domain: BoundingBox,
+    /// The rectangle around the vesicles of all, at all times up to now.
+    vesicles: Option<BoundingBox>,
+}
+
+impl TileView {
+    fn window(&self, domain: BoundingBox, room: (u16, u16)) -> Window {
+        Window::new(domain, self.vesicles, self.view.zoom, room)
+    }
+
+    /// How large a picture is within so many cells: the greater, the larger.
+    fn size(&self, room: (u16, u16)) -> u32 {
+        let window = self.window(self.domain, room);
+        (window.scale() * self.domain.extent().x).round() as u32
     }
 }
 
@@ -63,7 +105,7 @@ fn clock(slots: &[Slot], theme: &Theme, area: Rect, buffer: &mut Buffer) {
 }
 
 /// The tiles of `count` pictures: in the number of columns that makes the pictures largest.
-fn tiles(area: Rect, count: usize) -> Vec<Rect> {
+fn tiles(area: Rect, count: usize, view: &TileView) -> Vec<Rect> {
     let size = |columns: usize| {
         let rows = count.div_ceil(columns);
         let width = area.width / columns as u16;
@@ -72,7 +114,7 @@ fn tiles(area: Rect, count: usize) -> Vec<Rect> {
     };
     let picture = |columns: &usize| {
         let (width, height) = size(*columns);
-        fit(1.0, width.saturating_sub(3), height.saturating_sub(3)).1
+        view.size((width.saturating_sub(3), height.saturating_sub(1 + BELOW)))
     };
     // Of equals the one with the fewest columns: it has more room beside each picture.
     let columns = (1..=count).rev().max_by_key(picture).unwrap_or(1);
@@ -88,7 +130,7 @@ fn tiles(area: Rect, count: usize) -> Vec<Rect> {
 
 /// A picture, its name above it, its scalars beside or below it.
 fn draw_tile(
-    app: &App,
+    view: &TileView,
     shown: &Shown<'_>,
     focused: bool,
     theme: &Theme,
@@ -106,27 +148,20 @@ fn draw_tile(
     let scalars = scalars(shown, theme);
     let beside = scalars.iter().map(Line::width).max().unwrap_or(0) as u16 + 2;
     // Beside the picture if it does not become smaller by that.
-    let with = fit(
-        1.0,
-        area.width.saturating_sub(beside + 2),
-        area.height.saturating_sub(2),
-    );
-    let without = fit(
-        1.0,
-        area.width.saturating_sub(2),
-        area.height.saturating_sub(3),
-    );
-    let below = without.1 > with.1;
+    let rooms = [(beside + 2, 2), (2, BELOW)].map(|(columns, rows)| {
+        (
+            area.width.saturating_sub(columns),
+            area.height.saturating_sub(rows),
+        )
+    });
+    let [with, without] = rooms.map(|room| view.size(room));
+    let below = without > with;
     let Some((setting, picture)) = shown.setting.zip(shown.picture) else {
         return;
     };
-    let region = canvas.region(&picture.mesh);
-    let room = if below { 2 } else { beside + 2 };
-    let (columns, rows) = fit(
-        region.aspect(),
-        area.width.saturating_sub(room),
-        area.height.saturating_sub(if below { 3 } else { 2 }),
-    );
+    let domain = canvas.region(&picture.mesh);
+    let window = view.window(domain, rooms[usize::from(below)]);
+    let Window { columns, rows, .. } = window;
     if columns < 2 || rows < 1 {
         return;
     }
@@ -139,9 +174,11 @@ fn draw_tile(
         mesh: &picture.mesh,
         state: &picture.state,
         setting,
-        view: app.view,
+        region: window.region,
+        view: view.view,
     };
     plot.draw(theme, canvas, frame, buffer);
+    external_field::draw(shown, frame, theme, buffer);
     let mut list = area;
     if below {
         take_top(&mut list, frame.height);
@@ -157,7 +194,7 @@ fn draw_tile(
     for (row, scalar) in scalars.into_iter().enumerate() {
         text::line(buffer, list, row as u16, scalar);
     }
-    energy_curve(shown, rows, app.view.logarithmic, theme, list, buffer);
+    energy_curve(shown, rows, view.view.logarithmic, theme, list, buffer);
 }
 
 /// The curve of the energy, where there is room for it below the scalars.

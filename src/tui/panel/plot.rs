@@ -2,26 +2,27 @@
 
 use std::sync::Arc;
 
-use ratatui::buffer::Buffer;
+use ratatui::buffer::{Buffer, Cell};
 use ratatui::layout::Rect;
-use ratatui::style::{Modifier, Style};
+use ratatui::style::{Color, Modifier, Style};
 use ratatui::widgets::{Block, Widget};
 
-use crate::fem::Mesh;
+use super::director::{Grid, lines};
+use crate::fem::{Mesh, Raster};
+use crate::geometry::BoundingBox;
 use crate::scheme::State;
 use crate::simulation::Setting;
 use crate::tui::canvas::Canvas;
-use crate::tui::colour_map::{ColourMap, LEVELS};
+use crate::tui::colour_map::LEVELS;
 use crate::tui::field_image::FieldImage;
-use crate::tui::glyphs::Glyphs;
+use crate::tui::glyphs::{Glyphs, Parts};
 use crate::tui::state::{Director, Field, View};
 use crate::tui::theme::{ColorTier, Role, Theme};
 
-/// Below this |d| the director has no direction worth showing.
-const VANISHING: f64 = 0.05;
-/// Below this |d| the director is drawn faintly, above the other boldly.
-const WEAK: f64 = 0.85;
-const STRONG: f64 = 1.15;
+/// Where the director is shorter there is no line, and a dot in place of an arrow.
+pub const SHORT: f64 = 0.5;
+/// A longer one is bold.
+const LONG: f64 = 1.15;
 
 /// What is drawn, and how.
 #[derive(Debug, Clone, Copy)]
@@ -32,14 +33,25 @@ pub struct Plot<'a> {
     pub state: &'a State,
     /// Their scene.
     pub setting: &'a Setting,
+    /// The part of the domain.
+    pub region: BoundingBox,
     /// Which field, which colours, which director.
     pub view: View,
 }
 
+/// Levels of φ: it is one of two values nearly everywhere, and what is between them moves with the membrane.
+const PHASE_LEVELS: usize = 6;
+
 /// The level, out of [`LEVELS`], of a share of the range: fields are quantised before they are
 /// coloured.
-pub fn level(share: f64) -> usize {
-    ((share * LEVELS as f64) as usize).min(LEVELS - 1)
+pub fn level(field: Field, share: f64) -> usize {
+    let levels = match field {
+        Field::Phase => PHASE_LEVELS,
+        _ => LEVELS,
+    };
+    let level = ((share * levels as f64) as usize).min(levels - 1);
+    // From the first colour to the last.
+    (level * (LEVELS - 1) + (levels - 1) / 2) / (levels - 1)
 }
 
 impl Plot<'_> {
@@ -57,84 +69,116 @@ impl Plot<'_> {
         let cells = block.inner(frame);
         block.render(frame, buffer);
         let area = cells.intersection(buffer.area);
-        let (columns, rows) = (usize::from(area.width), usize::from(area.height));
-        let half = theme.glyphs().upper_half.filter(|_| theme.paints());
-        let samples_a_cell = if half.is_some() { 2 } else { 1 };
-        let raster = canvas.raster(self.mesh, columns, rows * samples_a_cell);
-        let sampled = FieldImage::new(
+        let a_cell = (theme.parts()).map_or([1, 1], |parts| [Parts::COLUMNS, parts.rows()]);
+        let grid = Grid {
+            size: [
+                usize::from(area.width) * a_cell[0],
+                usize::from(area.height) * a_cell[1],
+            ],
+            a_cell,
+        };
+        let [columns, rows] = grid.size;
+        let raster = canvas.raster(self.mesh, self.region, (columns, rows));
+        let image = FieldImage::new(
             self.view.field,
             self.state,
             self.setting.scene.membrane.interface_width,
             &raster,
         );
-        let mut contour = contour(&sampled.phase, columns);
-        if self.view.field != Field::Phase {
-            // What lies on the membrane must be visible too.
-            dash(&mut contour, columns);
-        }
-        let map = theme.map(self.view.colour_map);
-        match half {
-            Some(half) => paint(&sampled, &contour, map, theme, half, area, buffer),
-            None => self.fill(&sampled, &contour, theme, area, buffer),
-        }
-        self.director(&sampled, &contour, theme, canvas, area, buffer);
-        (cells, sampled.range)
-    }
-
-    /// One sample a cell: colours in a locale without blocks; without colours a ramp of glyphs, the contour above
-    /// all.
-    fn fill(
-        &self,
-        sampled: &FieldImage,
-        contour: &[bool],
-        theme: &Theme,
-        area: Rect,
-        buffer: &mut Buffer,
-    ) {
-        let columns = usize::from(area.width);
-        let map = theme.map(self.view.colour_map);
-        for (index, (value, on_contour)) in sampled.values.iter().zip(contour).enumerate() {
-            let Some(share) = value.map(|value| sampled.share(value)) else {
-                continue;
-            };
-            let Some(cell) = cell_of(buffer, area, index, columns) else {
-                continue;
-            };
-            match (theme.paints(), on_contour) {
-                (true, true) => cell.set_bg(theme.contour(map)),
-                (true, false) => cell.set_bg(theme.level(map, level(share))),
-                (false, true) => {
-                    let style = Style::default()
-                        .fg(theme.contour(map))
-                        .add_modifier(Modifier::BOLD);
-                    cell.set_symbol(theme.glyphs().contour).set_style(style)
-                }
-                (false, false) => cell
-                    .set_symbol(ramp_glyph(share, self.view, theme))
-                    .set_style(ramp_style(share, theme)),
-            };
-        }
-    }
-
-    /// The director on a lattice of cells inside the vesicle.
-    fn director(
-        &self,
-        sampled: &FieldImage,
-        contour: &[bool],
-        theme: &Theme,
-        canvas: &mut Canvas,
-        area: Rect,
-        buffer: &mut Buffer,
-    ) {
-        let drawn = self.view.director != Director::Off
-            && matches!(self.view.field, Field::Phase | Field::DirectorLength);
-        let Some([dx, dy]) = self.state.director.as_ref().filter(|_| drawn) else {
-            return;
+        let contour = contour(&image.phase, columns);
+        let mut samples = Samples {
+            grid,
+            image,
+            contour,
+            lines: vec![false; columns * rows],
         };
+        let director = (self.state.director.as_ref()).filter(|_| self.view.shows_director());
+        let has_lines = self.view.director == Director::Strokes && theme.parts().is_some();
+        if let Some(director) = director.filter(|_| has_lines) {
+            let is_free = |x: usize, y: usize| {
+                samples.is_inside(x, y) && !samples.has_contour([x / a_cell[0], y / a_cell[1]])
+            };
+            samples.lines = lines(grid, &raster, director, SHORT, is_free);
+        }
+        for row in 0..area.height {
+            for column in 0..area.width {
+                if let Some(cell) = buffer.cell_mut((area.x + column, area.y + row)) {
+                    let place = [usize::from(column), usize::from(row)];
+                    self.fill(&samples, place, theme, cell);
+                }
+            }
+        }
+        if let Some(director) = director.filter(|_| !has_lines) {
+            self.directions(&samples, (&raster, director), theme, area, buffer);
+        }
+        (cells, samples.image.range)
+    }
+
+    /// A cell: the contour above all, or a piece of a line along the director, over the colour of the field; without colours over a
+    /// ramp of glyphs.
+    fn fill(&self, samples: &Samples, place: [usize; 2], theme: &Theme, cell: &mut Cell) {
+        let map = theme.map(self.view.colour_map);
+        let share = samples.share(place, |_| true);
+        let level = |share: f64| level(self.view.field, share);
+        let colour = |share: f64| theme.level(map, level(share));
+        let [contour, lines] =
+            [&samples.contour, &samples.lines].map(|line| samples.bits(line, place));
+        let ink = match share {
+            _ if contour != 0 => Some((contour, theme.contour(map), Modifier::BOLD)),
+            Some(share) if lines != 0 => {
+                let ink = theme.ink(map, level(share));
+                Some((lines, ink, Modifier::empty()))
+            }
+            _ => None,
+        };
+        match (theme.parts(), ink) {
+            (Some(parts), Some((bits, ink, weight))) => {
+                cell.set_char(parts.glyph(bits)).set_fg(ink);
+                // The colour of the rest of the cell, if anything is left.
+                let rest = samples.share(place, |sample| !samples.contour[sample]);
+                if let Some(rest) = rest.or(share).filter(|_| theme.paints()) {
+                    cell.set_bg(colour(rest));
+                } else {
+                    cell.set_style(Style::default().add_modifier(weight));
+                }
+            }
+            (None, Some((_, ink, weight))) => {
+                if theme.paints() {
+                    cell.set_bg(ink);
+                } else {
+                    let style = Style::default().fg(ink).add_modifier(weight);
+                    cell.set_symbol(theme.glyphs().contour).set_style(style);
+                }
+            }
+            (_, None) if theme.paints() => {
+                let [upper, lower] = samples.halves(place).map(|share| share.map(colour));
+                paint(upper, lower, theme, cell);
+                // Not seen in an empty cell, but it need not be sent for a line beside it.
+                if let Some(share) = share.filter(|_| upper == lower) {
+                    cell.set_fg(theme.ink(map, level(share)));
+                }
+            }
+            (_, None) => {
+                if let Some(share) = share {
+                    cell.set_symbol(ramp_glyph(share, self.view, theme))
+                        .set_style(ramp_style(share, theme));
+                }
+            }
+        }
+    }
+
+    /// The director as one glyph each, on a lattice of cells inside the vesicle.
+    fn directions(
+        &self,
+        samples: &Samples,
+        (raster, [dx, dy]): (&Raster, &[Vec<f64>; 2]),
+        theme: &Theme,
+        area: Rect,
+        buffer: &mut Buffer,
+    ) {
         let (columns, rows) = (usize::from(area.width), usize::from(area.height));
-        let samples_a_cell = sampled.values.len() / (columns * rows).max(1);
-        let raster = canvas.raster(self.mesh, columns, rows);
-        // About twenty in the height of the domain, as far apart in x as in y; two columns at least,
+        let [samples_across, samples_down] = samples.grid.a_cell;
+        // About twenty in the height of the picture, as far apart in x as in y; two columns at least,
         // since the glyphs touch each other otherwise.
         let every = (rows / 20).max(1);
         let map = theme.map(self.view.colour_map);
@@ -142,11 +186,13 @@ impl Plot<'_> {
         let (first_row, first_column) = (rows / 2 % every, columns / 2 % (2 * every));
         for row in (first_row..rows).step_by(every) {
             for column in (first_column..columns).step_by(2 * every) {
-                let top = row * samples_a_cell;
-                let inside = (top..top + samples_a_cell)
-                    .all(|row| is_inside(sampled, contour, columns, column, row));
-                let director = raster.at(dx, column, row).zip(raster.at(dy, column, row));
-                let Some((x, y)) = director.filter(|_| inside) else {
+                let place = [column, row];
+                let (x, y) = (
+                    samples_across * column + samples_across / 2,
+                    samples_down * row + samples_down / 2,
+                );
+                let director = raster.at(dx, x, y).zip(raster.at(dy, x, y));
+                let Some((x, y)) = director.filter(|_| samples.is_deep_inside(place)) else {
                     continue;
                 };
                 let length = x.hypot(y);
@@ -155,16 +201,19 @@ impl Plot<'_> {
                 }
                 let glyphs = theme.glyphs();
                 let symbol = match self.view.director {
-                    _ if length < VANISHING => glyphs.dot,
+                    _ if length < SHORT => glyphs.dot,
                     Director::Strokes => glyphs.stroke(x, y),
                     _ => glyphs.arrow(x, y),
                 };
-                let value = sampled.values.get(top * columns + column);
-                let share = value
-                    .copied()
-                    .flatten()
-                    .map_or(0.0, |value| sampled.share(value));
-                let style = director_style(length, level(share), map, theme);
+                let share = samples.share(place, |_| true).unwrap_or(0.0);
+                let level = level(self.view.field, share);
+                let mut style = Style::reset();
+                if theme.paints() {
+                    style = style.fg(theme.ink(map, level)).bg(theme.level(map, level));
+                }
+                if length > LONG {
+                    style = style.add_modifier(Modifier::BOLD);
+                }
                 let position = (area.x + column as u16, area.y + row as u16);
                 if let Some(cell) = buffer.cell_mut(position) {
                     cell.set_symbol(symbol);
@@ -175,39 +224,75 @@ impl Plot<'_> {
     }
 }
 
-/// Whether a sample lies inside the vesicle with both its neighbours, and not on the contour.
-fn is_inside(
-    sampled: &FieldImage,
-    contour: &[bool],
-    columns: usize,
-    column: usize,
-    row: usize,
-) -> bool {
-    let start = row * columns;
-    let positive = |column: usize| {
-        let phase = sampled.phase.get(start + column.min(columns - 1));
-        phase.copied().flatten().is_some_and(|phase| phase > 0.0)
-    };
-    (column.saturating_sub(1)..=column + 1).all(positive)
-        && !contour.get(start + column).copied().unwrap_or(false)
+/// The samples of a picture, some a cell.
+struct Samples {
+    grid: Grid,
+    image: FieldImage,
+    /// Which of them the contour φ = 0 goes through.
+    contour: Vec<bool>,
+    /// Which of them lines along the director go through.
+    lines: Vec<bool>,
 }
 
-/// How a director of this length is drawn on a level.
-fn director_style(length: f64, level: usize, map: &ColourMap, theme: &Theme) -> Style {
-    let weak = length < WEAK;
-    let strength = if length > STRONG {
-        Modifier::BOLD
-    } else {
-        Modifier::empty()
-    };
-    if theme.paints() {
-        return Style::default()
-            .fg(theme.ink(map, level, weak))
-            .bg(theme.level(map, level))
-            .add_modifier(strength);
+impl Samples {
+    /// Those of a cell, from the left to the right, then the row below.
+    fn of(&self, [column, row]: [usize; 2]) -> impl Iterator<Item = usize> {
+        let Grid { size, a_cell } = self.grid;
+        let first = row * a_cell[1] * size[0] + column * a_cell[0];
+        (0..a_cell[1])
+            .flat_map(move |down| (0..a_cell[0]).map(move |right| first + down * size[0] + right))
     }
-    let strength = if weak { Modifier::DIM } else { strength };
-    Style::reset().add_modifier(strength)
+
+    /// Which of those of a cell are on a line, one bit each.
+    fn bits(&self, line: &[bool], place: [usize; 2]) -> u8 {
+        let samples = self.of(place).enumerate();
+        samples.fold(0, |bits, (number, sample)| {
+            bits | u8::from(line[sample]) << number
+        })
+    }
+
+    fn has_contour(&self, place: [usize; 2]) -> bool {
+        self.of(place).any(|sample| self.contour[sample])
+    }
+
+    /// Where the mean over some samples of a cell lies in the range, if any of them has a value.
+    fn share(&self, place: [usize; 2], counts: impl Fn(usize) -> bool) -> Option<f64> {
+        let samples = self.of(place).filter(|sample| counts(*sample));
+        self.mean(samples)
+    }
+
+    /// The same of the upper and of the lower half of a cell, as far as it has halves.
+    fn halves(&self, place: [usize; 2]) -> [Option<f64>; 2] {
+        let [across, down] = self.grid.a_cell;
+        let half = across * (down / 2).max(1);
+        let upper = self.mean(self.of(place).take(half));
+        if down < 2 {
+            return [upper; 2];
+        }
+        [upper, self.mean(self.of(place).skip(half))]
+    }
+
+    fn mean(&self, samples: impl Iterator<Item = usize>) -> Option<f64> {
+        let values = samples.filter_map(|sample| self.image.values[sample]);
+        let (sum, count) =
+            values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+        (count > 0.0).then(|| self.image.share(sum / count))
+    }
+
+    fn is_inside(&self, x: usize, y: usize) -> bool {
+        self.image.phase[y * self.grid.size[0] + x].is_some_and(|phase| phase > 0.0)
+    }
+
+    /// Whether a cell lies inside the vesicle with both its neighbours, and not on the contour.
+    fn is_deep_inside(&self, [column, row]: [usize; 2]) -> bool {
+        let [columns, a_cell] = [self.grid.size[0], self.grid.a_cell[0]];
+        let last = (columns / a_cell).saturating_sub(1);
+        let inside = |column: usize| {
+            self.of([column.min(last), row])
+                .all(|sample| self.is_inside(sample % columns, sample / columns))
+        };
+        (column.saturating_sub(1)..=column + 1).all(inside) && !self.has_contour([column, row])
+    }
 }
 
 /// The glyph of a share of the range where there are no colours.
@@ -232,59 +317,24 @@ pub fn ramp_style(share: f64, theme: &Theme) -> Style {
     }
 }
 
-/// Two samples a cell, one above the other.
-fn paint(
-    sampled: &FieldImage,
-    contour: &[bool],
-    map: &ColourMap,
-    theme: &Theme,
-    half: &'static str,
-    area: Rect,
-    buffer: &mut Buffer,
-) {
-    let columns = usize::from(area.width);
-    let colour = |index: usize| {
-        let value = sampled.values.get(index).copied().flatten()?;
-        Some(if contour.get(index).copied().unwrap_or(false) {
-            theme.contour(map)
-        } else {
-            theme.level(map, level(sampled.share(value)))
-        })
-    };
-    for row in 0..usize::from(area.height) {
-        for column in 0..columns {
-            let upper = 2 * row * columns + column;
-            let Some(cell) = cell_of(buffer, area, row * columns + column, columns) else {
-                continue;
-            };
-            match (colour(upper), colour(upper + columns)) {
-                // One colour needs no glyph: fewer bytes.
-                (Some(upper), Some(lower)) if upper == lower => {
-                    cell.set_bg(upper);
-                }
-                (Some(upper), Some(lower)) => {
-                    cell.set_symbol(half).set_fg(upper).set_bg(lower);
-                }
-                (Some(upper), None) => {
-                    cell.set_symbol(half).set_fg(upper);
-                }
-                (None, Some(lower)) => {
-                    cell.set_symbol("▄").set_fg(lower);
-                }
-                (None, None) => {}
-            }
+/// The colours of the upper and of the lower half of a cell; the same where it has no halves.
+fn paint(upper: Option<Color>, lower: Option<Color>, theme: &Theme, cell: &mut Cell) {
+    match (upper, lower, theme.glyphs().upper_half) {
+        // One colour needs no glyph: fewer bytes.
+        (Some(upper), Some(lower), _) if upper == lower => {
+            cell.set_bg(upper);
         }
+        (Some(upper), Some(lower), Some(half)) => {
+            cell.set_symbol(half).set_fg(upper).set_bg(lower);
+        }
+        (Some(upper), None, Some(half)) => {
+            cell.set_symbol(half).set_fg(upper);
+        }
+        (None, Some(lower), Some(_)) => {
+            cell.set_symbol("▄").set_fg(lower);
+        }
+        _ => {}
     }
-}
-
-fn cell_of(
-    buffer: &mut Buffer,
-    area: Rect,
-    index: usize,
-    columns: usize,
-) -> Option<&mut ratatui::buffer::Cell> {
-    let (row, column) = (index / columns, index % columns);
-    buffer.cell_mut((area.x + column as u16, area.y + row as u16))
 }
 
 /// The samples that the contour φ = 0 goes through: of two neighbours with different signs, the one
@@ -307,14 +357,6 @@ fn contour(phase: &[Option<f64>], columns: usize) -> Vec<bool> {
         }
     }
     on_contour
-}
-
-/// Removes every other piece of a contour, in any direction.
-fn dash(on_contour: &mut [bool], columns: usize) {
-    for (index, on_contour) in on_contour.iter_mut().enumerate() {
-        let (row, column) = (index / columns, index % columns);
-        *on_contour &= (column + 2 * row) % 4 < 2;
-    }
 }
 
 #[cfg(test)]
@@ -344,11 +386,10 @@ mod tests {
     }
 
     #[test]
-    fn sixteen_levels() {
-        assert_eq!(
-            [level(0.0), level(0.499), level(0.5), level(1.0)],
-            [0, 7, 8, 15]
-        );
-        assert_eq!(level(f64::NAN), 0);
+    fn sixteen_levels_and_six_of_the_phase() {
+        let levels = |field| [0.0, 0.499, 0.5, 1.0].map(|share| level(field, share));
+        assert_eq!(levels(Field::Mu), [0, 7, 8, 15]);
+        assert_eq!(levels(Field::Phase), [0, 6, 9, 15]);
+        assert_eq!(level(Field::Mu, f64::NAN), 0);
     }
 }

@@ -3,6 +3,7 @@
 use super::state::{SAMPLES, SweepMap};
 use crate::record::ShortNumber;
 use crate::study::sweep::{PointState, SweepFolder, plain};
+use crate::tui::glyphs::Parts;
 use crate::tui::numbers::significant;
 use crate::tui::theme::{Role, Theme};
 use ratatui::buffer::Buffer;
@@ -19,10 +20,6 @@ const LEVELS: usize = crate::tui::colour_map::LEVELS;
 const LEAST: [u16; 2] = [7, 4];
 /// and at most so wide.
 const WIDEST: u16 = 26;
-/// A cell of which these quarters are filled: 1 the upper left one, 2 the upper right, 4 the lower left, 8 the lower right.
-const QUADRANTS: [&str; 16] = [
-    " ", "▘", "▝", "▀", "▖", "▌", "▞", "▛", "▗", "▚", "▐", "▜", "▄", "▙", "▟", "█",
-];
 /// The list of values beside the map.
 const LIST: u16 = 36;
 /// Letters of a value on an axis, at most.
@@ -282,16 +279,15 @@ fn vesicle(
             let shape = (0..4)
                 .filter(|it| quarters[*it])
                 .map(|it| 1 << it)
-                .sum::<usize>();
+                .sum::<u8>();
             let Some(cell) = buffer.cell_mut((area.x + column, area.y + row)) else {
                 continue;
             };
-            let symbol = match (has_blocks, shape.count_ones()) {
+            match (has_blocks, shape.count_ones()) {
                 (_, 0) | (false, 1) => continue,
-                (true, _) => QUADRANTS[shape],
-                (false, _) => theme.glyphs().contour,
+                (true, _) => cell.set_char(Parts::Quadrants.glyph(shape)),
+                (false, _) => cell.set_symbol(theme.glyphs().contour),
             };
-            cell.set_symbol(symbol);
             if theme.paints() {
                 cell.set_fg(colour);
             }

@@ -6,7 +6,7 @@ use super::super::keys::Action;
 use super::super::message::Effect;
 use super::super::state::{
     App, Beyond, Director, Ending, Field, Keeping, Notice, Overlay, Panel, Question, Run, Save,
-    Screen, Slot, Status,
+    Screen, Slot, Status, Zoom,
 };
 use super::{accuracy, knobs, leave, measuring, pacing, remark, saving};
 use crate::record::ShortNumber;
@@ -36,6 +36,7 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
         Action::SaveView => save_view(app, effects),
         Action::SaveSet => save_set(app, effects),
         Action::Director => app.view.director = next_style(app.view.director),
+        Action::Zoom => app.view.zoom = next_zoom(app.view.zoom),
         Action::ColourMap => app.view.colour_map = app.view.colour_map.wrapping_add(1),
         Action::Logarithmic => app.view.logarithmic = !app.view.logarithmic,
         Action::Theory => turn_theory(app),
@@ -374,9 +375,17 @@ fn save_set(app: &mut App, effects: &mut Vec<Effect>) {
 
 fn next_style(style: Director) -> Director {
     match style {
-        Director::Arrows => Director::Strokes,
-        Director::Strokes => Director::Off,
-        Director::Off => Director::Arrows,
+        Director::Strokes => Director::Arrows,
+        Director::Arrows => Director::Off,
+        Director::Off => Director::Strokes,
+    }
+}
+
+fn next_zoom(zoom: Zoom) -> Zoom {
+    match zoom {
+        Zoom::Fit => Zoom::Domain,
+        Zoom::Domain => Zoom::Double,
+        Zoom::Double => Zoom::Fit,
     }
 }
 

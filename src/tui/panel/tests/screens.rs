@@ -3,22 +3,23 @@
 use std::sync::Arc;
 
 use ratatui::layout::Rect;
-use ratatui::style::Color;
+use ratatui::style::{Color, Modifier};
 
 use super::made_up::{self, notice};
 use super::{THEMES, characters, drawn, with_styles};
 use crate::fem::Mesh;
 use crate::geometry::{Point, length};
 use crate::record::KeptAt;
-use crate::scene::AnchoringKind;
+use crate::scene::{self, AnchoringKind};
 use crate::simulation::RunSnapshot;
 use crate::study::Offer;
 use crate::tui::brake::Brake;
 use crate::tui::colour_map::COLOUR_MAPS;
+use crate::tui::glyphs::Parts;
 use crate::tui::layout::divide;
 use crate::tui::state::{
     App, Director, Field, Keeping, Overlay, Panel, PriceList, Question, Saving, Screen, Severity,
-    Slot, Status,
+    Slot, Status, Zoom,
 };
 use crate::tui::theme::{ColorTier, Theme};
 
@@ -108,7 +109,25 @@ const CHANGES: &[Change] = &[
     }),
     ("area", |app| app.focus = Panel::Area),
     ("cost", |app| app.focus = Panel::Cost),
-    ("strokes", |app| app.view.director = Director::Strokes),
+    ("arrows", |app| app.view.director = Director::Arrows),
+    ("whole-domain", |app| app.view.zoom = Zoom::Domain),
+    ("twice-as-large", |app| app.view.zoom = Zoom::Double),
+    ("external-field", |app| {
+        let scene = Arc::make_mut(&mut app.slots[2].scene);
+        let angle = 120.0;
+        scene.field = Some(scene::Field {
+            angle,
+            ..scene::Field::default()
+        });
+    }),
+    ("external-field-off", |app| {
+        let scene = Arc::make_mut(&mut app.slots[2].scene);
+        let from = 5e-4;
+        scene.field = Some(scene::Field {
+            from,
+            ..scene::Field::default()
+        });
+    }),
     ("omega", |app| app.view.field = Field::Omega),
     ("mu", |app| {
         app.view.field = Field::Mu;
@@ -339,12 +358,12 @@ fn the_contour_is_seen_in_every_tier() {
             let contour = theme.contour(&COLOUR_MAPS[0]);
             let on_contour = |cell: &&ratatui::buffer::Cell| match tier {
                 ColorTier::True | ColorTier::Palette => cell.fg == contour || cell.bg == contour,
+                _ if unicode => cell.modifier.contains(Modifier::BOLD) && cell.fg == contour,
                 _ => cell.symbol() == theme.glyphs().contour && cell.fg == contour,
             };
             let count = buffer.content().iter().filter(on_contour).count();
-            // The outline is about 2 × 0.64 long: 40 rows; over other fields than φ it is dashed.
-            let least = if field == Field::Phase { 35 } else { 16 };
-            assert!(count > least, "{name} {field:?}: {count}");
+            // The outline is about 2 × 0.64 long, the picture 0.75 high: 50 rows.
+            assert!(count > 45, "{name} {field:?}: {count}");
         }
     }
 }
@@ -380,6 +399,45 @@ fn without_colours_none_is_sent_and_text_is_never_forced() {
 }
 
 #[test]
+fn lines_are_drawn_with_the_glyphs_that_are_asked_for() {
+    let app = change("running");
+    for (parts, first, last) in [
+        (Parts::Quadrants, '\u{2580}', '\u{259f}'),
+        (Parts::Braille, '\u{2801}', '\u{28ff}'),
+        (Parts::Octants, '\u{1cd00}', '\u{1cde5}'),
+    ] {
+        let theme = Theme::new(ColorTier::Palette, true).with_parts(parts);
+        let buffer = drawn(&app, &theme, 120, 40);
+        let contour = theme.contour(&COLOUR_MAPS[0]);
+        let cells = buffer.content().iter().filter(|cell| cell.fg == contour);
+        let glyphs = cells.filter_map(|cell| cell.symbol().chars().next());
+        let count = glyphs
+            .filter(|glyph| (first..=last).contains(glyph))
+            .count();
+        assert!(count > 20, "{parts:?}: {count}");
+    }
+}
+
+#[test]
+fn the_vesicle_fills_the_picture_and_can_be_seen_in_the_whole_domain() {
+    // Rows in which the membrane is seen.
+    let rows = |zoom| {
+        let mut app = change("running");
+        app.view.zoom = zoom;
+        let theme = Theme::new(ColorTier::Palette, true);
+        let buffer = drawn(&app, &theme, 120, 40);
+        let contour = theme.contour(&COLOUR_MAPS[0]);
+        // Below the title, which says what the line is.
+        let lines = (4..40).filter(|y| (0..60).any(|x| buffer[(x, *y)].fg == contour));
+        lines.count()
+    };
+    let [fit, domain, double] = [Zoom::Fit, Zoom::Domain, Zoom::Double].map(rows);
+    // This vesicle is nearly as long as the domain; the picture has 31 rows.
+    assert!(domain < fit && fit < 31, "{fit} {domain}");
+    assert_eq!(double, 31);
+}
+
+#[test]
 fn a_circle_looks_round() {
     let mesh = Arc::new(Mesh::structured(60, 0.0, 0).expect("a regular mesh"));
     let mut app = made_up::app();
@@ -406,7 +464,8 @@ fn a_circle_looks_round() {
         field.y += 1;
         let contour: Vec<(u16, u16)> = (0..rows)
             .flat_map(|y| (0..columns).map(move |x| (x, y)))
-            .filter(|place| buffer[*place].symbol() == "█" && buffer[*place].fg == Color::Red)
+            .filter(|place| buffer[*place].modifier.contains(Modifier::BOLD))
+            .filter(|place| buffer[*place].fg == Color::Red)
             .filter(|(x, y)| field.contains((*x, *y).into()))
             .collect();
         let extent = |values: Vec<u16>| {

@@ -3,7 +3,7 @@
 use crossterm::event::KeyCode;
 
 use super::super::super::message::Effect;
-use super::super::super::state::{Director, Field, Panel};
+use super::super::super::state::{Director, Field, Panel, Zoom};
 use super::rig::{Rig, scene, slot};
 
 /// A run with pictures of the steps 3, 6, …, 3n.
@@ -110,8 +110,13 @@ fn styles_colours_scales_and_panels() {
     let mut rig = Rig::new();
     rig.keys("dd");
     assert_eq!(rig.app.view.director, Director::Off);
+    assert_eq!(rig.app.view.zoom, Zoom::Fit);
+    rig.keys("z");
+    assert_eq!(rig.app.view.zoom, Zoom::Domain);
+    rig.keys("zz");
+    assert_eq!(rig.app.view.zoom, Zoom::Fit);
     rig.keys("dccl");
-    assert_eq!(rig.app.view.director, Director::Arrows);
+    assert_eq!(rig.app.view.director, Director::Strokes);
     assert_eq!(rig.app.view.colour_map, 2);
     assert!(rig.app.view.logarithmic);
     rig.press(KeyCode::BackTab);
