@@ -52,8 +52,6 @@ fn a_saved_run_repeats_itself_with_what_was_changed_by_hand() {
     app.type_keys("S");
     app.wait("the path", |seen| seen.shows("small-set"));
     app.type_keys("q");
-    app.wait_text("Leave vesica?");
-    app.type_keys("y");
     app.assert_restored(0);
 
     let set = folder.path().join("saved/small-set");
