@@ -12,7 +12,9 @@ use super::sampling::{Frame, sample, sample_each};
 use super::text::Label;
 use super::{Director, FigureError, needs};
 use crate::fem::{Contour, Mesh, Wall};
+use crate::geometry::BoundingBox;
 use crate::physics::bending_energy_density;
+use crate::scene::Geometry;
 use crate::scheme::State;
 use plotters::chart::{ChartBuilder, LabelAreaPosition};
 use plotters::element::PathElement;
@@ -90,6 +92,12 @@ pub(super) fn draw(
     let [x, y] = corner.map(|low| low..low + side);
     let corners = [(x.start, y.start), (x.end, y.end)];
     let mut chart = ChartBuilder::on(&part(page, place)).build_cartesian_2d(x, y)?;
+    let is_rotated = mesh.geometry() == Geometry::Axisymmetric;
+    let section = is_rotated.then(|| section(mesh, state));
+    let (mesh, state) = match &section {
+        Some((mesh, state)) => (mesh, state),
+        None => (mesh, state),
+    };
     let values = values(state, style.field);
     let field = |place| field_image(place, mesh, &values, style.scale);
     chart.draw_series(once(raster(corners, field)))?;
@@ -119,11 +127,54 @@ pub(super) fn draw(
     let area: f64 = mesh.areas().iter().sum();
     if area < (1.0 - 1e-9) * side * side {
         let segments = Wall::of(mesh).edges().to_vec();
-        curves(&Contour { segments, area }, line(0.8))?;
+        let wall = Contour {
+            segments,
+            ..Contour::default()
+        };
+        curves(&wall, line(0.8))?;
+    }
+    if is_rotated {
+        let region = mesh.bounding_box();
+        for (number, from) in axis_dashes(&region).enumerate() {
+            let to = from + AXIS_DASH * region.extent().y * [1.0, 0.2][number % 2];
+            let ends = [(0.0, from), (0.0, to)];
+            chart.draw_series(once(PathElement::new(ends, line(0.5))))?;
+        }
     }
     let frame = plotters::element::Rectangle::new(corners, line(0.8));
     chart.draw_series(once(frame))?;
     Ok(())
+}
+
+/// Of the height of a body of rotation, the longer dashes of the line that marks its axis, and from one dash to the next.
+const AXIS_DASH: f64 = 0.02;
+const AXIS_STEP: f64 = 0.018;
+
+/// Where the dashes of the axis begin, long and short ones in turn.
+fn axis_dashes(region: &BoundingBox) -> impl Iterator<Item = f64> {
+    let (low, height) = (region.lower.y, region.extent().y);
+    let count = (1.0 / (2.0 * AXIS_STEP)) as u32;
+    (0..count).flat_map(move |number| {
+        let at = low + height * 2.0 * AXIS_STEP * f64::from(number);
+        [at, at + height * (AXIS_DASH + 0.3 * AXIS_STEP)]
+    })
+}
+
+/// The full cross-section of a body of rotation: d is mirrored with it.
+fn section(mesh: &Mesh, state: &State) -> (Mesh, State) {
+    let (whole, images) = mesh.section();
+    let with_images = |field: &[f64], sign: f64| -> Vec<f64> {
+        let mirrored = images.iter().map(|node| sign * field[*node as usize]);
+        field.iter().copied().chain(mirrored).collect()
+    };
+    let director = state.director.as_ref();
+    let state = State {
+        phi: with_images(&state.phi, 1.0),
+        omega: with_images(&state.omega, 1.0),
+        mu: with_images(&state.mu, 1.0),
+        director: director.map(|[x, y]| [with_images(x, -1.0), with_images(y, 1.0)]),
+    };
+    (whole, state)
 }
 
 /// The colours of a P1 function on the pixels of a place.
@@ -215,7 +266,11 @@ pub(super) fn draw_axes(
     numbers: [bool; 2],
 ) -> Result<(), FigureError> {
     let Frame { corner, side } = Frame::around(mesh);
-    for (axis, name) in ["x", "y"].into_iter().enumerate() {
+    let names = match mesh.geometry() {
+        Geometry::Planar => ["x", "y"],
+        Geometry::Axisymmetric => ["r", "z"],
+    };
+    for (axis, name) in names.into_iter().enumerate() {
         // So many sizes of the text away from the square.
         let at = |share: f64, out: f64| match axis {
             0 => [

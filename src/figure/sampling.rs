@@ -18,7 +18,7 @@ pub(super) struct Frame {
 impl Frame {
     /// The smallest one that has a mesh in its middle: the unit square for a mesh of that.
     pub fn around(mesh: &Mesh) -> Self {
-        let region = mesh.bounding_box();
+        let region = mesh.section_box();
         let side = region.extent().max();
         let corner = [0, 1].map(|axis| {
             let room = side - region.extent()[axis];

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::*;
 use crate::fem::{LoadEntries, MassInverse, Mesh, QuadratureRule};
 use crate::geometry::{Point, SymmetricTensor};
-use crate::scene::{self, Iteration, ScalarField, TimeScheme};
+use crate::scene::{self, Geometry, Iteration, ScalarField, TimeScheme};
 
 /// Smooth, unrelated nodal fields with values on both sides of the wells.
 fn wave(space: &Space, seed: f64, size: f64) -> Vec<f64> {
@@ -28,9 +28,17 @@ struct Pair {
     samples: [PatchFields; 2],
 }
 
-fn pair(rule: QuadratureRule, step: f64, director_size: f64) -> Pair {
-    let mesh = Arc::new(Mesh::structured(6, 0.2, 4).expect("a fair mesh"));
-    let space = Space::new(mesh, rule);
+/// Both rules in both geometries.
+const SPACES: [(QuadratureRule, Geometry); 4] = [
+    (QuadratureRule::Consistent, Geometry::Planar),
+    (QuadratureRule::Lumped, Geometry::Planar),
+    (QuadratureRule::Consistent, Geometry::Axisymmetric),
+    (QuadratureRule::Lumped, Geometry::Axisymmetric),
+];
+
+fn pair((rule, geometry): (QuadratureRule, Geometry), step: f64, director_size: f64) -> Pair {
+    let mesh = Mesh::structured(6, 0.2, 4).expect("a fair mesh");
+    let space = Space::new(Arc::new(mesh.in_geometry(geometry)), rule);
     let phi = wave(&space, 0.4, 0.9);
     let moved: Vec<f64> = phi
         .iter()
@@ -178,7 +186,7 @@ fn effects(pair: &Pair) -> Vec<Box<dyn Effect>> {
 /// All but noise, which has no energy, are checked here.
 #[test]
 fn no_effect_is_forgotten() {
-    let pair = pair(QuadratureRule::Lumped, 0.1, 1.0);
+    let pair = pair(SPACES[1], 0.1, 1.0);
     let checked: Vec<&str> = effects(&pair).iter().map(|effect| effect.name()).collect();
     let forgotten = EFFECTS.iter().filter(|name| !checked.contains(name));
     assert_eq!(forgotten.collect::<Vec<_>>(), [&"noise"]);
@@ -214,6 +222,9 @@ fn director_load(
     let mut entries = vec![LoadEntries::default(); space.groups()];
     let patch = space.whole();
     patch.load_entries(&form.load[axis], &form.flux[axis], &mut entries);
+    if axis == 0 {
+        patch.add_hoop_entries(&form.hoop, &mut entries);
+    }
     for (other, component) in implicit.iter().enumerate() {
         let row = form.tensor.iter().map(|tensor| tensor[(axis, other)]);
         patch.add_product_entries(row, component, &mut entries);
@@ -264,15 +275,24 @@ fn director_work(effect: &dyn Effect, pair: &Pair, phi: usize, scheme: TimeSchem
         let nodes = before[axis].iter().zip(&step[axis]);
         nodes.map(|(old, step)| old + weight * step).collect()
     });
-    let mut matrix = crate::linalg::SparseMatrix::zeros(space.assembly().pattern.clone());
-    if scheme == TimeScheme::FirstOrder {
-        let weights = form.stiffness.iter().copied();
-        let weights: Vec<_> = weights.map(SymmetricTensor::isotropic).collect();
-        space.add_mass_and_stiffness(&form.reaction, &weights, &mut matrix.values);
-    }
+    let weights = form.stiffness.iter().copied();
+    let weights: Vec<_> = weights.map(SymmetricTensor::isotropic).collect();
     let mut work = 0.0;
     for (axis, step) in step.iter().enumerate() {
         let mut load = director_load(&form, space, &implicit, axis);
+        let mut matrix = crate::linalg::SparseMatrix::zeros(space.assembly().pattern.clone());
+        if scheme == TimeScheme::FirstOrder {
+            space.add_mass_and_stiffness(&form.reaction, &weights, &mut matrix.values);
+            if axis == 0 {
+                let mut hoops = Vec::new();
+                patch.hoop_gradient(step, &mut hoops);
+                let weighted = hoops.iter_mut().zip(&form.stiffness);
+                weighted.for_each(|(hoop, weight)| *hoop *= weight);
+                let mut entries = vec![LoadEntries::default(); space.groups()];
+                patch.add_hoop_entries(&hoops, &mut entries);
+                space.collect_load(&entries, &vec![0.0; space.points()], &mut load);
+            }
+        }
         matrix.multiply_add(1.0, step, &mut load);
         work += crate::linalg::vector::dot(&load, step);
     }
@@ -288,9 +308,9 @@ fn work(load: &[f64], pair: &Pair) -> f64 {
 
 #[test]
 fn every_effect_closes_its_share_of_the_energy_law() {
-    for rule in [QuadratureRule::Consistent, QuadratureRule::Lumped] {
+    for kind in SPACES {
         for (step, director_size) in [(1e-3, 0.8), (0.7, 0.8), (0.7, 3.0)] {
-            let pair = pair(rule, step, director_size);
+            let pair = pair(kind, step, director_size);
             let [old, new] = &pair.samples;
             let space = &pair.space;
             let mut effects = effects(&pair);
@@ -327,8 +347,8 @@ fn every_effect_closes_its_share_of_the_energy_law() {
 
 #[test]
 fn a_force_is_the_gradient_of_the_energy() {
-    for rule in [QuadratureRule::Consistent, QuadratureRule::Lumped] {
-        let pair = pair(rule, 0.0, 1.3);
+    for kind in SPACES {
+        let pair = pair(kind, 0.0, 1.3);
         let space = &pair.space;
         let at = &pair.samples[0];
         let mut effects = effects(&pair);
@@ -414,8 +434,8 @@ fn linearised(
 
 #[test]
 fn a_jacobian_is_the_derivative_of_the_force() {
-    for rule in [QuadratureRule::Consistent, QuadratureRule::Lumped] {
-        let pair = pair(rule, 0.3, 1.3);
+    for kind in SPACES {
+        let pair = pair(kind, 0.3, 1.3);
         let space = &pair.space;
         let [old, new] = &pair.samples;
         let membrane = scene::Membrane {
@@ -463,9 +483,9 @@ fn a_jacobian_is_the_derivative_of_the_force() {
 /// with the printed (3.24) it does not.
 #[test]
 fn bending_closes_its_share_and_the_misprint_does_not() {
-    for rule in [QuadratureRule::Consistent, QuadratureRule::Lumped] {
+    for kind in SPACES {
         for curvature in [0.0, 1.5] {
-            let mut pair = pair(rule, 0.3, 1.0);
+            let mut pair = pair(kind, 0.3, 1.0);
             let membrane = scene::Membrane {
                 interface_width: 0.1,
                 mobility: 1.0,

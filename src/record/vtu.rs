@@ -12,6 +12,7 @@
 use super::atomic::write_whole;
 use super::{Number, RecordError};
 use crate::fem::Mesh;
+use crate::scene::Geometry;
 use crate::scheme::State;
 use base64::engine::general_purpose::STANDARD;
 use base64::write::EncoderWriter;
@@ -21,6 +22,9 @@ use std::path::Path;
 
 /// VTK's number for a triangle.
 const TRIANGLE: u8 = 5;
+
+/// The array that says that x and y are r and z of a body of rotation.
+pub(super) const AXISYMMETRIC: &str = "Axisymmetric";
 
 /// How a file ends.
 const END: &str = "</VTKFile>";
@@ -82,6 +86,10 @@ fn fields(file: &mut dyn Write, mesh: &Mesh, state: &State, t: f64) -> io::Resul
     // ParaView takes the time of a single file from here.
     writeln!(file, "<FieldData>")?;
     array(file, r#"Name="TimeValue" NumberOfTuples="1""#, [t])?;
+    if mesh.geometry() == Geometry::Axisymmetric {
+        let name = format!(r#"Name="{AXISYMMETRIC}" NumberOfTuples="1""#);
+        array(file, &name, [1.0])?;
+    }
     writeln!(file, "</FieldData>")?;
     writeln!(
         file,

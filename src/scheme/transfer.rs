@@ -16,6 +16,7 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use super::checkpoint::{RestoreError, SchemeCheckpoint};
+use super::initial::keep_to_axis;
 use super::{Scheme, space_on};
 use crate::fem::{
     FemError, GradientRecovery, Locator, Mesh, Place, QuadratureRule, Space, solve_poisson,
@@ -77,8 +78,11 @@ impl Scheme {
             &interpolate(&state.phi),
         )?;
         let director = state.director.as_ref();
-        let director =
-            director.map(|director| interpolated(self.space.mesh(), director, &at_nodes));
+        let director = director.map(|director| {
+            let mut director = interpolated(self.space.mesh(), director, &at_nodes);
+            keep_to_axis(space.mesh(), &mut director[0]);
+            director
+        });
         let mut scheme = Self::on_space(scene, space, self.initial_area, (phi, director))?;
         scheme.interval = self.interval;
         scheme

@@ -19,15 +19,15 @@ pub struct Canvas {
 }
 
 impl Canvas {
-    /// The rectangle that a mesh covers.
+    /// The rectangle that the cross-section of what a mesh stands for covers.
     pub fn region(&mut self, mesh: &Arc<Mesh>) -> BoundingBox {
         let region = take(&mut self.regions, mesh, |_| true);
-        let region = region.unwrap_or_else(|| mesh.bounding_box());
+        let region = region.unwrap_or_else(|| mesh.section_box());
         keep(&mut self.regions, mesh, region);
         region
     }
 
-    /// Samples of these columns and rows over the rectangle that a mesh covers.
+    /// Samples of these columns and rows over that rectangle.
     pub fn raster(&mut self, mesh: &Arc<Mesh>, columns: usize, rows: usize) -> Arc<Raster> {
         let fits = |raster: &Arc<Raster>| raster.columns() == columns && raster.rows() == rows;
         let raster = take(&mut self.rasters, mesh, fits).unwrap_or_else(|| {

@@ -8,6 +8,7 @@ use ratatui::style::{Modifier, Style};
 use ratatui::widgets::{Block, Widget};
 
 use crate::fem::Mesh;
+use crate::scene::Geometry;
 use crate::scheme::State;
 use crate::simulation::Setting;
 use crate::tui::canvas::Canvas;
@@ -78,6 +79,9 @@ impl Plot<'_> {
             None => self.fill(&sampled, &contour, theme, area, buffer),
         }
         self.director(&sampled, &contour, theme, canvas, area, buffer);
+        if self.mesh.geometry() == Geometry::Axisymmetric {
+            mark_axis(theme, area, buffer);
+        }
         (cells, sampled.range)
     }
 
@@ -145,7 +149,9 @@ impl Plot<'_> {
                 let top = row * samples_a_cell;
                 let inside = (top..top + samples_a_cell)
                     .all(|row| is_inside(sampled, contour, columns, column, row));
-                let director = raster.at(dx, column, row).zip(raster.at(dy, column, row));
+                let director = raster
+                    .at_across(dx, column, row)
+                    .zip(raster.at(dy, column, row));
                 let Some((x, y)) = director.filter(|_| inside) else {
                     continue;
                 };
@@ -170,6 +176,22 @@ impl Plot<'_> {
                     cell.set_symbol(symbol);
                     cell.set_style(style);
                 }
+            }
+        }
+    }
+}
+
+/// Marks the axis of rotation, in the middle, in every other row of cells that has no director.
+fn mark_axis(theme: &Theme, area: Rect, buffer: &mut Buffer) {
+    let column = area.x + area.width / 2;
+    for row in (area.y..area.bottom()).step_by(2) {
+        let half = theme.glyphs().upper_half.unwrap_or(" ");
+        if let Some(cell) = buffer.cell_mut((column, row))
+            && (!theme.paints() || [half, " "].contains(&cell.symbol()))
+        {
+            cell.set_symbol(theme.glyphs().bar);
+            if theme.paints() {
+                cell.set_style(theme.muted());
             }
         }
     }
