@@ -11,7 +11,7 @@ use crate::record::{
     Ending, IfOccupied, RecordError, RecordedRun, RecorderBuilder, RunFolder, Settings, clean,
     load_scene, read_run,
 };
-use crate::scene::{Scene, preset};
+use crate::scene::{Geometry, Scene, preset};
 use crate::signals::EndingSignal;
 use crate::simulation::{
     Simulation, SimulationError, check_outlines, cores, free_memory, memory_needed,
@@ -61,6 +61,10 @@ pub(super) struct Arguments {
     #[arg(long)]
     headless: bool,
 
+    /// Also save the surface of a body of rotation in space, at N angles about its axis: NAME-surface.vtu, for ParaView
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(3..=1024))]
+    revolve: Option<u32>,
+
     /// Replace figures and runs that the folder holds
     #[arg(long)]
     force: bool,
@@ -73,6 +77,13 @@ pub(super) fn figures(arguments: &Arguments) -> Result<(), CliError> {
         .iter()
         .map(|source| Source::find(source, &arguments.set))
         .collect::<Result<_, _>>()?;
+    if arguments.revolve.is_some()
+        && let Some(source) = sources.iter().find(|source| source.scene().geometry == Geometry::Planar)
+    {
+        return Err(CliError::NothingToRevolve {
+            name: source.name().to_owned(),
+        });
+    }
     let signal = EndSignal::listen()?;
     let folder = folder(arguments, &sources)?;
     let jobs = jobs(&sources, &folder, arguments.force)?;
@@ -129,6 +140,7 @@ pub(super) fn figures(arguments: &Arguments) -> Result<(), CliError> {
         } else {
             Existing::Refuse
         },
+        revolve: arguments.revolve,
         ..arguments.size.options()
     };
     let files = save_set(&runs, &options, &folder)?;
@@ -410,6 +422,9 @@ impl fmt::Display for Command<'_> {
         write!(f, " {}", arguments.size)?;
         if arguments.headless {
             f.write_str(" --headless")?;
+        }
+        if let Some(around) = arguments.revolve {
+            write!(f, " --revolve {around}")?;
         }
         Ok(())
     }

@@ -18,6 +18,7 @@ presets! {
     "case1-quick" "case2-quick" "case3-quick" "case4-quick"
     "case1-fine" "case2-fine" "case3-fine" "case4-fine"
     "bending" "circle" "curvature" "field" "pull" "noise"
+    "sphere" "redcell" "prolate" "redcell-nematic"
 }
 
 /// There is no such preset.
