@@ -78,7 +78,9 @@ pub(super) fn figures(arguments: &Arguments) -> Result<(), CliError> {
         .map(|source| Source::find(source, &arguments.set))
         .collect::<Result<_, _>>()?;
     if arguments.revolve.is_some()
-        && let Some(source) = sources.iter().find(|source| source.scene().geometry == Geometry::Planar)
+        && let Some(source) = sources
+            .iter()
+            .find(|source| source.scene().geometry == Geometry::Planar)
     {
         return Err(CliError::NothingToRevolve {
             name: source.name().to_owned(),

@@ -86,7 +86,9 @@ impl Contour {
     pub fn mirror(&mut self) {
         let mirrored = |place: &Point| Point::new(-place.x, place.y);
         let segments = self.segments.iter();
-        let other: Vec<Segment> = segments.map(|[from, to]| [mirrored(to), mirrored(from)]).collect();
+        let other: Vec<Segment> = segments
+            .map(|[from, to]| [mirrored(to), mirrored(from)])
+            .collect();
         self.segments.extend(other);
         self.area *= 2.0;
         self.volume = None;
@@ -220,5 +222,39 @@ mod tests {
             Contour::new(&mesh, &vec![-1.0; mesh.nodes().len()]).measure(Vector::x()),
             None
         );
+    }
+
+    /// A sphere, and a spheroid of half axes 0.3 and 0.3 about the axis, 0.15 along it: V = 4π/3·a²c.
+    #[test]
+    fn a_body_of_rotation_has_its_reduced_volume_and_both_sides() {
+        let mesh = Mesh::structured(80, 0.0, 0).expect("a regular mesh");
+        let mesh = mesh.in_geometry(Geometry::Axisymmetric);
+        let values = |a: f64, c: f64| -> Vec<f64> {
+            let value = |at: &Point| 1.0 - (at.x / a).hypot((at.y - 0.5) / c);
+            mesh.nodes().iter().map(value).collect()
+        };
+        let sphere = Contour::new(&mesh, &values(0.3, 0.3));
+        let quotient = sphere.isoperimetric_quotient().expect("a vesicle");
+        assert!((quotient - 1.0).abs() < 1e-3, "{quotient}");
+        let oblate = Contour::new(&mesh, &values(0.3, 0.15));
+        let volume = oblate.volume.expect("a body");
+        let exact = 4.0 * PI / 3.0 * 0.3 * 0.3 * 0.15;
+        assert!((volume / exact - 1.0).abs() < 2e-3, "{volume}");
+        // The surface of an oblate spheroid of eccentricity e: 2πa²(1 + (1 − e²)/e·artanh e).
+        let e = 0.75_f64.sqrt();
+        let surface = 2.0 * PI * 0.09 * (1.0 + 0.25 / e * e.atanh());
+        let reduced = 36.0 * PI * exact * exact / surface.powi(3);
+        let quotient = oblate.isoperimetric_quotient().expect("a vesicle");
+        assert!((quotient / reduced - 1.0).abs() < 3e-3, "{quotient}");
+        let section = Contour::of_section(&mesh, &values(0.3, 0.15));
+        let size = section.measure(Vector::y()).expect("a vesicle");
+        assert!((size.length - 0.6).abs() < 1e-3 && (size.waist - 0.3).abs() < 1e-3);
+        assert_eq!(section.segments.len(), 2 * oblate.segments.len());
+        // φ > 0 is on the left of both sides: twice the area by the sum over the segments.
+        let crosses = section
+            .segments
+            .iter()
+            .map(|[a, b]| a.coords.perp(&b.coords));
+        assert!((0.5 * crosses.sum::<f64>() / section.area - 1.0).abs() < 1e-12);
     }
 }

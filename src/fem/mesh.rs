@@ -78,6 +78,9 @@ impl Mesh {
     /// body has its surface.
     #[must_use]
     pub fn in_geometry(mut self, geometry: Geometry) -> Self {
+        if geometry == self.geometry {
+            return self;
+        }
         self.geometry = geometry;
         self.volumes.clear();
         if geometry == Geometry::Axisymmetric {

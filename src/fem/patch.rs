@@ -150,7 +150,10 @@ impl<'a> Patch<'a> {
     /// in the plane.
     pub fn hoop_gradient(&self, radial: &[f64], hoops: &mut Vec<f64>) {
         hoops.clear();
-        let triangles = self.triangles().iter().zip(self.inverse_radii().unwrap_or(&[]));
+        let triangles = self
+            .triangles()
+            .iter()
+            .zip(self.inverse_radii().unwrap_or(&[]));
         hoops.extend(triangles.map(|(triangle, inverse)| {
             let [a, b, c] = triangle.map(|node| radial[node as usize]);
             (a + b + c) / 3.0 * inverse

@@ -283,4 +283,39 @@ mod tests {
             assert_eq!(raster.at(&[0.0; 16], 0, 0), None);
         }
     }
+
+    /// The section as a mesh of the plane is what the raster of the half shows.
+    #[test]
+    fn by_rotation_the_other_side_is_the_mirror_image() {
+        let mesh = Mesh::structured(7, 0.3, 5).expect("a fair mesh");
+        let mesh = mesh.in_geometry(Geometry::Axisymmetric);
+        let values = nodal(&mesh, |x, y| 1.0 + x * x + (5.0 * y).sin());
+        let (section, images) = mesh.section();
+        assert_eq!((section.nodes().len(), images.len()), (64 + 56, 56));
+        assert_eq!(section.bounding_box(), mesh.section_box());
+        assert!((section.areas().iter().sum::<f64>() - 2.0).abs() < 1e-13);
+        let remade = Mesh::new(section.nodes().to_vec(), section.triangles().to_vec());
+        let remade = remade.expect("counter-clockwise");
+        for (one, other) in remade.gradients().iter().zip(section.gradients()) {
+            let pairs = one.iter().zip(other);
+            assert!(
+                pairs
+                    .map(|(a, b)| (a - b).abs().max())
+                    .all(|off| off < 1e-11)
+            );
+        }
+        let mirrored = images.iter().map(|node| values[*node as usize]);
+        let all: Vec<f64> = values.iter().copied().chain(mirrored).collect();
+        let region = mesh.section_box();
+        let [half, whole] = [&mesh, &section].map(|mesh| Raster::new(mesh, region, 26, 11));
+        for row in 0..11 {
+            for column in 0..26 {
+                let value = half.at(&values, column, row).expect("inside");
+                let wanted = whole.at(&all, column, row).expect("inside");
+                assert!((value - wanted).abs() < 1e-13, "{column} {row}");
+                let across = half.at_across(&values, column, row).expect("inside");
+                assert_eq!(across, if column < 13 { -value } else { value });
+            }
+        }
+    }
 }

@@ -200,7 +200,11 @@ mod tests {
             let matrix = nalgebra::Matrix3::new(aa, ab, ac, ab, bb, bc, ac, bc, cc);
             let scaled = matrix.map_with_location(|i, j, entry| entry / (root[i] * root[j]));
             let values = scaled.symmetric_eigenvalues();
-            assert!(values.iter().all(|value| (0.2 - 1e-14..1.0 + 1e-14).contains(value)));
+            assert!(
+                values
+                    .iter()
+                    .all(|value| (0.2 - 1e-14..1.0 + 1e-14).contains(value))
+            );
             least = least.min(values.min());
         }
         assert!((least - 0.2).abs() < 1e-14);

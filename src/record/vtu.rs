@@ -102,7 +102,12 @@ fn surface(file: &mut dyn Write, contour: &Contour, around: u32, t: f64) -> io::
     let cells = (0..segments.len() as i64).flat_map(|segment| {
         (0..ring).flat_map(move |number| {
             let at = |number: i64, end: i64| 2 * (segment * ring + number % ring) + end;
-            [at(number, 0), at(number + 1, 0), at(number + 1, 1), at(number, 1)]
+            [
+                at(number, 0),
+                at(number + 1, 0),
+                at(number + 1, 1),
+                at(number, 1),
+            ]
         })
     });
     let count = segments.len() * around as usize;
@@ -115,7 +120,11 @@ fn surface(file: &mut dyn Write, contour: &Contour, around: u32, t: f64) -> io::
     array(file, r#"Name="connectivity""#, cells)?;
     let ends = (1..=count).map(|cell| 4 * cell as i64);
     array(file, r#"Name="offsets""#, ends)?;
-    array(file, r#"Name="types""#, std::iter::repeat_n(QUADRANGLE, count))?;
+    array(
+        file,
+        r#"Name="types""#,
+        std::iter::repeat_n(QUADRANGLE, count),
+    )?;
     writeln!(file, "</Cells>")?;
     tail(file)
 }
@@ -342,5 +351,36 @@ mod tests {
         let text = std::fs::read_to_string(path).unwrap();
         assert!(text.contains(r#"<DataSet timestep="0" part="0" file="a.vtu"/>"#));
         assert!(text.contains(r#"<DataSet timestep="2.5e-7" part="0" file="b.vtu"/>"#));
+    }
+
+    /// A cone's frustum: two rings of radii 1 and 2.
+    #[test]
+    fn a_surface_is_the_contour_at_every_angle() {
+        let contour = Contour {
+            segments: vec![[[1.0, 0.0], [2.0, 3.0]].map(Into::into)],
+            ..Contour::default()
+        };
+        let mut file = tempfile::tempfile().expect("a file");
+        surface(&mut file, &contour, 4, 0.5).expect("written");
+        file.seek(SeekFrom::Start(0)).expect("a file");
+        let mut text = String::new();
+        file.read_to_string(&mut text).expect("text");
+        let points = doubles(&text, "points");
+        let points = points.as_chunks::<3>().0;
+        assert_eq!(points.len(), 8);
+        for [x, y, z] in points {
+            let radius = if *z == 0.0 { 1.0 } else { 2.0 };
+            assert!((x.hypot(*y) - radius).abs() < 1e-15);
+        }
+        let corners = bytes(&text, "connectivity");
+        let corners = corners
+            .as_chunks::<8>()
+            .0
+            .iter()
+            .map(|it| i64::from_le_bytes(*it));
+        let corners: Vec<i64> = corners.collect();
+        assert_eq!(corners[..4], [0, 2, 3, 1]);
+        assert_eq!(corners[12..], [6, 0, 1, 7]);
+        assert!(text.contains(r#"NumberOfPoints="8" NumberOfCells="4""#));
     }
 }

@@ -156,7 +156,10 @@ impl Workspace {
                 coupling: space.new_form(),
                 coupled: false,
                 kept: kept.to_vec(),
-                axis: (0..).zip(space.mesh().on_axis()).filter_map(|(node, on)| on.then_some(node)).collect(),
+                axis: (0..)
+                    .zip(space.mesh().on_axis())
+                    .filter_map(|(node, on)| on.then_some(node))
+                    .collect(),
             },
             load: both(),
             inverse_diagonal: both(),

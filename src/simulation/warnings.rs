@@ -3,7 +3,9 @@
 use super::presence::sign;
 use crate::fem::{Contour, Mesh, MeshQuality, SLIVER, Wall};
 use crate::geometry::{Segment, length};
-use crate::scene::{self, Geometry, OutlineDistance, Scene, Shape, Warning, union_distance, wall_distance};
+use crate::scene::{
+    self, Geometry, OutlineDistance, Scene, Shape, Warning, union_distance, wall_distance,
+};
 
 /// The interface of a vesicle reaches this many ε beyond φ = 0: tanh(2√2) = 0.993.
 const INTERFACE_REACH: f64 = 4.0;

@@ -87,18 +87,18 @@ impl Problem {
 
     fn model(self, run: Run, flaw: Option<Flaw>) -> Model {
         // A membrane that moves by some 1e-10: substep 2 runs, but is not what is tested.
-        let mobility = if self.is_director_alone() { 1e-12 } else { 1e-3 };
+        let mobility = if self.is_director_alone() {
+            1e-12
+        } else {
+            1e-3
+        };
         let boundary = if self == Self::Clamped {
             "clamped"
         } else {
             "natural"
         };
         let is_rotated = matches!(self, Self::Rotated | Self::RotatedDirector);
-        let geometry = if is_rotated {
-            "axisymmetric"
-        } else {
-            "planar"
-        };
+        let geometry = if is_rotated { "axisymmetric" } else { "planar" };
         let Run {
             quadrature,
             cells,
@@ -232,9 +232,7 @@ impl Run {
         let mut scheme = Scheme::new(&model.scene, mesh.clone(), phi, director).expect("a scheme");
         assert_eq!(
             scheme.uses_transform(),
-            self.mesh == MeshKind::Regular
-                && !clamped
-                && model.scene.geometry == Geometry::Planar
+            self.mesh == MeshKind::Regular && !clamped && model.scene.geometry == Geometry::Planar
         );
 
         let clock = Clock::default();

@@ -77,7 +77,12 @@ fn check_step(scheme: &mut Scheme, dt: f64, place: &str) {
 /// All effects together, and those of the membrane alone, by every way to solve the equations.
 #[test]
 fn the_law_closes_with_every_effect_mesh_and_solver() {
-    let without = ["field=false", "noise=false", "anchoring=false", "nematic=false"];
+    let without = [
+        "field=false",
+        "noise=false",
+        "anchoring=false",
+        "nematic=false",
+    ];
     for quadrature in QUADRATURES {
         for settings in [
             &[][..],
@@ -152,7 +157,10 @@ fn a_sphere_has_the_bending_energy_of_a_sphere() {
             let scheme = scheme(&sphere(radius, 0.02, &[quadrature]));
             let bending = named(&scheme.report().energies, "bending");
             let place = format!("{quadrature} {radius}");
-            assert!((bending / (factor * 8.0 * PI) - 1.0).abs() < 0.02, "{place}: {bending}");
+            assert!(
+                (bending / (factor * 8.0 * PI) - 1.0).abs() < 0.02,
+                "{place}: {bending}"
+            );
             let area = scheme.report().surface_area / (factor * 4.0 * PI * radius * radius);
             assert!((area - 1.0).abs() < 0.02, "{place}: {area}");
         }
@@ -175,6 +183,9 @@ fn a_hedgehog_has_its_elastic_energy() {
         nematic.penalty = 1e3;
         let energy = named(&scheme(&without_core).report().energies, "nematic");
         let exact = 4.0 * PI * 2.0 * 0.3;
-        assert!((energy / exact - 1.0).abs() < 0.05, "{quadrature}: {energy}, not {exact}");
+        assert!(
+            (energy / exact - 1.0).abs() < 0.05,
+            "{quadrature}: {energy}, not {exact}"
+        );
     }
 }

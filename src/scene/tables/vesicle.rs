@@ -3,8 +3,8 @@
 use super::{Geometry, Rules, Scene, Table};
 use crate::geometry::{Vector, direction};
 use crate::scene::error::{Problem, SceneError};
-use crate::scene::outline::OutlineDistance;
 use crate::scene::nodal_file::{Context, NodalKey, NodalValues, read_nodal_values};
+use crate::scene::outline::OutlineDistance;
 use crate::scene::parameter::{
     Choice, DefaultValue, PATH, Parameter, SEED, SEEDS, Value, choice, parameters,
 };
@@ -247,7 +247,9 @@ impl Rules for Vesicle {
         if outlines.iter().find(is_askew).is_none() {
             return Ok(());
         }
-        let key = ["center", "parts", "shape"].into_iter().find_map(|key| table.get(key));
+        let key = ["center", "parts", "shape"]
+            .into_iter()
+            .find_map(|key| table.get(key));
         Err(match key {
             Some(field) => field.error(Problem::AskewOnAxis),
             None => table.error(Problem::AskewOnAxis),
