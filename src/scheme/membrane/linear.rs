@@ -74,7 +74,7 @@ impl LinearSolver {
             {
                 Ok(Self::reduced(space, CosineInverse::new(space, grid)))
             }
-            _ => Ok(Self::reduced(space, ShiftedInverse::new(space)?)),
+            _ => Ok(Self::reduced(space, ShiftedInverse::new(space))),
         }
     }
 
