@@ -31,6 +31,15 @@ pub(super) enum CliError {
     /// There is no such preset.
     #[error(transparent)]
     Preset(#[from] UnknownPreset),
+    /// A surface in space was asked for of a scene in the plane.
+    #[error(
+        "--revolve is for bodies of rotation, and {name} is in the plane: leave it out, or give scenes with \
+         domain.geometry = \"axisymmetric\""
+    )]
+    NothingToRevolve {
+        /// The scene or the run.
+        name: String,
+    },
     /// The scene ends before its first step.
     #[error(
         "the end, t = {end:e}, comes before the first step of length {step:e}: nothing would be \
@@ -359,6 +368,7 @@ impl CliError {
             | CliError::NoCommand { .. }
             | CliError::Preset(_)
             | CliError::NoStep { .. }
+            | CliError::NothingToRevolve { .. }
             | CliError::StepsOfChosen
             | CliError::Folder(_)
             | CliError::Resume(CheckpointError::None { .. } | CheckpointError::Foreign { .. })

@@ -14,7 +14,7 @@ use crate::record::{
     Ending, IfOccupied, RecordError, RecordedRun, RecorderBuilder, RunFolder, Settings, clean,
     load_scene, read_run,
 };
-use crate::scene::{Scene, preset};
+use crate::scene::{Geometry, Scene, preset};
 use crate::signals::EndingSignal;
 use crate::simulation::{
     NoShapeAtRest, Simulation, SimulationError, check_outlines, cores, free_memory, memory_needed,
@@ -85,6 +85,9 @@ pub(super) struct Arguments {
     /// Leave the letters of SVG files as text that can be edited, in DejaVu Sans; else they are outlines
     #[arg(long)]
     text: bool,
+    /// Also save the surface of a body of rotation in space, at N angles about its axis: NAME-surface.vtu, for ParaView
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(3..=1024))]
+    revolve: Option<u32>,
 
     /// Replace figures and runs that the folder holds
     #[arg(long)]
@@ -98,6 +101,15 @@ pub(super) fn figures(arguments: &Arguments) -> Result<(), CliError> {
         .iter()
         .map(|source| Source::find(source, &arguments.set))
         .collect::<Result<_, _>>()?;
+    if arguments.revolve.is_some()
+        && let Some(source) = sources
+            .iter()
+            .find(|source| source.scene().geometry == Geometry::Planar)
+    {
+        return Err(CliError::NothingToRevolve {
+            name: source.name().to_owned(),
+        });
+    }
     let signal = EndSignal::listen()?;
     let folder = folder(arguments, &sources)?;
     let jobs = jobs(&sources, &folder, arguments.force)?;
@@ -161,6 +173,7 @@ pub(super) fn figures(arguments: &Arguments) -> Result<(), CliError> {
         },
         logarithmic_time: arguments.log_t,
         svg_text: arguments.text,
+        revolve: arguments.revolve,
         ..arguments.size.options()
     };
     let files = save_set(&runs, &options, &folder)?;
@@ -472,6 +485,9 @@ impl fmt::Display for Command<'_> {
         }
         if arguments.theory {
             f.write_str(" --theory")?;
+        }
+        if let Some(around) = arguments.revolve {
+            write!(f, " --revolve {around}")?;
         }
         Ok(())
     }

@@ -1,12 +1,16 @@
 //! A scene in the numbers of a physicist: ratios of its lengths and times.
 
-use crate::scene::{AnchoringKind, Scene};
+use crate::scene::{AnchoringKind, Geometry, Scene};
 use crate::theory::relaxation_time;
 use std::f64::consts::{PI, SQRT_2};
 
 /// What is said of the scales of a scene whose vesicles together have this area, and one vesicle this reduced area 4πA/L².
 pub(super) fn scales(scene: &Scene, enclosed: f64, reduced_area: Option<f64>) -> Vec<String> {
     let mut lines = Vec::new();
+    if scene.geometry == Geometry::Axisymmetric {
+        // They are those of a curve in the plane.
+        return lines;
+    }
     let epsilon = scene.membrane.interface_width;
     let radius = (enclosed / PI).sqrt();
     let tau = relaxation_time(enclosed, scene.membrane.mobility);

@@ -1,7 +1,10 @@
 //! The zero set of a P1 function: exact, segment by segment, and what is measured on it.
 
+use std::f64::consts::{PI, TAU};
+
 use super::{Mesh, Wall};
 use crate::geometry::{BoundingBox, Point, Segment, Vector, frame, length};
+use crate::scene::Geometry;
 
 /// The set φ = 0 of a P1 function and the region φ > 0.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -10,6 +13,8 @@ pub struct Contour {
     pub segments: Vec<Segment>,
     /// The area of the region φ > 0.
     pub area: f64,
+    /// By rotation the volume of the body φ > 0.
+    pub volume: Option<f64>,
 }
 
 /// The size of a vesicle along and across its long axis.
@@ -23,12 +28,17 @@ pub struct OutlineMeasure {
     pub width: f64,
 }
 
-/// The rectangle around the nodes at which a P1 function is positive; `None` where it is nowhere.
+/// The rectangle around the nodes at which a P1 function is positive, by rotation of the whole section; `None` where it is
+/// nowhere.
 pub fn extent_of_inside(mesh: &Mesh, values: &[f64]) -> Option<BoundingBox> {
     let nodes = mesh.nodes().iter().zip(values);
     let mut inside = nodes.filter(|(_, value)| **value > 0.0).peekable();
     inside.peek()?;
-    Some(BoundingBox::around(inside.map(|(node, _)| node)))
+    let mut extent = BoundingBox::around(inside.map(|(node, _)| node));
+    if mesh.geometry() == Geometry::Axisymmetric {
+        extent.lower.x = -extent.upper.x;
+    }
+    Some(extent)
 }
 
 impl Contour {
@@ -43,13 +53,20 @@ impl Contour {
     pub fn trace(&mut self, mesh: &Mesh, values: &[f64]) {
         let segments = &mut self.segments;
         segments.clear();
-        let mut area = 0.0;
+        let (mut area, mut volume) = (0.0, 0.0);
         for (triangle, triangle_area) in mesh.triangles().iter().zip(mesh.areas()) {
+            let body = |places: [Point; 3], area: f64| {
+                TAU / 3.0 * (places[0].x + places[1].x + places[2].x) * area
+            };
             let corner_values = triangle.map(|node| values[node as usize]);
             let inside = corner_values.map(|value| value > 0.0);
             let count = inside.iter().filter(|inside| **inside).count();
             if count == 0 || count == 3 {
-                area += if count == 3 { *triangle_area } else { 0.0 };
+                if count == 3 {
+                    let places = triangle.map(|node| mesh.nodes()[node as usize]);
+                    area += triangle_area;
+                    volume += body(places, *triangle_area);
+                }
                 continue;
             }
             // The corner that is alone on its side, first.
@@ -63,15 +80,40 @@ impl Contour {
             let along = |other: usize, share: f64| places[0] + share * (places[other] - places[0]);
             let (near_second, near_third) = (along(1, to_second), along(2, to_third));
             let corner = to_second * to_third * triangle_area;
+            let corner_body = body([places[0], near_second, near_third], corner);
             if count == 1 {
                 segments.push([near_second, near_third]);
                 area += corner;
+                volume += corner_body;
             } else {
                 segments.push([near_third, near_second]);
                 area += triangle_area - corner;
+                volume += body(places, *triangle_area) - corner_body;
             }
         }
         self.area = area;
+        self.volume = (mesh.geometry() == Geometry::Axisymmetric).then_some(volume);
+    }
+
+    /// Adds the other side of the axis of rotation, so that it is the contour of the full cross-section, in the plane.
+    pub fn mirror(&mut self) {
+        let mirrored = |place: &Point| Point::new(-place.x, place.y);
+        let segments = self.segments.iter();
+        let other: Vec<Segment> = segments
+            .map(|[from, to]| [mirrored(to), mirrored(from)])
+            .collect();
+        self.segments.extend(other);
+        self.area *= 2.0;
+        self.volume = None;
+    }
+
+    /// The contour of the cross-section of what a mesh stands for: by rotation with both sides of the axis.
+    pub fn of_section(mesh: &Mesh, values: &[f64]) -> Self {
+        let mut contour = Self::new(mesh, values);
+        if mesh.geometry() == Geometry::Axisymmetric {
+            contour.mirror();
+        }
+        contour
     }
 
     /// The length of the zero set.
@@ -79,10 +121,16 @@ impl Contour {
         self.segments.iter().map(|[a, b]| length(b - a)).sum()
     }
 
-    /// 4π·area/length², at most 1 for a closed curve; `None` where the zero set is empty.
+    /// 4π·area/length², at most 1 for a closed curve, or by rotation 36π·volume²/surface³, the square of the reduced volume, at most
+    /// 1 for a closed surface; `None` where the zero set is empty.
     pub fn isoperimetric_quotient(&self) -> Option<f64> {
-        let length = self.length();
-        (length > 0.0).then(|| 4.0 * std::f64::consts::PI * self.area / (length * length))
+        let Some(volume) = self.volume else {
+            let length = self.length();
+            return (length > 0.0).then(|| 4.0 * PI * self.area / (length * length));
+        };
+        let rings = self.segments.iter();
+        let surface: f64 = rings.map(|[a, b]| PI * (a.x + b.x) * length(b - a)).sum();
+        (surface > 0.0).then(|| 36.0 * PI * volume * volume / surface.powi(3))
     }
 
     /// The least distance from the zero set to the wall; `None` where the zero set is empty.
@@ -134,7 +182,6 @@ impl Contour {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f64::consts::PI;
 
     /// Positive inside the ellipse of half axes a (along x) and b about the centre of the square.
     fn ellipse(mesh: &Mesh, a: f64, b: f64) -> Vec<f64> {
@@ -199,5 +246,39 @@ mod tests {
             Contour::new(&mesh, &vec![-1.0; mesh.nodes().len()]).measure(Vector::x()),
             None
         );
+    }
+
+    /// A sphere, and a spheroid of half axes 0.3 and 0.3 about the axis, 0.15 along it: V = 4π/3·a²c.
+    #[test]
+    fn a_body_of_rotation_has_its_reduced_volume_and_both_sides() {
+        let mesh = Mesh::structured(80, 0.0, 0).expect("a regular mesh");
+        let mesh = mesh.in_geometry(Geometry::Axisymmetric);
+        let values = |a: f64, c: f64| -> Vec<f64> {
+            let value = |at: &Point| 1.0 - (at.x / a).hypot((at.y - 0.5) / c);
+            mesh.nodes().iter().map(value).collect()
+        };
+        let sphere = Contour::new(&mesh, &values(0.3, 0.3));
+        let quotient = sphere.isoperimetric_quotient().expect("a vesicle");
+        assert!((quotient - 1.0).abs() < 1e-3, "{quotient}");
+        let oblate = Contour::new(&mesh, &values(0.3, 0.15));
+        let volume = oblate.volume.expect("a body");
+        let exact = 4.0 * PI / 3.0 * 0.3 * 0.3 * 0.15;
+        assert!((volume / exact - 1.0).abs() < 2e-3, "{volume}");
+        // The surface of an oblate spheroid of eccentricity e: 2πa²(1 + (1 − e²)/e·artanh e).
+        let e = 0.75_f64.sqrt();
+        let surface = 2.0 * PI * 0.09 * (1.0 + 0.25 / e * e.atanh());
+        let reduced = 36.0 * PI * exact * exact / surface.powi(3);
+        let quotient = oblate.isoperimetric_quotient().expect("a vesicle");
+        assert!((quotient / reduced - 1.0).abs() < 3e-3, "{quotient}");
+        let section = Contour::of_section(&mesh, &values(0.3, 0.15));
+        let size = section.measure(Vector::y()).expect("a vesicle");
+        assert!((size.length - 0.6).abs() < 1e-3 && (size.waist - 0.3).abs() < 1e-3);
+        assert_eq!(section.segments.len(), 2 * oblate.segments.len());
+        // φ > 0 is on the left of both sides: twice the area by the sum over the segments.
+        let crosses = section
+            .segments
+            .iter()
+            .map(|[a, b]| a.coords.perp(&b.coords));
+        assert!((0.5 * crosses.sum::<f64>() / section.area - 1.0).abs() < 1e-12);
     }
 }

@@ -24,7 +24,7 @@ impl GradientRecovery {
     pub fn interpolation_error(&mut self, mesh: &Mesh, values: &[f64]) -> f64 {
         self.recover(mesh, values);
         let mut sum = 0.0;
-        for (triangle, area) in mesh.triangles().iter().zip(mesh.areas()) {
+        for (triangle, area) in mesh.triangles().iter().zip(mesh.measures()) {
             for edge in 0..3 {
                 let [a, b] = [triangle[edge] as usize, triangle[(edge + 1) % 3] as usize];
                 let along = mesh.nodes()[b] - mesh.nodes()[a];

@@ -1,6 +1,7 @@
 //! Triangulations of Ω: connectivity, areas, gradients of the basis functions, boundary nodes.
 
 use std::borrow::Cow;
+use std::f64::consts::TAU;
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -9,7 +10,7 @@ use rand_chacha::rand_core::SeedableRng;
 use super::FemError;
 use super::hilbert::along_curve;
 use crate::geometry::{BoundingBox, Point, Vector, doubled_area};
-use crate::scene::Triangulation;
+use crate::scene::{Geometry, Triangulation};
 
 /// A triangulation. Nothing in it says how it was made, [`Mesh::grid`] apart.
 #[derive(Debug, Clone)]
@@ -19,6 +20,9 @@ pub struct Mesh {
     areas: Vec<f64>,
     gradients: Vec<[Vector; 3]>,
     on_boundary: Vec<bool>,
+    geometry: Geometry,
+    /// 2πr̄ times the area of each triangle, with r̄ the mean of r, by rotation; empty in the plane.
+    volumes: Vec<f64>,
     grid: Option<Grid>,
     /// The number that each node has outside; `None`: its own.
     outer: Option<Vec<u32>>,
@@ -56,16 +60,38 @@ impl Mesh {
             areas.push(0.5 * doubled);
             gradients.push([normal(b, c), normal(c, a), normal(a, b)]);
         }
-        let on_boundary = boundary_nodes(nodes.len(), &triangles);
+        let on_boundary = ends(nodes.len(), boundary_edges(&triangles));
         Ok(Self {
             nodes,
             triangles,
             areas,
             gradients,
             on_boundary,
+            geometry: Geometry::Planar,
+            volumes: Vec::new(),
             grid: None,
             outer: None,
         })
+    }
+
+    /// The same mesh of another geometry. By rotation x is the radius r ≥ 0, and the axis no part of ∂Ω: ∂Ω is where the
+    /// body has its surface.
+    #[must_use]
+    pub fn in_geometry(mut self, geometry: Geometry) -> Self {
+        if geometry == self.geometry {
+            return self;
+        }
+        self.geometry = geometry;
+        self.volumes.clear();
+        if geometry == Geometry::Axisymmetric {
+            let triangles = self.triangles.iter().zip(&self.areas);
+            self.volumes.extend(triangles.map(|(corners, area)| {
+                let radii = corners.map(|node| self.nodes[node as usize].x);
+                TAU / 3.0 * (radii[0] + radii[1] + radii[2]) * area
+            }));
+        }
+        self.on_boundary = ends(self.nodes.len(), self.boundary_edges());
+        self
     }
 
     /// The mesh of a file. Inside, nodes and triangles are numbered such that neighbours are close;
@@ -163,7 +189,7 @@ impl Mesh {
             .map(|&triangle| self.triangles[triangle as usize].map(|node| local[node as usize]));
         let places = nodes.iter().map(|&node| self.nodes[node as usize]);
         let part = Self::new(places.collect(), corners.collect())?;
-        Ok((part, nodes))
+        Ok((part.in_geometry(self.geometry), nodes))
     }
 
     /// The number of a node outside: in the file that the mesh is from.
@@ -199,9 +225,44 @@ impl Mesh {
         Cow::Owned(moved)
     }
 
-    /// The edges that belong to one triangle only, with the domain on their left.
+    /// The edges of ∂Ω, with the domain on their left: those that belong to one triangle only, by rotation without those on
+    /// the axis.
     pub fn boundary_edges(&self) -> Vec<[u32; 2]> {
-        boundary_edges(&self.triangles)
+        let mut edges = boundary_edges(&self.triangles);
+        if self.geometry == Geometry::Axisymmetric {
+            let least = self.least_radius();
+            let is_on_axis = |node: &u32| self.nodes[*node as usize].x <= least;
+            edges.retain(|ends| !ends.iter().all(is_on_axis));
+        }
+        edges
+    }
+
+    /// What Ω stands for.
+    pub fn geometry(&self) -> Geometry {
+        self.geometry
+    }
+
+    /// Whether each node lies on the axis of rotation; in the plane none does.
+    pub fn on_axis(&self) -> impl Iterator<Item = bool> {
+        let is_rotated = self.geometry == Geometry::Axisymmetric;
+        let least = self.least_radius();
+        self.nodes
+            .iter()
+            .map(move |node| is_rotated && node.x <= least)
+    }
+
+    /// Up to which r a place lies on the axis: rounding.
+    pub(super) fn least_radius(&self) -> f64 {
+        let largest = self.nodes.iter().map(|node| node.x).fold(0.0, f64::max);
+        1e-12 * largest
+    }
+
+    /// ∫ 1 over each triangle: its area in the plane, and by rotation the volume 2πr̄|T| of its body.
+    pub fn measures(&self) -> &[f64] {
+        match self.geometry {
+            Geometry::Planar => &self.areas,
+            Geometry::Axisymmetric => &self.volumes,
+        }
     }
 
     /// Where the nodes are.
@@ -218,6 +279,51 @@ impl Mesh {
             }
         }
         hull
+    }
+
+    /// The smallest box that holds the cross-section of what the mesh stands for: by rotation both sides of the axis.
+    pub fn section_box(&self) -> BoundingBox {
+        let mut hull = self.bounding_box();
+        if self.geometry == Geometry::Axisymmetric {
+            hull.lower.x = -hull.upper.x;
+        }
+        hull
+    }
+
+    /// The full cross-section of what the mesh stands for, as a mesh of the plane: by rotation with the other side of the axis,
+    /// whose nodes follow those of the mesh; and for each of them, of which node it is the mirror image.
+    pub fn section(&self) -> (Self, Vec<u32>) {
+        let mut section = Self {
+            geometry: Geometry::Planar,
+            volumes: Vec::new(),
+            grid: None,
+            outer: None,
+            ..self.clone()
+        };
+        let mut images = Vec::new();
+        if self.geometry == Geometry::Planar {
+            return (section, images);
+        }
+        let mut numbers: Vec<u32> = (0..self.nodes.len() as u32).collect();
+        for (node, on_axis) in self.on_axis().enumerate() {
+            if !on_axis {
+                numbers[node] = section.nodes.len() as u32;
+                images.push(node as u32);
+                let place = self.nodes[node];
+                section.nodes.push(Point::new(-place.x, place.y));
+                section.on_boundary.push(self.on_boundary[node]);
+            }
+        }
+        // Turned round, so that the corners are counter-clockwise again.
+        let triangles = self.triangles.iter();
+        let triangles = triangles.map(|[a, b, c]| [a, c, b].map(|it| numbers[*it as usize]));
+        section.triangles.extend(triangles);
+        section.areas.extend(&self.areas);
+        let gradients = self.gradients.iter();
+        let mirrored = |slope: &Vector| Vector::new(-slope.x, slope.y);
+        let gradients = gradients.map(|[a, b, c]| [a, c, b].map(mirrored));
+        section.gradients.extend(gradients);
+        (section, images)
     }
 
     /// The three nodes of each triangle, counter-clockwise.
@@ -248,6 +354,7 @@ impl Mesh {
             + size_of_val(&*self.areas)
             + size_of_val(&*self.gradients)
             + size_of_val(&*self.on_boundary)
+            + size_of_val(&*self.volumes)
             + outer * size_of::<u32>()
     }
 
@@ -311,13 +418,13 @@ fn boundary_edges(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
         .collect()
 }
 
-/// Marks the ends of the edges that belong to one triangle only.
-fn boundary_nodes(count: usize, triangles: &[[u32; 3]]) -> Vec<bool> {
-    let mut on_boundary = vec![false; count];
-    for node in boundary_edges(triangles).into_iter().flatten() {
-        on_boundary[node as usize] = true;
+/// Marks the ends of edges.
+fn ends(count: usize, edges: Vec<[u32; 2]>) -> Vec<bool> {
+    let mut is_end = vec![false; count];
+    for node in edges.into_iter().flatten() {
+        is_end[node as usize] = true;
     }
-    on_boundary
+    is_end
 }
 
 #[cfg(test)]

@@ -38,7 +38,7 @@ impl Mesh {
             }
             scene::Mesh::File(file) => Self::from_triangulation(&file.triangulation),
         };
-        mesh.map(Arc::new)
+        mesh.map(|mesh| Arc::new(mesh.in_geometry(scene.geometry)))
     }
 
     /// A mesh of the unit square of another size, made from this one; the seed is that of the nodes that come.
@@ -46,6 +46,7 @@ impl Mesh {
     /// # Errors
     /// [`FemError`]: it cannot be made.
     pub fn adapted(&self, size: &MeshSize, seed: u64) -> Result<Arc<Self>, FemError> {
-        adapted(self, size, seed).map(Arc::new)
+        let mesh = adapted(self, size, seed)?;
+        Ok(Arc::new(mesh.in_geometry(self.geometry())))
     }
 }

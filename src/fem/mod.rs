@@ -21,6 +21,7 @@ mod projection;
 mod quadrature;
 mod quadtree;
 mod raster;
+mod rotation;
 mod space;
 
 pub use assembly::{Assembly, LoadEntries, MatrixEntries};

@@ -10,6 +10,8 @@ use std::ops::Range;
 use wide::f64x8;
 
 use super::assembly::{LoadEntries, MatrixEntries};
+use super::quadrature::POINTS;
+use super::rotation::{element_mass, shares};
 use super::space::{GROUP, LANES, Lane};
 use super::{QuadratureRule, Space};
 use crate::geometry::{SymmetricTensor, Vector};
@@ -71,8 +73,42 @@ impl<'a> Patch<'a> {
         &self.space.mesh().triangles()[self.element_range()]
     }
 
-    fn areas(&self) -> &'a [f64] {
-        &self.space.mesh().areas()[self.element_range()]
+    /// ∫ 1 over each triangle.
+    fn measures(&self) -> &'a [f64] {
+        &self.space.mesh().measures()[self.element_range()]
+    }
+
+    /// By rotation: r over its mean at the corners of a triangle of the patch.
+    #[inline(always)]
+    fn ratios(&self, triangle: usize) -> Option<[f64; 3]> {
+        let rotation = self.space.rotation.as_ref()?;
+        Some(rotation.ratios(self.elements[0] + triangle))
+    }
+
+    /// 1/r̄ of each triangle; `None` in the plane.
+    fn inverse_radii(&self) -> Option<&'a [f64]> {
+        let rotation = self.space.rotation.as_ref()?;
+        Some(&rotation.inverse_radii[self.element_range()])
+    }
+
+    /// Calls f(point, values) for the seven points of a group of the patch, with the values there times r over its mean.
+    #[inline(always)]
+    fn each_point(&self, group: usize, values: &[f64; GROUP], mut f: impl FnMut(usize, f64x8)) {
+        let rows = values.as_chunks::<LANES>().0.iter().enumerate();
+        match self.point_ratios(group) {
+            None => rows.for_each(|(point, row)| f(point, f64x8::new(*row))),
+            Some(ratios) => rows.for_each(|(point, row)| {
+                f(point, f64x8::new(*row) * f64x8::new(ratios[point]));
+            }),
+        }
+    }
+
+    /// By rotation: r over its mean at the seven points of the triangles of a group of the patch.
+    #[inline(always)]
+    fn point_ratios(&self, group: usize) -> Option<[Lane; POINTS]> {
+        let rotation = self.space.rotation.as_ref()?;
+        let group = self.elements[0] / LANES + group;
+        Some(rotation.point_ratios(group, &self.space.coordinates))
     }
 
     /// The weights of its quadrature points.
@@ -80,16 +116,16 @@ impl<'a> Patch<'a> {
         &self.space.weights[self.point_range()]
     }
 
-    /// The triangles in groups: their corners, their areas, the gradients of their first two basis
+    /// The triangles in groups: their corners, their measures, the gradients of their first two basis
     /// functions (the third one's is minus the sum).
     #[inline(always)]
     fn each_group(&self) -> impl Iterator<Item = (&'a [[u32; 3]], &'a [f64], &'a [Lane; 4])> {
         let first = self.elements[0] / LANES;
         self.triangles()
             .chunks(LANES)
-            .zip(self.areas().chunks(LANES))
+            .zip(self.measures().chunks(LANES))
             .zip(&self.space.slopes[first..])
-            .map(|((triangles, areas), slopes)| (triangles, areas, slopes))
+            .map(|((triangles, measures), slopes)| (triangles, measures, slopes))
     }
 
     /// A P1 function at the points and its gradient on the triangles.
@@ -107,6 +143,31 @@ impl<'a> Patch<'a> {
             let corners = corners(nodal, triangles);
             store_gradients(&corners, slopes, gradients);
             self.store_points(&corners, points);
+        }
+    }
+
+    /// The component along the circle of the gradient of a vector field on the triangles, u/r for its component u along r; none
+    /// in the plane.
+    pub fn hoop_gradient(&self, radial: &[f64], hoops: &mut Vec<f64>) {
+        hoops.clear();
+        let triangles = self
+            .triangles()
+            .iter()
+            .zip(self.inverse_radii().unwrap_or(&[]));
+        hoops.extend(triangles.map(|(triangle, inverse)| {
+            let [a, b, c] = triangle.map(|node| radial[node as usize]);
+            (a + b + c) / 3.0 * inverse
+        }));
+    }
+
+    /// entries ← entries + ∫ q ψ_i/r for a flux q along the circle on the triangles.
+    pub fn add_hoop_entries(&self, fluxes: &[f64], entries: &mut [LoadEntries]) {
+        let radii = self.inverse_radii().unwrap_or(&[]);
+        let triangles = self.measures().iter().zip(radii).zip(fluxes).enumerate();
+        for (triangle, ((measure, inverse), flux)) in triangles {
+            for entry in &mut entries[triangle / LANES] {
+                entry[triangle % LANES] += measure * inverse * flux / 3.0;
+            }
         }
     }
 
@@ -144,13 +205,13 @@ impl<'a> Patch<'a> {
 
     /// ∫ f for a density on the triangles.
     pub fn integrate_elements(&self, density: &[f64]) -> f64 {
-        vector::dot(self.areas(), density)
+        vector::dot(self.measures(), density)
     }
 
     /// ∫ f for a density that is worked out triangle by triangle.
     pub fn integrate_elements_of(&self, densities: impl IntoIterator<Item = f64>) -> f64 {
-        let elements = self.areas().iter().zip(densities);
-        elements.map(|(area, density)| area * density).sum()
+        let elements = self.measures().iter().zip(densities);
+        elements.map(|(measure, density)| measure * density).sum()
     }
 
     /// ∫ f ψ_i + ∫ q·∇ψ_i for a density f at the points and a flux q on the triangles. With the lumped rule the part of f
@@ -164,14 +225,16 @@ impl<'a> Patch<'a> {
             return;
         }
         let density = density.as_chunks::<GROUP>().0;
-        for ((((_, areas, slopes), fluxes), entries), density) in groups.zip(density) {
+        for (group, ((((_, areas, slopes), fluxes), entries), density)) in
+            groups.zip(density).enumerate()
+        {
             let mut sums = [f64x8::ZERO; 3];
-            for (point, row) in density.as_chunks::<LANES>().0.iter().enumerate() {
-                let (weight, row) = (self.space.relative_weights[point], f64x8::new(*row));
+            self.each_point(group, density, |point, row| {
+                let weight = self.space.relative_weights[point];
                 for (sum, coordinate) in sums.iter_mut().zip(&self.space.coordinates[point]) {
                     *sum += f64x8::splat(weight * coordinate) * row;
                 }
-            }
+            });
             let areas = lanes(areas);
             *entries = flux_entries(&areas, slopes, fluxes);
             add_times(entries, &areas, &sums);
@@ -186,16 +249,29 @@ impl<'a> Patch<'a> {
         entries: &mut [LoadEntries],
     ) {
         let mut coefficient = coefficient.into_iter();
-        for ((triangles, areas, _), entries) in self.each_group().zip(entries) {
-            let areas = lanes(areas);
+        for (group, ((triangles, measures, _), entries)) in
+            self.each_group().zip(entries).enumerate()
+        {
+            let measures = lanes(measures);
             for ((lane, triangle), c) in triangles.iter().enumerate().zip(&mut coefficient) {
                 let values = triangle.map(|node| u[node as usize]);
-                let sum = values[0] + values[1] + values[2];
-                for (entry, value) in entries.iter_mut().zip(values) {
-                    entry[lane] += match self.space.rule() {
-                        QuadratureRule::Lumped => c * areas[lane] / 3.0 * value,
-                        QuadratureRule::Consistent => c * areas[lane] / 12.0 * (sum + value),
-                    };
+                let products = match (self.space.rule(), self.ratios(group * LANES + lane)) {
+                    (QuadratureRule::Lumped, ratios) => {
+                        let shares = shares(c * measures[lane], ratios);
+                        [0, 1, 2].map(|corner| shares[corner] * values[corner])
+                    }
+                    (QuadratureRule::Consistent, None) => {
+                        let sum = values[0] + values[1] + values[2];
+                        values.map(|value| c * measures[lane] / 12.0 * (sum + value))
+                    }
+                    (QuadratureRule::Consistent, ratios) => {
+                        let [aa, ab, ac, bb, bc, cc] = element_mass(c * measures[lane], ratios);
+                        [[aa, ab, ac], [ab, bb, bc], [ac, bc, cc]]
+                            .map(|row| (0..3).map(|corner| row[corner] * values[corner]).sum())
+                    }
+                };
+                for (entry, product) in entries.iter_mut().zip(products) {
+                    entry[lane] += product;
                 }
             }
         }
@@ -203,9 +279,9 @@ impl<'a> Patch<'a> {
 
     /// ∫ c ψ_j ψ_i for a coefficient at the points. With the lumped rule it is none of the triangles', but the nodes'.
     pub fn mass_entries(&self, coefficient: &[f64], entries: &mut [MatrixEntries]) {
-        for ((group, (_, areas, _)), entries) in self.each_group().enumerate().zip(entries) {
+        for ((group, (_, measures, _)), entries) in self.each_group().enumerate().zip(entries) {
             *entries = [[0.0; LANES]; 6];
-            self.add_mass_entries(coefficient, group, &lanes(areas), entries);
+            self.add_mass_entries(coefficient, group, &lanes(measures), entries);
         }
     }
 
@@ -244,19 +320,18 @@ impl<'a> Patch<'a> {
             return;
         }
         let mut sums = [f64x8::ZERO; 6];
-        let rows = coefficient[group * GROUP..].as_chunks::<LANES>().0.iter();
-        for (row, products) in rows.zip(&self.space.products) {
-            let row = f64x8::new(*row);
-            for (sum, product) in sums.iter_mut().zip(products) {
+        self.each_point(group, &coefficient.as_chunks().0[group], |point, row| {
+            for (sum, product) in sums.iter_mut().zip(&self.space.products[point]) {
                 *sum += row * f64x8::splat(*product);
             }
-        }
+        });
         add_times(entries, areas, &sums);
     }
 
     /// The matrices of two fields x and y on the same mesh, their two blocks and what couples them:
     ///
-    /// x, y blocks: ∫ w ∇ψ_j·∇ψ_i + ∫ c ψ_j ψ_i, and with a tensor R on the triangles also ∫ R_xx ψ_j ψ_i, ∫ R_yy ψ_j ψ_i;
+    /// x, y blocks: ∫ w ∇ψ_j·∇ψ_i + ∫ c ψ_j ψ_i, and with a tensor R on the triangles also ∫ R_xx ψ_j ψ_i, ∫ R_yy ψ_j ψ_i; by
+    /// rotation the x block has ∫ w ψ_j ψ_i/r² too;
     /// coupling: ∫ R_xy ψ_j ψ_i, with the lumped rule only the three entries of the corners, which come first.
     pub fn coupled_entries(
         &self,
@@ -272,19 +347,29 @@ impl<'a> Patch<'a> {
             *x = stiffness_entries(&areas, slopes, &[weight, [0.0; LANES], weight]);
             self.add_mass_entries(coefficient, group, &areas, x);
             *y = *x;
+            if let Some(radii) = self.inverse_radii() {
+                let radii = lanes(&radii[group * LANES..]);
+                for lane in 0..LANES {
+                    let hoop = radii[lane] / 3.0;
+                    let entry = areas[lane] * weight[lane] * hoop * hoop;
+                    x.iter_mut().for_each(|sum| sum[lane] += entry);
+                }
+            }
             *coupling = [[0.0; LANES]; 6];
             let Some(tensors) = tensors else { continue };
             for (lane, tensor) in tensors[group * LANES..].iter().take(LANES).enumerate() {
                 let [xx, xy, yy] = (areas[lane] * *tensor).entries();
+                let ratios = self.ratios(group * LANES + lane);
                 if lumped {
+                    let [xx, xy, yy] = [xx, xy, yy].map(|entry| shares(entry, ratios));
                     for (number, corner) in [0, 3, 5].into_iter().enumerate() {
-                        x[corner][lane] += xx / 3.0;
-                        y[corner][lane] += yy / 3.0;
-                        coupling[number][lane] = xy / 3.0;
+                        x[corner][lane] += xx[number];
+                        y[corner][lane] += yy[number];
+                        coupling[number][lane] = xy[number];
                     }
                 } else {
                     for (block, entry) in [(&mut *x, xx), (&mut *y, yy), (&mut *coupling, xy)] {
-                        for (sum, entry) in block.iter_mut().zip(element_mass(entry)) {
+                        for (sum, entry) in block.iter_mut().zip(element_mass(entry, ratios)) {
                             sum[lane] += entry;
                         }
                     }
@@ -296,18 +381,19 @@ impl<'a> Patch<'a> {
     /// The mean over each triangle, by the rule, of a function at the points.
     pub fn element_means(&self, points: &[f64], means: &mut [f64]) {
         if self.space.rule() == QuadratureRule::Lumped {
-            for (mean, triangle) in means.iter_mut().zip(self.triangles()) {
-                let [a, b, c] = triangle.map(|node| points[node as usize]);
-                *mean = (a + b + c) / 3.0;
+            let triangles = means.iter_mut().zip(self.triangles());
+            for (number, (mean, triangle)) in triangles.enumerate() {
+                let values = triangle.map(|node| points[node as usize]);
+                *mean = lumped_mean(values, self.ratios(number));
             }
             return;
         }
         let groups = points.as_chunks::<GROUP>().0.iter();
-        for (means, group) in means.chunks_mut(LANES).zip(groups) {
+        for (group, (means, values)) in means.chunks_mut(LANES).zip(groups).enumerate() {
             let mut sums = f64x8::ZERO;
-            for (row, weight) in group.as_chunks().0.iter().zip(&self.space.relative_weights) {
-                sums += f64x8::splat(*weight) * f64x8::new(*row);
-            }
+            self.each_point(group, values, |point, row| {
+                sums += f64x8::splat(self.space.relative_weights[point]) * row;
+            });
             means.copy_from_slice(&sums.to_array()[..means.len()]);
         }
     }
@@ -325,10 +411,11 @@ impl<'a> Patch<'a> {
             return;
         }
         points.fill(0.0);
-        let weighted = elements.iter().zip(self.areas());
-        for (triangle, (value, area)) in self.triangles().iter().zip(weighted) {
-            let share = value * area / 3.0;
-            for &node in triangle {
+        let weighted = elements.iter().zip(self.measures());
+        let triangles = self.triangles().iter().zip(weighted);
+        for (number, (triangle, (value, measure))) in triangles.enumerate() {
+            let shares = shares(value * measure, self.ratios(number));
+            for (&node, share) in triangle.iter().zip(shares) {
                 points[node as usize] += share;
             }
         }
@@ -340,9 +427,13 @@ impl<'a> Patch<'a> {
     /// The mean over each triangle, by the rule, of v⊗v for a vector field v at the points.
     pub fn mean_squares(&self, [x, y]: [&[f64]; 2], means: &mut [SymmetricTensor]) {
         if self.space.rule() == QuadratureRule::Lumped {
-            for (mean, triangle) in means.iter_mut().zip(self.triangles()) {
+            let triangles = means.iter_mut().zip(self.triangles());
+            for (number, (mean, triangle)) in triangles.enumerate() {
                 let [x, y] = [x, y].map(|values| triangle.map(|node| values[node as usize]));
-                let of = |u: [f64; 3], v: [f64; 3]| (u[0] * v[0] + u[1] * v[1] + u[2] * v[2]) / 3.0;
+                let ratios = self.ratios(number);
+                let of = |u: [f64; 3], v: [f64; 3]| {
+                    lumped_mean([u[0] * v[0], u[1] * v[1], u[2] * v[2]], ratios)
+                };
                 *mean = SymmetricTensor::new(of(x, x), of(x, y), of(y, y));
             }
             return;
@@ -352,15 +443,20 @@ impl<'a> Patch<'a> {
             .0
             .iter()
             .zip(y.as_chunks::<GROUP>().0);
-        for (means, (x, y)) in means.chunks_mut(LANES).zip(groups) {
+        for (group, (means, (x, y))) in means.chunks_mut(LANES).zip(groups).enumerate() {
             let [mut xx, mut xy, mut yy] = [[0.0; LANES]; 3];
             let rows = x
                 .as_chunks::<LANES>()
                 .0
                 .iter()
                 .zip(y.as_chunks::<LANES>().0);
-            for ((x, y), weight) in rows.zip(&self.space.relative_weights) {
+            let ratios = self.point_ratios(group);
+            for (point, (x, y)) in rows.enumerate() {
+                let weight = self.space.relative_weights[point];
+                let weights = ratios.map(|ratios| ratios[point].map(|ratio| weight * ratio));
+                let weights = weights.unwrap_or([weight; LANES]);
                 for lane in 0..LANES {
+                    let weight = weights[lane];
                     xx[lane] += weight * x[lane] * x[lane];
                     xy[lane] += weight * x[lane] * y[lane];
                     yy[lane] += weight * y[lane] * y[lane];
@@ -383,11 +479,16 @@ impl<'a> Patch<'a> {
     }
 }
 
-/// The entries of the mass matrix of a triangle whose area, times a coefficient, is given.
+/// The mean over a triangle, by its corners.
 #[inline(always)]
-fn element_mass(weighted_area: f64) -> [f64; 6] {
-    let (same, other) = (weighted_area / 6.0, weighted_area / 12.0);
-    [same, other, other, same, other, same]
+fn lumped_mean([a, b, c]: [f64; 3], ratios: Option<[f64; 3]>) -> f64 {
+    match ratios {
+        None => (a + b + c) / 3.0,
+        Some(_) => {
+            let [of_a, of_b, of_c] = shares(1.0, ratios);
+            of_a * a + of_b * b + of_c * c
+        }
+    }
 }
 
 /// As many as there are, the rest zero.

@@ -57,7 +57,7 @@ pub fn ritz_projection(
     let mut projected = solve(&space, space.stiffness(), load, wall)?;
     if wall.is_none() {
         let wanted = space.whole().integrate(&values_at_points(&space, given));
-        let domain: f64 = mesh.areas().iter().sum();
+        let domain: f64 = mesh.measures().iter().sum();
         let shift = (wanted - space.integrate_nodal(&projected)) / domain;
         projected.iter_mut().for_each(|value| *value += shift);
     }

@@ -7,6 +7,7 @@
 
 use super::Mesh;
 use crate::geometry::{BoundingBox, Point, Vector};
+use crate::scene::Geometry;
 
 /// How far outside a triangle (in barycentric coordinates) a sample may lie and still be taken as
 /// inside: far more than rounding, far less than what shows.
@@ -27,13 +28,44 @@ pub struct Raster {
     rows: usize,
     nodes: usize,
     places: Vec<Option<Place>>,
+    /// For each column: −1 on the other side of an axis of rotation, where fields are mirrored, and 1 elsewhere.
+    sides: Vec<f64>,
 }
 
 impl Raster {
     /// Finds the triangle of each sample. A sample on an edge or a vertex belongs to the first of
-    /// the triangles that meet there, a sample outside of all triangles to none.
+    /// the triangles that meet there, a sample outside of all triangles to none. By rotation there is a mirror image of the
+    /// mesh on the other side of the axis.
     pub fn new(mesh: &Mesh, region: BoundingBox, columns: usize, rows: usize) -> Self {
-        let mut places = vec![None; columns * rows];
+        let mut raster = Self {
+            columns,
+            rows,
+            nodes: mesh.nodes().len(),
+            places: vec![None; columns * rows],
+            sides: vec![1.0; columns],
+        };
+        raster.lay(mesh, region, 1.0);
+        if mesh.geometry() == Geometry::Axisymmetric {
+            let across = region.extent().x / columns.max(1) as f64;
+            for (column, side) in raster.sides.iter_mut().enumerate() {
+                if region.lower.x + (column as f64 + 0.5) * across < 0.0 {
+                    *side = -1.0;
+                }
+            }
+            raster.lay(mesh, region, -1.0);
+        }
+        raster
+    }
+
+    /// Lays the triangles over the samples, with x times `side`.
+    fn lay(&mut self, mesh: &Mesh, region: BoundingBox, side: f64) {
+        let Self {
+            columns,
+            rows,
+            places,
+            ..
+        } = self;
+        let (columns, rows) = (*columns, *rows);
         let BoundingBox { lower, upper } = region;
         let across = (upper.x - lower.x) / columns.max(1) as f64;
         let down = (upper.y - lower.y) / rows.max(1) as f64;
@@ -41,7 +73,8 @@ impl Raster {
             let corners = triangle.map(|node| mesh.nodes()[node as usize]);
             // The samples whose centres lie between the corners, as (first, one past the last).
             let span = |axis: usize, start: f64, step: f64, count: usize| {
-                let offsets = corners.map(|corner| (corner[axis] - start) / step - 0.5);
+                let sign = if axis == 0 { side } else { 1.0 };
+                let offsets = corners.map(|corner| (sign * corner[axis] - start) / step - 0.5);
                 let least = offsets.iter().copied().fold(f64::INFINITY, f64::min);
                 let greatest = offsets.iter().copied().fold(f64::NEG_INFINITY, f64::max);
                 // One sample's breadth of 1e-6 more: the slack is for rounding at the sides.
@@ -59,7 +92,7 @@ impl Raster {
                         continue;
                     }
                     let x = lower.x + (column as f64 + 0.5) * across;
-                    let at = Point::new(x, y);
+                    let at = Point::new(side * x, y);
                     let weights = [0, 1, 2].map(|corner| {
                         let (gradient, offset) = (gradients[corner], at - corners[corner]);
                         1.0 + gradient.x * offset.x + gradient.y * offset.y
@@ -72,12 +105,6 @@ impl Raster {
                     }
                 }
             }
-        }
-        Self {
-            columns,
-            rows,
-            nodes: mesh.nodes().len(),
-            places,
         }
     }
 
@@ -100,6 +127,11 @@ impl Raster {
         self.places
             .get(row * self.columns + column)?
             .map(|place| place.value(nodal))
+    }
+
+    /// The same for the component along x of a vector field, whose sign the other side of an axis of rotation turns round.
+    pub fn at_across(&self, nodal: &[f64], column: usize, row: usize) -> Option<f64> {
+        Some(self.at(nodal, column, row)? * self.sides.get(column)?)
     }
 
     /// The values of a P1 function at all samples, row after row from the top. Without values for
@@ -249,6 +281,41 @@ mod tests {
             let raster = Raster::new(&mesh, UNIT, columns, rows);
             assert_eq!((raster.columns(), raster.rows()), (columns, rows));
             assert_eq!(raster.at(&[0.0; 16], 0, 0), None);
+        }
+    }
+
+    /// The section as a mesh of the plane is what the raster of the half shows.
+    #[test]
+    fn by_rotation_the_other_side_is_the_mirror_image() {
+        let mesh = Mesh::structured(7, 0.3, 5).expect("a fair mesh");
+        let mesh = mesh.in_geometry(Geometry::Axisymmetric);
+        let values = nodal(&mesh, |x, y| 1.0 + x * x + (5.0 * y).sin());
+        let (section, images) = mesh.section();
+        assert_eq!((section.nodes().len(), images.len()), (64 + 56, 56));
+        assert_eq!(section.bounding_box(), mesh.section_box());
+        assert!((section.areas().iter().sum::<f64>() - 2.0).abs() < 1e-13);
+        let remade = Mesh::new(section.nodes().to_vec(), section.triangles().to_vec());
+        let remade = remade.expect("counter-clockwise");
+        for (one, other) in remade.gradients().iter().zip(section.gradients()) {
+            let pairs = one.iter().zip(other);
+            assert!(
+                pairs
+                    .map(|(a, b)| (a - b).abs().max())
+                    .all(|off| off < 1e-11)
+            );
+        }
+        let mirrored = images.iter().map(|node| values[*node as usize]);
+        let all: Vec<f64> = values.iter().copied().chain(mirrored).collect();
+        let region = mesh.section_box();
+        let [half, whole] = [&mesh, &section].map(|mesh| Raster::new(mesh, region, 26, 11));
+        for row in 0..11 {
+            for column in 0..26 {
+                let value = half.at(&values, column, row).expect("inside");
+                let wanted = whole.at(&all, column, row).expect("inside");
+                assert!((value - wanted).abs() < 1e-13, "{column} {row}");
+                let across = half.at_across(&values, column, row).expect("inside");
+                assert_eq!(across, if column < 13 { -value } else { value });
+            }
         }
     }
 }

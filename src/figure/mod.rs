@@ -150,6 +150,8 @@ pub struct FigureOptions {
     pub existing: Existing,
     /// Whether a set has the snapshots as VTU files and the whole history as well.
     pub fields: bool,
+    /// At how many angles about the axis the surface of a body of rotation is saved; `None`: it is not.
+    pub revolve: Option<u32>,
 }
 
 impl Default for FigureOptions {
@@ -165,6 +167,7 @@ impl Default for FigureOptions {
             colours: ColourMap::default(),
             existing: Existing::default(),
             fields: false,
+            revolve: None,
         }
     }
 }

@@ -14,6 +14,7 @@ use super::{Director, FigureError, needs};
 use crate::fem::{Contour, Mesh, Wall, center_and_axis};
 use crate::geometry::{BoundingBox, Point, Segment};
 use crate::physics::bending_energy_density;
+use crate::scene::Geometry;
 use crate::scheme::State;
 use crate::theory::ShapeAtRest;
 use plotters::chart::{ChartBuilder, LabelAreaPosition};
@@ -101,6 +102,12 @@ pub(super) fn draw(
     let (x_end, y_end) = (x.end, y.end);
     let corners = [(x.start, y.start), (x_end, y_end)];
     let mut chart = ChartBuilder::on(&part(page, place)).build_cartesian_2d(x, y)?;
+    let is_rotated = mesh.geometry() == Geometry::Axisymmetric;
+    let section = is_rotated.then(|| section(mesh, state));
+    let (mesh, state) = match &section {
+        Some((mesh, state)) => (mesh, state),
+        None => (mesh, state),
+    };
     let values = values(state, style.field);
     let field = |place| field_image(place, (mesh, style.frame), &values, style.scale);
     chart.draw_series(once(raster(corners, field)))?;
@@ -131,7 +138,7 @@ pub(super) fn draw(
         let segments = segments.filter_map(|segment| clipped(*segment, &bounds));
         let contour = Contour {
             segments: segments.collect(),
-            area: contour.area,
+            ..Contour::default()
         };
         for curve in chain(&contour) {
             for piece in pieces(curve.into_iter().map(<(f64, f64)>::from)) {
@@ -145,7 +152,18 @@ pub(super) fn draw(
     let area: f64 = mesh.areas().iter().sum();
     if area < (1.0 - 1e-9) * sides[0] * sides[1] {
         let segments = Wall::of(mesh).edges().to_vec();
-        curves(&Contour { segments, area }, line(0.8))?;
+        let wall = Contour {
+            segments,
+            ..Contour::default()
+        };
+        curves(&wall, line(0.8))?;
+    }
+    if is_rotated {
+        for (number, from) in axis_dashes(&bounds).enumerate() {
+            let to = from + AXIS_DASH * bounds.extent().y * [1.0, 0.2][number % 2];
+            let ends = [(0.0, from), (0.0, to.min(y_end))];
+            chart.draw_series(once(PathElement::new(ends, line(0.5))))?;
+        }
     }
     if let Some(theory) = theory {
         let (center, axis) = center_and_axis(mesh, &state.phi);
@@ -167,6 +185,37 @@ pub(super) fn draw(
     let frame = plotters::element::Rectangle::new(corners, line(0.8));
     chart.draw_series(once(frame))?;
     Ok(())
+}
+
+/// Of the height of a body of rotation, the longer dashes of the line that marks its axis, and from one dash to the next.
+const AXIS_DASH: f64 = 0.02;
+const AXIS_STEP: f64 = 0.018;
+
+/// Where the dashes of the axis begin, long and short ones in turn.
+fn axis_dashes(region: &BoundingBox) -> impl Iterator<Item = f64> {
+    let (low, height) = (region.lower.y, region.extent().y);
+    let count = (1.0 / (2.0 * AXIS_STEP)) as u32;
+    (0..count).flat_map(move |number| {
+        let at = low + height * 2.0 * AXIS_STEP * f64::from(number);
+        [at, at + height * (AXIS_DASH + 0.3 * AXIS_STEP)]
+    })
+}
+
+/// The full cross-section of a body of rotation: d is mirrored with it.
+fn section(mesh: &Mesh, state: &State) -> (Mesh, State) {
+    let (whole, images) = mesh.section();
+    let with_images = |field: &[f64], sign: f64| -> Vec<f64> {
+        let mirrored = images.iter().map(|node| sign * field[*node as usize]);
+        field.iter().copied().chain(mirrored).collect()
+    };
+    let director = state.director.as_ref();
+    let state = State {
+        phi: with_images(&state.phi, 1.0),
+        omega: with_images(&state.omega, 1.0),
+        mu: with_images(&state.mu, 1.0),
+        director: director.map(|[x, y]| [with_images(x, -1.0), with_images(y, 1.0)]),
+    };
+    (whole, state)
 }
 
 /// The colours of a P1 function on the pixels of a place.
@@ -261,23 +310,31 @@ const TICK_GAP: f64 = 0.25;
 const NUMBER_GAP: f64 = 0.4;
 
 /// The axes of a picture: where its ticks stand, and their numbers.
-pub(super) struct Axes([Axis; 2]);
+pub(super) struct Axes {
+    of: [Axis; 2],
+    names: [&'static str; 2],
+}
 
 impl Axes {
     /// Those of a part of the plane in a picture of this width and height, whose text has a size.
-    pub fn new(frame: Frame, sides: [f64; 2], size: f64) -> Self {
-        Self([0, 1].map(|axis| {
+    pub fn new(geometry: Geometry, frame: Frame, sides: [f64; 2], size: f64) -> Self {
+        let of = [0, 1].map(|axis| {
             let low = frame.corner[axis];
             // So that the numbers do not meet.
             let most = (sides[axis] / (2.6 * size)).clamp(2.0, 6.0);
             Axis::new([low, low + frame.sides[axis]], most as usize)
-        }))
+        });
+        let names = match geometry {
+            Geometry::Planar => ["x", "y"],
+            Geometry::Axisymmetric => ["r", "z"],
+        };
+        Self { of, names }
     }
 
     /// The room that the y axis takes at the left of a picture.
     pub fn left_room(&self, size: f64) -> f64 {
-        let name = self.0[1].name(Label::symbol("y")).width(size);
-        self.0[1].widest(size) + name + (TICK + 3.0 * TICK_GAP) * size
+        let name = self.of[1].name(Label::symbol(self.names[1])).width(size);
+        self.of[1].widest(size) + name + (TICK + 3.0 * TICK_GAP) * size
     }
 }
 
@@ -294,7 +351,7 @@ pub(super) fn draw_axes(
     size: f64,
     numbers: [bool; 2],
 ) -> Result<(), FigureError> {
-    for (number, (axis, name)) in axes.0.iter().zip(["x", "y"]).enumerate() {
+    for (number, (axis, name)) in axes.of.iter().zip(axes.names).enumerate() {
         // So many sizes of the text away from the picture.
         let at = |share: f64, out: f64| match number {
             0 => [

@@ -8,9 +8,12 @@ use super::strip::{self, Strip};
 use super::table::{write_state, write_strips};
 use super::text::Label;
 use super::{Existing, FigureError, FigureOptions, curves, needs, pixels, png, svg, view};
+use crate::fem::Contour;
 use crate::geometry::Point;
-use crate::record::{Number, make_folder, write_fields, write_new, write_series, write_whole};
-use crate::scene::Scene;
+use crate::record::{
+    Number, make_folder, write_fields, write_new, write_series, write_surface, write_whole,
+};
+use crate::scene::{Geometry, Scene};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -104,7 +107,8 @@ fn what_and_suffix(field: Field) -> (&'static str, &'static str) {
 /// | `<name>-outline` | length, waist and greatest width of the vesicle |
 ///
 /// each as PNG and SVG, with its data as CSV; with [`FigureOptions::fields`] also the snapshots as
-/// VTU files in `<name>-fields/` and their list, `<name>-fields.pvd`, and the history. Of several
+/// VTU files in `<name>-fields/` and their list, `<name>-fields.pvd`, and the history; with
+/// [`FigureOptions::revolve`] also the surface of a body of rotation in space, `<name>-surface.vtu`. Of several
 /// runs, the same again for all of them together, as `all-…`.
 ///
 /// # Errors
@@ -147,6 +151,11 @@ pub fn save_set(
     if options.fields {
         for (run, label) in runs.iter().zip(&labels) {
             save_fields(run, label, &mut files)?;
+        }
+    }
+    if let Some(around) = options.revolve {
+        for (run, label) in runs.iter().zip(&labels) {
+            save_surface(run, label, around, &mut files)?;
         }
     }
     for set in &sets {
@@ -314,6 +323,24 @@ fn save_fields(run: &RunData, label: &RunLabel, files: &mut Files) -> Result<(),
     let text = run.history.to_csv();
     write_whole(&path, |file| file.write_all(text.as_bytes()))?;
     files.written.push(path);
+    Ok(())
+}
+
+/// The surface of the last snapshot in space, if the run is of a body of rotation.
+fn save_surface(
+    run: &RunData,
+    label: &RunLabel,
+    around: u32,
+    files: &mut Files,
+) -> Result<(), FigureError> {
+    let is_rotated = |snapshot: &&Snapshot| snapshot.mesh.geometry() == Geometry::Axisymmetric;
+    if let Some(Snapshot { mesh, state, t, .. }) = run.snapshots.last().filter(is_rotated) {
+        let stem = files.renamed(&label.file);
+        let path = files.path(&format!("{stem}-surface"), "vtu");
+        let contour = Contour::new(mesh, &state.phi);
+        write_surface(&path, &contour, around, *t)?;
+        files.written.push(path);
+    }
     Ok(())
 }
 

@@ -7,6 +7,7 @@ use super::panel::{self, Axes, Style};
 use super::sampling::Frame;
 use super::text::Label;
 use super::{FigureError, FigureOptions, TEXT_SIZES_A_WIDTH, text_size};
+use crate::scene::Geometry;
 use crate::theory::ShapeAtRest;
 use plotters::style::text_anchor::{HPos, VPos};
 
@@ -44,7 +45,7 @@ pub(super) fn draw(strips: &[Strip], options: &FigureOptions) -> Result<Drawing,
     );
     let size = text_size(options.width, TEXT_SIZES_A_WIDTH);
     let shown = || states().map(|snapshot| (&*snapshot.mesh, &*snapshot.state));
-    let domains = shown().map(|(mesh, _)| mesh.bounding_box());
+    let domains = shown().map(|(mesh, _)| mesh.section_box());
     let Some(domain) = domains.reduce(|one, other| one.union(&other)) else {
         return Drawing::compose(options.width, |_| Ok(1.0));
     };
@@ -68,7 +69,10 @@ pub(super) fn draw(strips: &[Strip], options: &FigureOptions) -> Result<Drawing,
     let most = counts.fold(1, usize::max);
     // The numbers of the axes do not depend on a picture's exact size.
     let guess = (width - 12.0 * size) / most.clamp(1, 5) as f64 - gap;
-    let axes = Axes::new(frame, [guess, guess / frame.aspect()], size);
+    let geometry = shown()
+        .next()
+        .map_or(Geometry::Planar, |(mesh, _)| mesh.geometry());
+    let axes = Axes::new(geometry, frame, [guess, guess / frame.aspect()], size);
     let left = margin + axes.left_room(size);
     let side_of = |columns: usize| (room(left) - gap * (columns as f64 - 1.0)) / columns as f64;
     let fits = |columns: &usize| side_of(*columns) >= least_side;

@@ -20,7 +20,7 @@ pub(super) fn draw(
     let size = text_size(options.width, VIEW_TEXT_SIZES_A_WIDTH);
     let scale = panel::scale(std::iter::once(view.state), view.field, options.colours);
     let shown = [(view.mesh, view.state)];
-    let frame = Frame::around(&view.mesh.bounding_box(), shown, options.zoom, 1.0);
+    let frame = Frame::around(&view.mesh.section_box(), shown, options.zoom, 1.0);
     let style = Style {
         scale: &scale,
         field: view.field,
@@ -31,7 +31,12 @@ pub(super) fn draw(
     let name = panel::symbol(view.state, view.field);
     let (width, margin, gap) = (f64::from(options.width), 0.7 * size, 0.9 * size);
     // The numbers of the axes do not depend on a picture's exact size.
-    let axes = Axes::new(frame, [0.75 * width, 0.75 * width / frame.aspect()], size);
+    let axes = Axes::new(
+        view.mesh.geometry(),
+        frame,
+        [0.75 * width, 0.75 * width / frame.aspect()],
+        size,
+    );
     let left = margin + axes.left_room(size);
     let bar = panel::bar_room(&scale, size, &name);
     let side = (width - left - gap - bar - margin).floor();

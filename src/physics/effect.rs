@@ -315,9 +315,11 @@ pub trait Effect: Send + Sync + std::fmt::Debug {
 pub struct DirectorForm {
     /// For each component, a vector on each triangle.
     pub flux: [Vec<Vector>; 2],
+    /// By rotation the component of the flux along the circle, which is tested with e_r/r, on each triangle.
+    pub hoop: Vec<f64>,
     /// For each component, a value at each point.
     pub load: [Vec<f64>; 2],
-    /// A weight ≥ 0 on each triangle, of ∇d.
+    /// A weight ≥ 0 on each triangle, of ∇d with all its components.
     pub stiffness: Vec<f64>,
     /// R ≥ 0, a tensor on each triangle, of d.
     pub tensor: Vec<SymmetricTensor>,
@@ -358,6 +360,10 @@ impl DirectorForm {
                 *flux += *weight * step.scheme.implicit(*old, *new);
             }
         }
+        self.hoop.clear();
+        let hoops = self.stiffness.iter().zip(old.hoop.iter().zip(&new.hoop));
+        let hoops = hoops.map(|(weight, (old, new))| weight * step.scheme.implicit(*old, *new));
+        self.hoop.extend(hoops);
     }
 
     /// Makes of stiffness and R the derivative with respect to d: of what acts on d_θ, and with the tangent.

@@ -1,5 +1,6 @@
 //! The nematic energy λ_nem E_nem = λ_nem ∫ I(φ) (½|∇d|² + P(d)) with the truncated potential P
-//! that keeps |d| near 1.
+//! that keeps |d| near 1. By rotation |∇d|² has the part d_r²/r² along the circle: the director has no component along it
+//! (no twist), and the elastic energy with one constant is that of |∇d|², saddle-splay included (K₂₄ = K).
 
 use super::potentials::{
     INDICATOR_CONVEXITY, indicator_secant, indicator_secant_bound, indicator_secant_derivative,
@@ -54,6 +55,9 @@ impl Nematic {
                 .zip(along_y)
                 .map(|(x, y)| 0.5 * self.weight * (x.norm_squared() + y.x * y.x + y.y * y.y)),
         );
+        for (element, hoop) in elements.iter_mut().zip(&director.hoop) {
+            *element += 0.5 * self.weight * hoop * hoop;
+        }
         density.resize(patch.points(), 0.0);
         patch.from_elements(elements, density);
         let scale = self.weight * self.stiffness;
@@ -233,7 +237,12 @@ impl Effect for Nematic {
             let [x, y] = [0, 1].map(|axis| {
                 new_director.gradients[axis][triangle] - old_director.gradients[axis][triangle]
             });
-            *weight *= 0.5 * (x.norm_squared() + y.norm_squared());
+            let hoops = [new_director, old_director].map(|it| it.hoop.get(triangle));
+            let along_circle = match hoops {
+                [Some(new), Some(old)] => (new - old) * (new - old),
+                _ => 0.0,
+            };
+            *weight *= 0.5 * (x.norm_squared() + y.norm_squared() + along_circle);
         }
         terms.add("ND_elast", patch.integrate_elements(elements));
 

@@ -27,6 +27,8 @@ pub struct DirectorFields {
     pub values: [Vec<f64>; 2],
     /// ∇d_x and ∇d_y on the triangles.
     pub gradients: [Vec<Vector>; 2],
+    /// By rotation the component of ∇d along the circle, d_r/r on the triangles; empty in the plane.
+    pub hoop: Vec<f64>,
 }
 
 impl DirectorFields {
@@ -64,6 +66,7 @@ impl PatchFields {
         if let Some(director) = &mut self.director {
             director.values.iter_mut().for_each(Vec::clear);
             director.gradients.iter_mut().for_each(Vec::clear);
+            director.hoop.clear();
         }
     }
 
@@ -84,6 +87,7 @@ impl PatchFields {
                 let (values, gradients) = (&mut sample.values[axis], &mut sample.gradients[axis]);
                 fill(patch, component, values, gradients);
             }
+            patch.hoop_gradient(&director[0], &mut sample.hoop);
         }
     }
 }

@@ -85,4 +85,4 @@ pub use snapshots::{write_state, write_states};
 pub use summary::{
     Ending, EventRecord, FinerRun, MeasuredErrorRecord, OutlineChange, RunSummary, Status,
 };
-pub use vtu::{write_fields, write_series};
+pub use vtu::{write_fields, write_series, write_surface};

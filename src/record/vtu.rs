@@ -11,16 +11,22 @@
 
 use super::atomic::write_whole;
 use super::{Number, RecordError};
-use crate::fem::Mesh;
+use crate::fem::{Contour, Mesh};
+use crate::scene::Geometry;
 use crate::scheme::State;
 use base64::engine::general_purpose::STANDARD;
 use base64::write::EncoderWriter;
+use std::f64::consts::TAU;
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
-/// VTK's number for a triangle.
+/// VTK's numbers for a triangle and for a quadrangle.
 const TRIANGLE: u8 = 5;
+const QUADRANGLE: u8 = 9;
+
+/// The array that says that x and y are r and z of a body of rotation.
+pub(super) const AXISYMMETRIC: &str = "Axisymmetric";
 
 /// How a file ends.
 const END: &str = "</VTKFile>";
@@ -31,6 +37,19 @@ const END: &str = "</VTKFile>";
 /// [`RecordError::Write`].
 pub fn write_fields(path: &Path, mesh: &Mesh, state: &State, t: f64) -> Result<(), RecordError> {
     write_whole(path, |file| fields(file, mesh, state, t))
+}
+
+/// Writes the surface of a body of rotation in space, the contour φ = 0 at `around` angles about the z axis, to the file `path`.
+///
+/// # Errors
+/// [`RecordError::Write`].
+pub fn write_surface(
+    path: &Path,
+    contour: &Contour,
+    around: u32,
+    t: f64,
+) -> Result<(), RecordError> {
+    write_whole(path, |file| surface(file, contour, around, t))
 }
 
 /// Writes the list of VTU files with their times to the file `path`.
@@ -70,9 +89,53 @@ fn last_bytes(path: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-fn fields(file: &mut dyn Write, mesh: &Mesh, state: &State, t: f64) -> io::Result<()> {
-    let nodes = mesh.nodes().len();
-    let triangles = mesh.triangles().len();
+fn surface(file: &mut dyn Write, contour: &Contour, around: u32, t: f64) -> io::Result<()> {
+    let segments = &contour.segments;
+    // Both ends of each segment at each angle, then those of the next segment.
+    let places = segments.iter().flat_map(|ends| {
+        (0..around).flat_map(move |number| {
+            let (sine, cosine) = (TAU * f64::from(number) / f64::from(around)).sin_cos();
+            ends.map(move |place| [place.x * cosine, place.x * sine, place.y])
+        })
+    });
+    let ring = i64::from(around);
+    let cells = (0..segments.len() as i64).flat_map(|segment| {
+        (0..ring).flat_map(move |number| {
+            let at = |number: i64, end: i64| 2 * (segment * ring + number % ring) + end;
+            [
+                at(number, 0),
+                at(number + 1, 0),
+                at(number + 1, 1),
+                at(number, 1),
+            ]
+        })
+    });
+    let count = segments.len() * around as usize;
+    head(file, t, [2 * count, count], |_| Ok(()))?;
+    writeln!(file, "<Points>")?;
+    let name = r#"Name="points" NumberOfComponents="3""#;
+    array(file, name, places.flatten())?;
+    writeln!(file, "</Points>")?;
+    writeln!(file, "<Cells>")?;
+    array(file, r#"Name="connectivity""#, cells)?;
+    let ends = (1..=count).map(|cell| 4 * cell as i64);
+    array(file, r#"Name="offsets""#, ends)?;
+    array(
+        file,
+        r#"Name="types""#,
+        std::iter::repeat_n(QUADRANGLE, count),
+    )?;
+    writeln!(file, "</Cells>")?;
+    tail(file)
+}
+
+/// What a file begins with: its time, what else belongs to all of it, its points and cells.
+fn head(
+    file: &mut dyn Write,
+    t: f64,
+    [points, cells]: [usize; 2],
+    more: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
     writeln!(file, r#"<?xml version="1.0"?>"#)?;
     writeln!(
         file,
@@ -82,12 +145,32 @@ fn fields(file: &mut dyn Write, mesh: &Mesh, state: &State, t: f64) -> io::Resul
     // ParaView takes the time of a single file from here.
     writeln!(file, "<FieldData>")?;
     array(file, r#"Name="TimeValue" NumberOfTuples="1""#, [t])?;
+    more(file)?;
     writeln!(file, "</FieldData>")?;
     writeln!(
         file,
-        r#"<Piece NumberOfPoints="{nodes}" NumberOfCells="{triangles}">"#
+        r#"<Piece NumberOfPoints="{points}" NumberOfCells="{cells}">"#
     )?;
+    writeln!(file)
+}
 
+/// What it ends with.
+fn tail(file: &mut dyn Write) -> io::Result<()> {
+    writeln!(file, "</Piece>")?;
+    writeln!(file, "</UnstructuredGrid>")?;
+    writeln!(file, "{END}")
+}
+
+fn fields(file: &mut dyn Write, mesh: &Mesh, state: &State, t: f64) -> io::Result<()> {
+    let nodes = mesh.nodes().len();
+    let triangles = mesh.triangles().len();
+    head(file, t, [nodes, triangles], |file| {
+        if mesh.geometry() == Geometry::Planar {
+            return Ok(());
+        }
+        let name = format!(r#"Name="{AXISYMMETRIC}" NumberOfTuples="1""#);
+        array(file, &name, [1.0])
+    })?;
     writeln!(file, "<Points>")?;
     let places = mesh.outward(mesh.nodes());
     let points = places.iter().flat_map(|place| [place.x, place.y, 0.0]);
@@ -122,10 +205,8 @@ fn fields(file: &mut dyn Write, mesh: &Mesh, state: &State, t: f64) -> io::Resul
         array(file, r#"Name="director" NumberOfComponents="3""#, vectors)?;
     }
     writeln!(file, "</PointData>")?;
-
-    writeln!(file, "</Piece>")?;
-    writeln!(file, "</UnstructuredGrid>")?;
-    writeln!(file, "{END}")
+    writeln!(file)?;
+    tail(file)
 }
 
 /// A number that VTK has a type for.
@@ -270,5 +351,36 @@ mod tests {
         let text = std::fs::read_to_string(path).unwrap();
         assert!(text.contains(r#"<DataSet timestep="0" part="0" file="a.vtu"/>"#));
         assert!(text.contains(r#"<DataSet timestep="2.5e-7" part="0" file="b.vtu"/>"#));
+    }
+
+    /// A cone's frustum: two rings of radii 1 and 2.
+    #[test]
+    fn a_surface_is_the_contour_at_every_angle() {
+        let contour = Contour {
+            segments: vec![[[1.0, 0.0], [2.0, 3.0]].map(Into::into)],
+            ..Contour::default()
+        };
+        let mut file = tempfile::tempfile().expect("a file");
+        surface(&mut file, &contour, 4, 0.5).expect("written");
+        file.seek(SeekFrom::Start(0)).expect("a file");
+        let mut text = String::new();
+        file.read_to_string(&mut text).expect("text");
+        let points = doubles(&text, "points");
+        let points = points.as_chunks::<3>().0;
+        assert_eq!(points.len(), 8);
+        for [x, y, z] in points {
+            let radius = if *z == 0.0 { 1.0 } else { 2.0 };
+            assert!((x.hypot(*y) - radius).abs() < 1e-15);
+        }
+        let corners = bytes(&text, "connectivity");
+        let corners = corners
+            .as_chunks::<8>()
+            .0
+            .iter()
+            .map(|it| i64::from_le_bytes(*it));
+        let corners: Vec<i64> = corners.collect();
+        assert_eq!(corners[..4], [0, 2, 3, 1]);
+        assert_eq!(corners[12..], [6, 0, 1, 7]);
+        assert!(text.contains(r#"NumberOfPoints="8" NumberOfCells="4""#));
     }
 }

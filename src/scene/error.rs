@@ -93,9 +93,31 @@ pub enum Problem {
     },
     /// The cosine transform was asked for where it does not apply.
     #[error(
-        "solver.linear = \"transform\" needs mesh.kind = \"structured\" with mesh.jitter = 0, and domain.boundary = \"natural\"; leave it out, or take \"factor\""
+        "solver.linear = \"transform\" needs mesh.kind = \"structured\" with mesh.jitter = 0, domain.boundary = \"natural\" and domain.geometry = \"planar\"; leave it out, or take \"factor\""
     )]
     TransformDoesNotApply,
+    /// An outline that reaches the axis of rotation is not its own mirror image there.
+    #[error(
+        "by rotation (domain.geometry = \"axisymmetric\") an outline that reaches the axis x = 0 must be its own mirror image there: \
+         put its center on the axis, such as [0.0, 0.5], and give an angle of 0 or 90 degrees; or keep it off the axis, where it is a ring"
+    )]
+    AskewOnAxis,
+    /// A field across the axis of rotation.
+    #[error(
+        "by rotation (domain.geometry = \"axisymmetric\") a field can only be along the axis: field.angle must be 90 or -90, not {angle}"
+    )]
+    FieldAcrossAxis {
+        /// The angle in degrees.
+        angle: f64,
+    },
+    /// A mesh beyond the axis of rotation.
+    #[error(
+        "by rotation (domain.geometry = \"axisymmetric\") x is the radius: the mesh has a node at x = {x}, and none may be at x < 0"
+    )]
+    MeshBeyondAxis {
+        /// Where.
+        x: f64,
+    },
     /// The shifted Laplacians were asked for where they do not apply.
     #[error(
         "solver.linear = \"shifted\" needs domain.boundary = \"natural\"; leave it out, or take \"factor\""

@@ -61,6 +61,11 @@ pub enum Warning {
         /// Whether it is positive.
         inside: bool,
     },
+    /// By rotation a uniform d⁰ that is not along the axis: the axis is a line of defect.
+    DefectOnAxis {
+        /// η_d.
+        penalty: f64,
+    },
     /// The director turns by no whole number of turns around a point, so that it jumps along a line.
     FractionalWinding {
         /// The point.
@@ -196,6 +201,12 @@ impl fmt::Display for Warning {
                 "the initial φ is {} everywhere: there is no membrane, so neither a vesicle nor what acts \
                  on one, until φ changes its sign somewhere",
                 if inside { "positive" } else { "negative or 0" },
+            ),
+            Self::DefectOnAxis { penalty } => write!(
+                f,
+                "by rotation this nematic.initial points away from the axis on all sides, so the axis is a line of defect: \
+                 its core is about as wide as nematic.penalty = {penalty:?}, and its energy grows like the logarithm of \
+                 that; [0.0, 1.0] is along the axis"
             ),
             Self::FractionalWinding {
                 center: [x, y],

@@ -156,6 +156,10 @@ impl Workspace {
                 coupling: space.new_form(),
                 coupled: false,
                 kept: kept.to_vec(),
+                axis: (0..)
+                    .zip(space.mesh().on_axis())
+                    .filter_map(|(node, on)| on.then_some(node))
+                    .collect(),
             },
             load: both(),
             inverse_diagonal: both(),
@@ -182,6 +186,8 @@ struct DirectorMatrix {
     coupled: bool,
     /// Nodes where δ = 0.
     kept: Vec<u32>,
+    /// Nodes where δ_r = 0, for there d_r = 0: those on the axis of rotation.
+    axis: Vec<u32>,
 }
 
 impl DirectorMatrix {
@@ -191,6 +197,9 @@ impl DirectorMatrix {
         for &node in &self.kept {
             x[node as usize] = 0.0;
             y[node as usize] = 0.0;
+        }
+        for &node in &self.axis {
+            x[node as usize] = 0.0;
         }
     }
 }
@@ -215,7 +224,7 @@ impl DirectorStep {
         let size = 2 * space.nodes();
         Self {
             mobility,
-            largest_eigenvalue: space.stiffness().eigenvalue_bound(space.nodal_weights()),
+            largest_eigenvalue: space.largest_eigenvalue(),
             region: ActiveRegion::default(),
             work: None,
             increment: vec![0.0; size],
@@ -596,6 +605,9 @@ impl Workspace {
             form.add_flux_of_stiffness(&step);
             for (axis, entries) in of_load.into_iter().enumerate() {
                 patch.load_entries(&form.load[axis], &form.flux[axis], entries);
+                if axis == 0 {
+                    patch.add_hoop_entries(&form.hoop, entries);
+                }
                 if form.has_tensor {
                     for (other, component) in implicit.iter().enumerate() {
                         let row = form.tensor.iter().map(|tensor| tensor[(axis, other)]);

@@ -72,7 +72,7 @@ pub fn initial_fields(scene: &Scene, mesh: &Arc<Mesh>) -> Result<InitialFields, 
             *value = if *on { wall } else { *value };
         }
     }
-    let director = match &scene.nematic {
+    let mut director = match &scene.nematic {
         None => None,
         Some(nematic) => {
             let initial = &nematic.initial;
@@ -86,7 +86,17 @@ pub fn initial_fields(scene: &Scene, mesh: &Arc<Mesh>) -> Result<InitialFields, 
             })
         }
     };
+    if let Some([radial, _]) = &mut director {
+        keep_to_axis(mesh, radial);
+    }
     Ok(InitialFields { phi, director })
+}
+
+/// d_r = 0 on the axis of rotation, whatever d⁰ is beside it.
+pub(super) fn keep_to_axis(mesh: &Mesh, radial: &mut [f64]) {
+    for (value, on) in radial.iter_mut().zip(mesh.on_axis()) {
+        *value = if on { 0.0 } else { *value };
+    }
 }
 
 /// Every file of nodal values must have one for each node of the mesh.

@@ -16,6 +16,7 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use super::checkpoint::{RestoreError, SchemeCheckpoint};
+use super::initial::keep_to_axis;
 use super::{Scheme, space_on};
 use crate::fem::{
     FemError, GradientRecovery, Locator, Mesh, Place, QuadratureRule, Space, solve_poisson,
@@ -78,8 +79,11 @@ impl Scheme {
             &interpolate(&state.phi),
         )?;
         let director = state.director.as_ref();
-        let director =
-            director.map(|director| interpolated(self.space.mesh(), director, &at_nodes));
+        let director = director.map(|director| {
+            let mut director = interpolated(self.space.mesh(), director, &at_nodes);
+            keep_to_axis(space.mesh(), &mut director[0]);
+            director
+        });
         let parameters = (self.timetable.clone(), scene.clone());
         let fields = (phi, director);
         let mut scheme = Self::on_space(parameters, space, self.initial_area, fields)?;
@@ -203,6 +207,9 @@ mod tests {
         area.target = 1.1
     "#;
 
+    /// The same as a sphere.
+    const ROTATED: [&str; 2] = ["domain.geometry=axisymmetric", "vesicle.center=[0.0, 0.5]"];
+
     fn scheme(settings: &[&str]) -> (Scene, Scheme) {
         let scene = Scene::of_text(CIRCLE, settings);
         let mesh = Mesh::of(&scene).expect("a mesh");
@@ -227,6 +234,7 @@ mod tests {
             &["solver.quadrature=lumped"],
             &["domain.boundary=clamped"],
             &["membrane.spontaneous_curvature='1.5 + x'"],
+            &ROTATED,
         ] {
             let (_, scheme) = scheme(settings);
             let same = scheme.on_mesh(scheme.space().mesh().clone());
@@ -250,7 +258,12 @@ mod tests {
     /// ∫φ to rounding and the bending energy to a third, on another mesh of the same size; interpolation raises it many times.
     #[test]
     fn by_omega_the_energy_is_kept_and_by_interpolation_it_is_not() {
-        for settings in [&[][..], &["domain.boundary=clamped"]] {
+        // A sphere has twice the bending energy of the circle, so that what interpolation adds is a smaller part of it.
+        for (settings, least) in [
+            (&[][..], 2.0),
+            (&["domain.boundary=clamped"], 2.0),
+            (&ROTATED, 1.5),
+        ] {
             let (scene, scheme) = scheme(settings);
             let mesh = other_mesh(settings);
             let there = scheme.on_mesh(mesh.clone()).expect("a scheme");
@@ -258,7 +271,8 @@ mod tests {
             let ratio = bending(&there) / bending(&scheme);
             assert!((0.7..1.34).contains(&ratio), "{settings:?}: {ratio}");
             let drift = there.report().phase_integral - scheme.report().phase_integral;
-            assert!(drift.abs() < 1e-14, "{settings:?}: {drift:.1e}");
+            let integral = scheme.report().phase_integral.abs().max(1.0);
+            assert!(drift.abs() < 1e-14 * integral, "{settings:?}: {drift:.1e}");
             let longest = there
                 .state()
                 .director
@@ -284,7 +298,7 @@ mod tests {
             let director = there.state().director.clone();
             let interpolated = Scheme::new(&scene, mesh, phi, director).expect("a scheme");
             let ratio = bending(&interpolated) / bending(&scheme);
-            assert!(ratio > 2.0, "{settings:?}: {ratio}");
+            assert!(ratio > least, "{settings:?}: {ratio}");
         }
     }
 }

@@ -221,7 +221,8 @@ impl Simulation {
                 _ => Err(RestoreError::Foreign("its mesh is of another kind")),
             };
         };
-        let (refine, mesh) = (own.refine, stored.mesh.clone());
+        let (refine, mesh) = (own.refine, Mesh::clone(&stored.mesh));
+        let mesh = Arc::new(mesh.in_geometry(self.scene.geometry));
         let is_same = |(one, other): (&Mesh, &Mesh)| {
             one.nodes() == other.nodes() && one.triangles() == other.triangles()
         };

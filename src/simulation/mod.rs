@@ -33,7 +33,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::fem::{Contour, GradientRecovery, Mesh, MeshQuality, Pieces, long_axis};
 use crate::geometry::Vector;
-use crate::scene::{Assignment, Change, Iteration, Scene, Shape, Time, Timetable, Warning};
+use crate::scene::{
+    Assignment, Change, Geometry, Iteration, Scene, Shape, Time, Timetable, Warning,
+};
 use crate::scheme::{Scheme, initial_fields};
 
 pub use crate::fem::OutlineMeasure;
@@ -197,7 +199,11 @@ fn measure_vesicle(
     report.vesicles = Some(vesicles);
     (report.outline, report.isoperimetric_quotient) = if vesicles == 1 {
         contour.trace(mesh, phi);
-        (contour.measure(axis), contour.isoperimetric_quotient())
+        let quotient = contour.isoperimetric_quotient();
+        if mesh.geometry() == Geometry::Axisymmetric {
+            contour.mirror();
+        }
+        (contour.measure(axis), quotient)
     } else {
         (None, None)
     };
@@ -235,6 +241,7 @@ impl Simulation {
         let warnings = warnings(scene, &mesh, &initial.phi);
         let axis = match &scene.vesicle.shape {
             Shape::Outlines(outlines) if outlines.len() == 1 => outlines[0].long_axis(),
+            _ if scene.geometry == Geometry::Axisymmetric => Vector::y(),
             _ => long_axis(&mesh, &initial.phi),
         };
         go_on(SetUp::Solver)?;

@@ -52,7 +52,7 @@ pub struct Report {
     pub vesicles: Option<usize>,
     /// The size of the vesicle; `None` where there is not exactly one.
     pub outline: Option<OutlineMeasure>,
-    /// 4π·area/length² of the vesicle: 1 for a circle; `None` where there is not exactly one.
+    /// 4π·area/length² of the vesicle: 1 for a circle; by rotation 36π·volume²/surface³, 1 for a sphere; `None` where there is not exactly one.
     pub isoperimetric_quotient: Option<f64>,
 }
 

@@ -1,8 +1,9 @@
 //! The shape at rest that the sharp-interface theory foresees for a scene.
 
 use crate::fem::{Mesh, Pieces};
-use crate::scene::{ScalarField, Scene};
+use crate::scene::{Geometry, ScalarField, Scene};
 use crate::theory::{AreaPenalty, ElasticaError, ShapeAtRest};
+use std::f64::consts::PI;
 
 /// Why the theory foresees no shape at rest.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -19,6 +20,12 @@ pub enum NoShapeAtRest {
          --set membrane.spontaneous_curvature=0"
     )]
     SpontaneousCurvature,
+    /// Of bodies of rotation it is another one.
+    #[error(
+        "the theory of the shape at rest is of a curve in the plane, and domain.geometry = \"axisymmetric\" stands for a body \
+         of rotation"
+    )]
+    Rotation,
     /// There is no such curve.
     #[error(transparent)]
     Elastica(#[from] ElasticaError),
@@ -34,6 +41,9 @@ pub fn shape_at_rest(
     (mesh, phi): (&Mesh, &[f64]),
     [phase_integral, surface_area]: [f64; 2],
 ) -> Result<ShapeAtRest, NoShapeAtRest> {
+    if scene.geometry == Geometry::Axisymmetric {
+        return Err(NoShapeAtRest::Rotation);
+    }
     if scene.membrane.spontaneous_curvature != ScalarField::Constant(0.0) {
         return Err(NoShapeAtRest::SpontaneousCurvature);
     }
@@ -51,9 +61,14 @@ pub fn shape_at_rest(
     )?)
 }
 
-/// (|Ω| + ∫φ)/2: the area inside of a membrane where φ jumps from −1 to 1.
+/// (|Ω| + ∫φ)/2: the area inside of a membrane where φ jumps from −1 to 1; by rotation that of the great circle of the sphere
+/// with the volume (|Ω| + ∫φ)/2.
 pub fn enclosed_area(mesh: &Mesh, phase_integral: f64) -> f64 {
-    0.5 * (mesh.areas().iter().sum::<f64>() + phase_integral)
+    let enclosed = 0.5 * (mesh.measures().iter().sum::<f64>() + phase_integral);
+    match mesh.geometry() {
+        Geometry::Planar => enclosed,
+        Geometry::Axisymmetric => PI * (0.75 * enclosed / PI).cbrt().powi(2),
+    }
 }
 
 #[cfg(test)]
@@ -77,6 +92,12 @@ mod tests {
         assert_eq!(of(&[two]), Err(NoShapeAtRest::Vesicles { vesicles: 2 }));
         let curved = of(&["membrane.spontaneous_curvature=0.5"]);
         assert_eq!(curved, Err(NoShapeAtRest::SpontaneousCurvature));
+        let rotated = of(&[
+            "domain.geometry=axisymmetric",
+            "vesicle={ shape = 'circle', radius = 0.3, center = [0, 0.5] }",
+            "nematic.initial=[0, 1]",
+        ]);
+        assert_eq!(rotated, Err(NoShapeAtRest::Rotation));
         let long = of(&["area={ target = 3.0, penalty = 1e-5 }"]);
         assert!(
             matches!(

@@ -3,7 +3,9 @@
 use super::presence::sign;
 use crate::fem::{Contour, Mesh, MeshQuality, SLIVER, Wall};
 use crate::geometry::{Segment, length};
-use crate::scene::{self, OutlineDistance, Scene, Shape, Warning, union_distance, wall_distance};
+use crate::scene::{
+    self, Geometry, OutlineDistance, Scene, Shape, Warning, union_distance, wall_distance,
+};
 
 /// The interface of a vesicle reaches this many ε beyond φ = 0: tanh(2√2) = 0.993.
 const INTERFACE_REACH: f64 = 4.0;
@@ -23,7 +25,7 @@ pub fn warnings(scene: &Scene, mesh: &Mesh, phi: &[f64]) -> Vec<Warning> {
                 scene::Mesh::File(_) => {
                     Wall::of(mesh).clearance(|place| union_distance(&outlines, place).value)
                 }
-                _ => wall_distance(&outlines),
+                _ => wall_distance(&outlines, scene.geometry),
             })
         }
         _ => contour.wall_distance(&Wall::of(mesh)),
@@ -38,10 +40,13 @@ pub fn warnings(scene: &Scene, mesh: &Mesh, phi: &[f64]) -> Vec<Warning> {
     }
     if let Some(area) = &scene.area {
         let bound = match &scene.vesicle.shape {
-            Shape::Outlines(outlines) if outlines.len() == 1 => {
+            Shape::Outlines(outlines)
+                if outlines.len() == 1 && scene.geometry == Geometry::Planar =>
+            {
                 Some(OutlineDistance::new(&outlines[0]).isoperimetric_quotient())
             }
             Shape::Random { .. } => None,
+            _ if scene.geometry == Geometry::Axisymmetric => None,
             _ => contour.isoperimetric_quotient(),
         };
         let target_squared = area.target * area.target;

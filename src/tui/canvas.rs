@@ -22,10 +22,10 @@ pub struct Canvas {
 }
 
 impl Canvas {
-    /// The rectangle that a mesh covers.
+    /// The rectangle that the cross-section of what a mesh stands for covers.
     pub fn region(&mut self, mesh: &Arc<Mesh>) -> BoundingBox {
         let region = take(&mut self.regions, mesh, |_| true);
-        let region = region.unwrap_or_else(|| mesh.bounding_box());
+        let region = region.unwrap_or_else(|| mesh.section_box());
         keep(&mut self.regions, mesh, region);
         region
     }

@@ -1,5 +1,5 @@
 //! The exact solutions: φ a sum of cosines, so that every derivative and μ are sums of the same
-//! cosines, and d a vector of given length and angle.
+//! cosines, and d a vector of given length and angle. By rotation Bessel functions J₀ stand for the cosines along x.
 
 use std::f64::consts::PI;
 
@@ -20,7 +20,7 @@ pub struct Phase {
     pub scaled_potential: f64,
 }
 
-/// One cosine: (steady + fading e^(−t)) cos(kπx) cos(lπy).
+/// One cosine: (steady + fading e^(−t)) cos(kπx) cos(lπy); by rotation with J₀(j x) for the first, j the k-th zero of J₁.
 #[derive(Debug, Clone, Copy)]
 pub struct Mode {
     /// k and l.
@@ -36,6 +36,27 @@ pub struct Mode {
 pub struct PhaseField {
     /// Its terms.
     pub modes: &'static [Mode],
+    /// Whether the domain is rotated about x = 0.
+    pub is_rotated: bool,
+}
+
+/// The zeros of J₁ (Abramowitz and Stegun, table 9.5).
+const ZEROS: [f64; 4] = [
+    0.0,
+    3.831_705_970_207_512,
+    7.015_586_669_815_619,
+    10.173_468_135_062_722,
+];
+
+/// J₀ or J₁ by its power series: the arguments are at most 11, and no digit is lost that matters.
+fn bessel(order: i32, x: f64) -> f64 {
+    let mut term = (0.5 * x).powi(order);
+    let mut sum = term;
+    for m in 1..60 {
+        term *= -0.25 * x * x / f64::from(m * (m + order));
+        sum += term;
+    }
+    sum
 }
 
 impl PhaseField {
@@ -44,8 +65,14 @@ impl PhaseField {
         let (x, y) = (place.x, place.y);
         let mut sum = Phase::default();
         for mode in self.modes {
-            let [p, q] = mode.waves.map(|wave| PI * f64::from(wave));
-            let [(sin_x, cos_x), (sin_y, cos_y)] = [(p * x).sin_cos(), (q * y).sin_cos()];
+            let [k, q] = mode.waves.map(|wave| PI * f64::from(wave));
+            let (p, cos_x, sin_x) = if self.is_rotated {
+                let zero = ZEROS[mode.waves[0] as usize];
+                (zero, bessel(0, zero * x), bessel(1, zero * x))
+            } else {
+                (k, (k * x).cos(), (k * x).sin())
+            };
+            let (sin_y, cos_y) = (q * y).sin_cos();
             let amplitude = mode.steady + mode.fading * (-t).exp();
             let rate = -mode.fading * (-t).exp();
             let eigenvalue = -(p * p + q * q);
@@ -76,11 +103,14 @@ pub struct Director {
 
 /// d = ρ (cos θ, sin θ) with ρ = 1 + s e^(−t) cos(πx) cos(πy) and θ = 0.3 + x − 2y + t/2: shorter
 /// than 1 in one half of the domain and longer in the other, so that both branches of the truncated
-/// potential act. It has a flux through the wall, which the source takes in.
+/// potential act. It has a flux through the wall, which the source takes in. By rotation θ = π/2 + x(1 − 2y + t/2), along the
+/// axis where x = 0.
 #[derive(Debug, Clone, Copy)]
 pub struct DirectorField {
     /// s.
     pub swing: f64,
+    /// Whether the domain is rotated about x = 0.
+    pub is_rotated: bool,
 }
 
 impl DirectorField {
@@ -92,8 +122,14 @@ impl DirectorField {
         let length = 1.0 + swing * cos_x * cos_y;
         let length_gradient = -swing * PI * Vector::new(sin_x * cos_y, cos_x * sin_y);
         let length_rate = -swing * cos_x * cos_y;
-        let (sin, cos) = (0.3 + x - 2.0 * y + 0.5 * t).sin_cos();
-        let (angle_gradient, angle_rate) = (Vector::new(1.0, -2.0), 0.5);
+        let (angle, angle_gradient, angle_rate) = if self.is_rotated {
+            let slope = 1.0 - 2.0 * y + 0.5 * t;
+            let gradient = Vector::new(slope, -2.0 * x);
+            (0.5 * PI + x * slope, gradient, 0.5 * x)
+        } else {
+            (0.3 + x - 2.0 * y + 0.5 * t, Vector::new(1.0, -2.0), 0.5)
+        };
+        let (sin, cos) = angle.sin_cos();
         let (along, across) = (Vector::new(cos, sin), Vector::new(-sin, cos));
         let gradient =
             [0, 1].map(|i| along[i] * length_gradient + length * across[i] * angle_gradient);

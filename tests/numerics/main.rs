@@ -5,6 +5,7 @@
 mod common;
 
 mod adaptive;
+mod axisymmetric;
 mod combinations;
 mod energy_law;
 mod freedericksz;

@@ -1,9 +1,11 @@
 //! The fields of a VTU file, as this program writes it.
 
 use super::super::bounded_read::read_file_text;
+use super::super::vtu::AXISYMMETRIC;
 use super::{LARGEST, ReadError, WrongArray};
 use crate::fem::Mesh;
 use crate::geometry::Point;
+use crate::scene::Geometry;
 use crate::scheme::State;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -63,8 +65,12 @@ pub fn read_fields(path: &Path) -> Result<StoredFields, ReadError> {
         path: path.to_owned(),
         reason,
     })?;
+    let geometry = match arrays.find(AXISYMMETRIC) {
+        Some(_) => Geometry::Axisymmetric,
+        None => Geometry::Planar,
+    };
     Ok(StoredFields {
-        mesh,
+        mesh: mesh.in_geometry(geometry),
         state,
         t: time.first().copied().unwrap_or(f64::NAN),
     })

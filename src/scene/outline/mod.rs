@@ -18,7 +18,7 @@ use self::arc::{PreparedArc, QuarterArc};
 use self::cassini::Cassini;
 use self::discocyte::Discocyte;
 use self::ellipse::Ellipse;
-use super::{Curve, Outline};
+use super::{Curve, Geometry, Outline};
 use crate::geometry::{BoundingBox, Point, Vector, direction, frame, length};
 
 /// A signed distance to a curve, and its slope.
@@ -190,13 +190,17 @@ pub fn union_distance(outlines: &[OutlineDistance], point: Point) -> SignedDista
 }
 
 /// The least distance of the outlines to the wall of the unit square Ω: negative if one lies
-/// across it.
-pub fn wall_distance(outlines: &[OutlineDistance]) -> f64 {
+/// across it. By rotation the side x = 0 is the axis, and no wall.
+pub fn wall_distance(outlines: &[OutlineDistance], geometry: Geometry) -> f64 {
     outlines
         .iter()
         .map(|outline| {
             let BoundingBox { lower, upper } = outline.bounding_box();
-            lower.x.min(lower.y).min(1.0 - upper.x).min(1.0 - upper.y)
+            let others = lower.y.min(1.0 - upper.x).min(1.0 - upper.y);
+            match geometry {
+                Geometry::Planar => lower.x.min(others),
+                Geometry::Axisymmetric => others,
+            }
         })
         .fold(f64::INFINITY, f64::min)
 }

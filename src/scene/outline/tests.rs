@@ -567,9 +567,9 @@ fn the_wall_is_as_far_as_the_nearest_outline() {
         })
     };
     let upright = outline(CASSINI, [0.5, 0.5], 90.0);
-    assert!((wall_distance(std::slice::from_ref(&upright)) - 0.18).abs() < 1e-15);
+    assert!((wall_distance(std::slice::from_ref(&upright), Geometry::Planar) - 0.18).abs() < 1e-15);
     let across = outline(CIRCLE, [0.2, 0.5], 0.0);
-    assert!((wall_distance(&[upright, across]) + 0.05).abs() < 1e-15);
+    assert!((wall_distance(&[upright, across], Geometry::Planar) + 0.05).abs() < 1e-15);
     let above = outline(
         Curve::Ellipse {
             half_axes: [0.3, 0.1],
@@ -577,7 +577,7 @@ fn the_wall_is_as_far_as_the_nearest_outline() {
         [0.5, 0.65],
         90.0,
     );
-    assert!((wall_distance(&[above]) - 0.05).abs() < 1e-15);
+    assert!((wall_distance(&[above], Geometry::Planar) - 0.05).abs() < 1e-15);
 }
 
 #[test]

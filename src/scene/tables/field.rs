@@ -1,9 +1,9 @@
 //! `[field]`.
 
-use super::{Rules, Scene};
+use super::{Geometry, Rules, Scene};
 use crate::geometry::{Vector, direction};
 use crate::scene::change::{Assignment, Change};
-use crate::scene::error::SceneError;
+use crate::scene::error::{Problem, SceneError};
 use crate::scene::parameter::ParameterValue;
 use crate::scene::reader::{FINITE, NOT_NEGATIVE, Reader};
 use crate::scene::warning::Warning;
@@ -55,6 +55,19 @@ impl Rules for Field {
             }
             _ => Ok(()),
         }
+    }
+
+    /// What is the same all about the axis is along it.
+    fn check_scene(&self, scene: &Scene, table: &Reader<'_>) -> Result<(), SceneError> {
+        let angle = self.angle;
+        if scene.geometry == Geometry::Planar || (angle.abs() - 90.0).abs() < 1e-9 {
+            return Ok(());
+        }
+        let problem = Problem::FieldAcrossAxis { angle };
+        Err(match table.get("angle") {
+            Some(field) => field.error(problem),
+            None => table.error(problem),
+        })
     }
 
     /// `from` and `until`.

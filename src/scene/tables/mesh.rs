@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
-use super::{Rules, Scene, Shape, Table};
+use super::{Geometry, Rules, Scene, Shape, Table};
 use crate::scene::error::{Problem, SceneError};
 use crate::scene::mesh_file::{MeshFile, Triangulation};
 use crate::scene::nodal_file::Context;
@@ -239,6 +239,15 @@ impl Rules for Mesh {
                 key: key.name.to_owned(),
                 path: file.path.clone(),
             }));
+        }
+        if let (Self::File(file), Geometry::Axisymmetric, Some(path)) =
+            (self, scene.geometry, table.get("path"))
+        {
+            let nodes = file.triangulation.nodes.iter().map(|node| node.x);
+            let least = nodes.fold(f64::INFINITY, f64::min);
+            if least < 0.0 {
+                return Err(path.error(Problem::MeshBeyondAxis { x: least }));
+            }
         }
         let is_outline = matches!(scene.vesicle.shape, Shape::Outlines(_));
         match (self, table.get("refine")) {

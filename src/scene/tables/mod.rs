@@ -255,7 +255,7 @@ mod vesicle;
 use domain::Domain;
 
 pub use anchoring::AnchoringKind;
-pub use domain::Boundary;
+pub use domain::{Boundary, Geometry};
 pub use membrane::Membrane;
 pub use mesh::{Mesh, Refinement};
 pub use nematic::{Defect, InitialDirector};
@@ -282,6 +282,8 @@ macro_rules! scene {
         pub struct Scene {
             /// A title for people.
             pub name: String,
+            /// What Ω stands for.
+            pub geometry: Geometry,
             /// What holds on ∂Ω.
             pub boundary: Boundary,
             /// The triangulation.
@@ -310,6 +312,7 @@ macro_rules! scene {
             fn default() -> Self {
                 Self {
                     name: "Untitled".to_owned(),
+                    geometry: Domain::default().geometry,
                     boundary: Domain::default().boundary,
                     mesh: Mesh::default(),
                     vesicle: Vesicle::default(),
@@ -364,9 +367,11 @@ macro_rules! scene {
             ) -> Result<Self, SceneError> {
                 context.mesh = Mesh::read(top.table("mesh")?, &mut context)?;
                 let context = &mut context;
+                let domain = Domain::read(top.table("domain")?, context)?;
                 let mut scene = Self {
                     name,
-                    boundary: Domain::read(top.table("domain")?, context)?.boundary,
+                    geometry: domain.geometry,
+                    boundary: domain.boundary,
                     vesicle: Vesicle::read(top.table("vesicle")?, context)?,
                     time: Time::read(top.table("time")?, context)?,
                     rest: match top.present(REST)? {
@@ -396,6 +401,7 @@ macro_rules! scene {
             /// What of the scene a change can concern: all but the mesh, the shape, and the changes.
             pub(super) fn without_geometry(&self) -> Self {
                 Self {
+                    geometry: self.geometry,
                     boundary: self.boundary,
                     time: self.time,
                     membrane: self.membrane.clone(),
@@ -514,8 +520,10 @@ scene! {
 impl Scene {
     /// The scene as TOML, complete: every key, defaults too. [`Scene::parse`] reads it back as an equal scene.
     pub fn to_toml(&self) -> String {
-        let boundary = self.boundary;
-        let domain = Domain { boundary };
+        let domain = Domain {
+            geometry: self.geometry,
+            boundary: self.boundary,
+        };
         let tables = [("domain", &domain as &dyn Table)].into_iter();
         let mut text = format!("name = {}\n", quoted(&self.name));
         for (name, table) in tables.chain(self.named_tables()) {

@@ -1,6 +1,6 @@
 //! `[nematic]`.
 
-use super::{Rules, Scene, Table};
+use super::{Geometry, Rules, Scene, Table};
 use crate::scene::document;
 use crate::scene::error::SceneError;
 use crate::scene::nodal_file::{Context, NodalKey, NodalValues, read_nodal_values};
@@ -28,8 +28,16 @@ table! {
 }
 
 impl Rules for Nematic {
-    /// Of each point around which the director turns by no whole number of turns.
-    fn warnings(&self, _: &Scene) -> Vec<Warning> {
+    /// Of each point around which the director turns by no whole number of turns, and by rotation of a director that is not
+    /// along the axis.
+    fn warnings(&self, scene: &Scene) -> Vec<Warning> {
+        if let (Geometry::Axisymmetric, InitialDirector::Uniform([radial, _])) =
+            (scene.geometry, &self.initial)
+            && *radial != 0.0
+        {
+            let penalty = self.penalty;
+            return vec![Warning::DefectOnAxis { penalty }];
+        }
         let InitialDirector::Defects { at, .. } = &self.initial else {
             return Vec::new();
         };

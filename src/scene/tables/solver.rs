@@ -1,6 +1,6 @@
 //! `[solver]`.
 
-use super::{Boundary, Rules, Scene};
+use super::{Boundary, Geometry, Rules, Scene};
 use crate::scene::error::{Problem, SceneError};
 use crate::scene::parameter::choice;
 use crate::scene::reader::{POSITIVE, Reader};
@@ -23,11 +23,12 @@ table! {
 }
 
 impl Rules for Solver {
-    /// The transform is for the regular mesh and the natural boundary, the shifted Laplacians for the latter.
+    /// The transform is for the regular mesh in the plane and the natural boundary, the shifted Laplacians for the latter.
     fn check_scene(&self, scene: &Scene, table: &Reader<'_>) -> Result<(), SceneError> {
         let is_natural = scene.boundary == Boundary::Natural;
+        let is_planar = scene.geometry == Geometry::Planar;
         let problem = match self.linear {
-            LinearMethod::Transform if !(is_natural && scene.mesh.is_grid()) => {
+            LinearMethod::Transform if !(is_natural && is_planar && scene.mesh.is_grid()) => {
                 Problem::TransformDoesNotApply
             }
             LinearMethod::Shifted if !is_natural => Problem::ShiftedDoesNotApply,

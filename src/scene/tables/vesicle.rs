@@ -1,9 +1,10 @@
 //! `[vesicle]`: which keys it has depends on the shape.
 
-use super::{Rules, Table};
+use super::{Geometry, Rules, Scene, Table};
 use crate::geometry::{Vector, direction};
 use crate::scene::error::{Problem, SceneError};
 use crate::scene::nodal_file::{Context, NodalKey, NodalValues, read_nodal_values};
+use crate::scene::outline::OutlineDistance;
 use crate::scene::parameter::{
     Choice, DefaultValue, PATH, Parameter, SEED, SEEDS, Value, choice, parameters,
 };
@@ -231,7 +232,30 @@ impl Table for Vesicle {
     }
 }
 
-impl Rules for Vesicle {}
+impl Rules for Vesicle {
+    /// What reaches the axis of rotation must be smooth there.
+    fn check_scene(&self, scene: &Scene, table: &Reader<'_>) -> Result<(), SceneError> {
+        let (Geometry::Axisymmetric, Shape::Outlines(outlines)) = (scene.geometry, &self.shape)
+        else {
+            return Ok(());
+        };
+        let is_askew = |outline: &&Outline| {
+            let is_upright = outline.angle.rem_euclid(90.0) == 0.0;
+            let is_on_axis = outline.center[0] == 0.0 && is_upright;
+            !is_on_axis && OutlineDistance::new(outline).bounding_box().lower.x <= 0.0
+        };
+        if outlines.iter().find(is_askew).is_none() {
+            return Ok(());
+        }
+        let key = ["center", "parts", "shape"]
+            .into_iter()
+            .find_map(|key| table.get(key));
+        Err(match key {
+            Some(field) => field.error(Problem::AskewOnAxis),
+            None => table.error(Problem::AskewOnAxis),
+        })
+    }
+}
 
 fn read_shape(table: &mut Reader<'_>, context: &mut Context<'_>) -> Result<Shape, SceneError> {
     let problem = Problem::Conflict {

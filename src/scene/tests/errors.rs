@@ -1,7 +1,7 @@
 //! Every error says where, what, and what is allowed.
 
 use super::read_with;
-use crate::scene::{Origin, SceneError};
+use crate::scene::{Origin, Scene, SceneError};
 
 fn error(text: &str) -> SceneError {
     match read_with(text, &[], &[("phi0.txt", "1\n2\n")]) {
@@ -332,5 +332,38 @@ fn a_mesh_that_follows_the_membrane() {
     ] {
         let message = message(&format!("{adaptive}{text}"));
         assert!(message.contains(words), "{message}");
+    }
+}
+
+/// What a body of rotation cannot have.
+#[test]
+fn what_does_not_rotate_is_refused() {
+    const SPHERE: &str = "domain.geometry = \"axisymmetric\"\nvesicle = { shape = \"circle\", radius = 0.2, center = [0.0, 0.5] }\n";
+    let refused = |settings: &[&str]| -> String {
+        let settings: Vec<String> = settings.iter().map(|it| (*it).to_owned()).collect();
+        let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
+        match Scene::parse(SPHERE, "the test", &settings, &mut no_files) {
+            Ok(_) => String::new(),
+            Err(error) => error.to_string(),
+        }
+    };
+    assert_eq!(refused(&[]), "");
+    assert_eq!(refused(&["vesicle.center=[0.5, 0.5]"]), "", "a ring");
+    let nematic = "nematic={}";
+    assert_eq!(refused(&[nematic, "field.angle=-90"]), "");
+    for (settings, words) in [
+        (&["vesicle.center=[0.1, 0.5]"][..], "mirror image"),
+        (
+            &[
+                "vesicle={ shape = 'ellipse', half_axes = [0.3, 0.2], center = [0.0, 0.5], angle = 30 }",
+            ],
+            "mirror image",
+        ),
+        (&[nematic, "field.angle=0"], "field.angle must be 90"),
+        (&[nematic, "field={}"], "field.angle must be 90"),
+        (&["solver.linear=transform"], "domain.geometry"),
+    ] {
+        let error = refused(settings);
+        assert!(error.contains(words), "{settings:?}: {error}");
     }
 }

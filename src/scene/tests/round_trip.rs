@@ -159,6 +159,7 @@ fn what_is_written_is_the_sample_with_every_default() {
     let expected = r#"name = "Case 3"
 
 [domain]
+geometry = "planar"
 boundary = "natural"
 
 [mesh]

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::fem::Space;
 use crate::linalg::{Gmres, LinalgError, vector};
-use crate::scene::LinearMethod;
+use crate::scene::{Geometry, LinearMethod};
 
 use super::super::fault_injection;
 use super::super::solvers::BulkInverse;
@@ -69,7 +69,9 @@ impl LinearSolver {
         match (method, space.mesh().grid()) {
             (LinearMethod::Factor, _) => Self::factor(space, fixed),
             _ if clamped => Self::factor(space, fixed),
-            (LinearMethod::Automatic | LinearMethod::Transform, Some(grid)) => {
+            (LinearMethod::Automatic | LinearMethod::Transform, Some(grid))
+                if space.mesh().geometry() == Geometry::Planar =>
+            {
                 Ok(Self::reduced(space, CosineInverse::new(space, grid)))
             }
             _ => Ok(Self::reduced(space, ShiftedInverse::new(space))),

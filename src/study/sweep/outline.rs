@@ -15,10 +15,10 @@ pub fn last_fields(run: &Path) -> Option<StoredFields> {
     read_fields(&path).ok()
 }
 
-/// The outline of the vesicle there: φ = 0.
+/// The outline of the vesicle there, φ = 0, by rotation on both sides of the axis.
 pub fn last_outline(run: &Path) -> Option<Contour> {
     let fields = last_fields(run)?;
-    Some(Contour::new(&fields.mesh, &fields.state.phi))
+    Some(Contour::of_section(&fields.mesh, &fields.state.phi))
 }
 
 /// The snapshot with the greatest number of a step: all have as many digits, or more.

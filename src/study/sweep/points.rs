@@ -3,7 +3,7 @@
 use super::error::{PointError, PointProblem, SweepError};
 use super::plan::{Assignment, Plan, Repeat};
 use crate::record::{LARGEST_INPUT, read_bytes, scene_identity, step_count};
-use crate::scene::{Boundary, Mesh, Scene, SceneError, Solver, Time, Vesicle};
+use crate::scene::{Boundary, Geometry, Mesh, Scene, SceneError, Solver, Time, Vesicle};
 use crate::simulation::{check_memory, check_outlines, memory_held, node_count};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -238,6 +238,7 @@ struct Size {
     vesicle: Vesicle,
     time: Time,
     solver: Solver,
+    geometry: Geometry,
     boundary: Boundary,
     has_director: bool,
 }
@@ -261,6 +262,7 @@ impl Sizes {
             vesicle: scene.vesicle.clone(),
             time: scene.time,
             solver: scene.solver,
+            geometry: scene.geometry,
             boundary: scene.boundary,
             has_director: scene.nematic.is_some(),
         };

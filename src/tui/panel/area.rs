@@ -8,6 +8,7 @@ use super::Look;
 use super::rows::{self, Row, Widths};
 use super::shown::Shown;
 use super::text;
+use crate::scene::Geometry;
 use crate::tui::layout::{Step, Wish};
 use crate::tui::numbers::{percent, significant};
 use crate::tui::theme::{Role, Theme};
@@ -97,15 +98,19 @@ pub fn draw(shown: &Shown<'_>, look: Look, theme: &Theme, area: Rect, buffer: &m
     };
     rows::draw(&conserved, widths, &curves, theme, next(area), buffer);
     if let Some(quotient) = report.isoperimetric_quotient {
+        let (name, value, words) = match shown.scene().geometry {
+            Geometry::Planar => (theme.word("4πa/l²", "4pi a/l^2"), quotient, "circle: 1"),
+            Geometry::Axisymmetric => ("red. volume", quotient.sqrt(), "sphere: 1"),
+        };
         let quotient = Row {
-            name: theme.word("4πa/l²", "4pi a/l^2"),
-            value: Some(quotient),
+            name,
+            value: Some(value),
             digits: Some(4),
             ..Row::default()
         };
         let row = next(area);
         rows::draw(&quotient, widths, &curves, theme, row, buffer);
-        let (words, beside) = ("circle: 1", widths.beside(row));
+        let beside = widths.beside(row);
         if usize::from(beside.width) >= words.len() {
             text::line(buffer, beside, 0, Span::styled(words, theme.muted()));
         }

@@ -78,7 +78,7 @@ pub fn lines(
     // The unit vector along the director, where a line may go.
     let direction = |place: Place| {
         let [x, y] = grid.sample(place)?;
-        let (dx, dy) = raster.at(dx, x, y).zip(raster.at(dy, x, y))?;
+        let (dx, dy) = raster.at_across(dx, x, y).zip(raster.at(dy, x, y))?;
         let length = dx.hypot(dy);
         (length >= shortest && length.is_finite() && is_free(x, y))
             .then(|| [dx / length, -dy / length])

@@ -10,6 +10,7 @@ use ratatui::widgets::{Block, Widget};
 use super::director::{Grid, lines};
 use crate::fem::{Mesh, Raster};
 use crate::geometry::BoundingBox;
+use crate::scene::Geometry;
 use crate::scheme::State;
 use crate::simulation::Setting;
 use crate::tui::canvas::Canvas;
@@ -111,6 +112,9 @@ impl Plot<'_> {
         if let Some(director) = director.filter(|_| !has_lines) {
             self.directions(&samples, (&raster, director), theme, area, buffer);
         }
+        if self.mesh.geometry() == Geometry::Axisymmetric {
+            mark_axis(self.region, theme, area, buffer);
+        }
         (cells, samples.image.range)
     }
 
@@ -191,7 +195,7 @@ impl Plot<'_> {
                     samples_across * column + samples_across / 2,
                     samples_down * row + samples_down / 2,
                 );
-                let director = raster.at(dx, x, y).zip(raster.at(dy, x, y));
+                let director = raster.at_across(dx, x, y).zip(raster.at(dy, x, y));
                 let Some((x, y)) = director.filter(|_| samples.is_deep_inside(place)) else {
                     continue;
                 };
@@ -219,6 +223,26 @@ impl Plot<'_> {
                     cell.set_symbol(symbol);
                     cell.set_style(style);
                 }
+            }
+        }
+    }
+}
+
+/// Marks the axis of rotation, in every other row of cells that has nothing else but the field.
+fn mark_axis(region: BoundingBox, theme: &Theme, area: Rect, buffer: &mut Buffer) {
+    let share = -region.lower.x / region.extent().x;
+    if !(0.0..1.0).contains(&share) {
+        return;
+    }
+    let column = area.x + (share * f64::from(area.width)) as u16;
+    for row in (area.y..area.bottom()).step_by(2) {
+        let half = theme.glyphs().upper_half.unwrap_or(" ");
+        if let Some(cell) = buffer.cell_mut((column, row))
+            && (!theme.paints() || [half, " "].contains(&cell.symbol()))
+        {
+            cell.set_symbol(theme.glyphs().bar);
+            if theme.paints() {
+                cell.set_style(theme.muted());
             }
         }
     }

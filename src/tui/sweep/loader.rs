@@ -144,7 +144,7 @@ fn lock(read: &Mutex<Read>) -> std::sync::MutexGuard<'_, Read> {
 /// The last vesicle of a run.
 fn thumbnail(run: &Path) -> Option<Thumbnail> {
     let fields = last_fields(run)?;
-    let region = fields.mesh.bounding_box();
+    let region = fields.mesh.section_box();
     let raster = Raster::new(&fields.mesh, region, SAMPLES, SAMPLES);
     let mut samples = Vec::new();
     raster.gather(&fields.state.phi, &mut samples);
