@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::fem::PieceChanges;
 use crate::physics::NamedValue;
 use crate::scene::{AnchoringKind, significant};
 use crate::scheme::{StepError, StepReport};
@@ -64,6 +65,13 @@ pub enum EventKind {
     },
     /// φ became positive within ε of the wall.
     ReachedWall,
+    /// Vesicles have merged, split, appeared or vanished.
+    VesiclesChanged {
+        /// What happened.
+        change: VesicleChange,
+        /// How many there were before the step, and are after it.
+        counts: [usize; 2],
+    },
     /// A field was switched on or off after this step: the energy jumped, not the state.
     FieldSwitched {
         /// By how much E_total changed.
@@ -76,6 +84,33 @@ pub enum EventKind {
         /// The new kind.
         kind: AnchoringKind,
     },
+}
+
+/// What may become of vesicles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum VesicleChange {
+    /// Several have become one.
+    Merged,
+    /// One has become several.
+    Split,
+    /// There is one where there was none.
+    Appeared,
+    /// There is nothing left of one.
+    Vanished,
+}
+
+impl VesicleChange {
+    /// Which of them have happened.
+    pub(super) fn all(changes: PieceChanges) -> impl Iterator<Item = Self> {
+        let counts = [
+            (changes.merged, Self::Merged),
+            (changes.split, Self::Split),
+            (changes.appeared, Self::Appeared),
+            (changes.vanished, Self::Vanished),
+        ];
+        let counts = counts.into_iter().filter(|(count, _)| *count > 0);
+        counts.map(|(_, change)| change)
+    }
 }
 
 /// What a new mesh has changed.
@@ -137,6 +172,12 @@ impl EventKind {
             Self::ShortSteps { .. } => "short-steps",
             Self::Damped { .. } => "newton-damped",
             Self::ReachedWall => "reached-wall",
+            Self::VesiclesChanged { change, .. } => match change {
+                VesicleChange::Merged => "vesicles-merged",
+                VesicleChange::Split => "vesicle-split",
+                VesicleChange::Appeared => "vesicle-appeared",
+                VesicleChange::Vanished => "vesicle-vanished",
+            },
             Self::FieldSwitched { .. } => "field-switched",
             Self::MeshChanged(_) => "mesh-changed",
             Self::AnchoringSwitched { .. } => "anchoring-switched",
@@ -178,6 +219,16 @@ impl fmt::Display for EventKind {
             EventKind::ReachedWall => f.write_str(
                 "the vesicle has reached the wall, which now takes part in what happens",
             ),
+            EventKind::VesiclesChanged { change, counts } => {
+                let [before, after] = counts;
+                let words = match change {
+                    VesicleChange::Merged => "vesicles have merged",
+                    VesicleChange::Split => "a vesicle has split",
+                    VesicleChange::Appeared => "a vesicle has appeared",
+                    VesicleChange::Vanished => "a vesicle has vanished",
+                };
+                write!(f, "{words}: {after} now, {before} before")
+            }
             EventKind::FieldSwitched { jump } => write!(
                 f,
                 "the field is switched here: E_total jumps by {jump:.6e}, which no step has done"

@@ -341,8 +341,7 @@ mod tests {
                 );
                 let scene = small(&[&vesicle, "mesh.cells=40", "membrane.interface_width=0.03"]);
                 let simulation = Simulation::new(&scene).expect("an ellipse");
-                assert_eq!(simulation.report().vesicles, Some(1));
-                let outline = simulation.report().outline.expect("one vesicle");
+                let outline = simulation.report().outline().expect("one vesicle");
                 let sizes = [
                     outline.length / 0.6,
                     outline.width / 0.4,
@@ -357,7 +356,7 @@ mod tests {
     }
 
     #[test]
-    fn of_two_vesicles_there_is_no_size_until_they_are_one() {
+    fn each_of_two_vesicles_has_its_size_until_they_are_one() {
         let pair = |[left, right]: [f64; 2]| {
             let parts = format!(
                 "vesicle.parts=[{{ shape = 'circle', radius = 0.15, center = [{left}, 0.5] }}, \
@@ -370,14 +369,20 @@ mod tests {
                 .clone()
         };
         let apart = pair([0.25, 0.75]);
-        assert_eq!(apart.vesicles, Some(2));
-        assert_eq!((apart.outline, apart.isoperimetric_quotient), (None, None));
+        assert_eq!(apart.vesicles.len(), 2);
+        assert_eq!(apart.outline(), None);
+        for vesicle in &apart.vesicles {
+            let outline = vesicle.outline.expect("a membrane");
+            assert!((outline.length - 0.3).abs() < 0.01, "{outline:?}");
+            let reduced = vesicle.reduced_area().expect("away from the wall");
+            assert!((reduced - 1.0).abs() < 0.01, "{reduced}");
+        }
         // Side by side in x, and longer that way.
         let merged = pair([0.4, 0.6]);
-        assert_eq!(merged.vesicles, Some(1));
-        let outline = merged.outline.expect("one vesicle");
+        let outline = merged.outline().expect("one vesicle");
         assert!((outline.length - 0.5).abs() < 0.02, "{outline:?}");
         assert!((outline.width - 0.3).abs() < 0.02, "{outline:?}");
-        assert!(merged.isoperimetric_quotient.is_some());
+        let reduced = merged.vesicles[0].reduced_area();
+        assert!(reduced.is_some_and(|value| value < 0.95), "{reduced:?}");
     }
 }

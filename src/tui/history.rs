@@ -89,7 +89,7 @@ impl History {
         self.surface_area.push(step, report.surface_area);
         let start = *self.phase_integral.get_or_insert(report.phase_integral);
         self.phase_drift.push(step, report.phase_integral - start);
-        if let Some(outline) = report.outline {
+        if let Some(outline) = report.outline() {
             self.length.push(step, outline.length);
             self.waist.push(step, outline.waist);
             self.width.push(step, outline.width);

@@ -8,6 +8,7 @@ use super::Look;
 use super::rows::{self, Row, Widths};
 use super::shown::Shown;
 use super::text;
+use crate::simulation::Vesicle;
 use crate::tui::layout::{Step, Wish};
 use crate::tui::numbers::{percent, significant};
 use crate::tui::theme::{Role, Theme};
@@ -68,7 +69,7 @@ pub fn draw(shown: &Shown<'_>, look: Look, theme: &Theme, area: Rect, buffer: &m
         let words = Span::styled(format!(" {words}"), theme.muted());
         text::line(buffer, next(area), 0, words);
     }
-    if let Some(outline) = report.outline {
+    if let Some(outline) = report.outline() {
         let sizes = [
             ("length", outline.length, &history.length),
             ("waist", outline.waist, &history.waist),
@@ -96,7 +97,7 @@ pub fn draw(shown: &Shown<'_>, look: Look, theme: &Theme, area: Rect, buffer: &m
         ..Row::default()
     };
     rows::draw(&conserved, widths, &curves, theme, next(area), buffer);
-    if let Some(quotient) = report.isoperimetric_quotient {
+    if let Some(quotient) = report.only_vesicle().and_then(Vesicle::reduced_area) {
         let quotient = Row {
             name: theme.word("4πa/l²", "4pi a/l^2"),
             value: Some(quotient),

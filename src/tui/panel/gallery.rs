@@ -210,7 +210,7 @@ fn scalars<'a>(shown: &Shown<'_>, theme: &Theme) -> Vec<Line<'a>> {
     if let Some(words) = shown.vesicles() {
         lines.push(Line::styled(format!(" {words}"), theme.muted()));
     }
-    if let Some(outline) = report.outline {
+    if let Some(outline) = report.outline() {
         let ratio = outline.waist / outline.width;
         lines.push(entry("waist/width", significant(ratio, 3), String::new()));
         lines.push(entry(

@@ -130,7 +130,7 @@ impl<'a> Shown<'a> {
 
     /// How many vesicles there are, where that is why their size is not shown.
     pub fn vesicles(&self) -> Option<String> {
-        match self.report?.vesicles? {
+        match self.report?.vesicles.len() {
             0 => Some("no vesicle".to_owned()),
             1 => None,
             count => Some(format!("{count} vesicles")),
