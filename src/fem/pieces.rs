@@ -229,8 +229,22 @@ mod tests {
             (&apart, &apart, none),
             (&apart, &near, PieceChanges { merged: 1, ..none }),
             (&near, &apart, PieceChanges { split: 1, ..none }),
-            (&apart, &left, PieceChanges { vanished: 1, ..none }),
-            (&left, &apart, PieceChanges { appeared: 1, ..none }),
+            (
+                &apart,
+                &left,
+                PieceChanges {
+                    vanished: 1,
+                    ..none
+                },
+            ),
+            (
+                &left,
+                &apart,
+                PieceChanges {
+                    appeared: 1,
+                    ..none
+                },
+            ),
         ] {
             assert_eq!(after.changes_since(before), changes, "{changes:?}");
         }

@@ -91,16 +91,17 @@ impl Vesicles {
         found.sort_unstable_by(|one, other| place(one).total_cmp(&place(other)));
     }
 
-    /// Compares the vesicles that were measured last with those before, unless that was on another mesh, and
-    /// remembers them for the next time.
+    /// Compares the vesicles that were measured just now with those of the last call, unless those were on another
+    /// mesh, and remembers them for the next one.
     pub fn changes(&mut self) -> PieceChanges {
-        let pieces = &self.pieces;
-        let before = self.before.get_or_insert_with(|| pieces.clone());
         let mut changes = PieceChanges::default();
-        if before.count() > 1 || pieces.count() != before.count() {
-            changes = pieces.changes_since(before);
+        if let Some(before) = &self.before
+            && (before.count() > 1 || self.pieces.count() != before.count())
+        {
+            changes = self.pieces.changes_since(before);
         }
-        before.clone_from(pieces);
+        // Without allocating: what is there now is found again before it is used.
+        std::mem::swap(self.before.get_or_insert_default(), &mut self.pieces);
         changes
     }
 
@@ -194,14 +195,26 @@ mod tests {
     #[test]
     fn changes_are_those_since_the_last_comparison_on_the_same_mesh() {
         let mesh = Mesh::structured(40, 0.0, 0).expect("a regular mesh");
-        let apart = [([0.3, 0.5], [0.12, 0.12], 0.0), ([0.7, 0.5], [0.12; 2], 0.0)];
-        let near = [([0.4, 0.5], [0.12, 0.12], 0.0), ([0.6, 0.5], [0.12; 2], 0.0)];
+        let apart = [
+            ([0.3, 0.5], [0.12, 0.12], 0.0),
+            ([0.7, 0.5], [0.12; 2], 0.0),
+        ];
+        let near = [
+            ([0.4, 0.5], [0.12, 0.12], 0.0),
+            ([0.6, 0.5], [0.12; 2], 0.0),
+        ];
         let (mut vesicles, mut found) = (Vesicles::default(), Vec::new());
         let mut changes = |ellipse: &[_], other_mesh: bool| {
             if other_mesh {
                 vesicles.forget();
             }
-            vesicles.measure(&mesh, &ellipses(&mesh, ellipse), Vector::x(), &[], &mut found);
+            vesicles.measure(
+                &mesh,
+                &ellipses(&mesh, ellipse),
+                Vector::x(),
+                &[],
+                &mut found,
+            );
             vesicles.changes()
         };
         let none = PieceChanges::default();

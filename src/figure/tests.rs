@@ -73,10 +73,10 @@ fn report(step: u64) -> Report {
             area: 0.12,
             perimeter: 1.478,
             outline: Some(OutlineMeasure {
-            length: 0.64,
-            waist: 0.18 * decay,
-            width: 0.25,
-        }),
+                length: 0.64,
+                waist: 0.18 * decay,
+                width: 0.25,
+            }),
             ..Vesicle::default()
         }],
         ..Report::default()

@@ -416,7 +416,8 @@ impl Simulation {
         let counts = [before, self.report.vesicles.len()];
         let changes = VesicleChange::all(self.vesicles.changes());
         let events = changes.map(|change| EventKind::VesiclesChanged { change, counts });
-        self.events.extend(events.map(|kind| Event { step, t, kind }));
+        self.events
+            .extend(events.map(|kind| Event { step, t, kind }));
         let phi = &self.scheme.state().phi;
         if self.report.step.is_multiple_of(SPACE_ERROR_EVERY) {
             let error = self.recovery.interpolation_error(&self.mesh, phi);

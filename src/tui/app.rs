@@ -66,6 +66,7 @@ impl App {
             replay: None,
             cores: cores(),
             clock: None,
+            gallery_of_opened: false,
             memory: frame_history::BUDGET,
             editing: None,
             reloaded: None,
@@ -140,6 +141,14 @@ impl App {
     }
 
     /// The slots of the gallery.
+    pub fn gallery(&self) -> std::ops::Range<usize> {
+        match self.gallery_of_opened {
+            true => self.opened().min(self.slots.len())..self.slots.len(),
+            false => self.cases(),
+        }
+    }
+
+    /// The slots of the four cases, in the form that is looked at.
     pub fn cases(&self) -> std::ops::Range<usize> {
         let first = Self::CASES * self.form;
         first.min(self.slots.len())..(first + Self::CASES).min(self.slots.len())
@@ -153,7 +162,7 @@ impl App {
         };
         match self.screen {
             Screen::Run => self.active_slot().is_some_and(goes),
-            Screen::Gallery => self.slots[self.cases()].iter().any(goes),
+            Screen::Gallery => self.slots[self.gallery()].iter().any(goes),
         }
     }
 

@@ -13,7 +13,7 @@ use crate::scene::{AnchoringKind, Scene};
 use crate::simulation::{Report, RunId, RunSnapshot, SetUp, Setting, StepProgress};
 use crate::study::ErrorRow;
 
-pub use super::history::History;
+pub use super::history::{History, Mark};
 pub use super::throughput::Throughput;
 pub use crate::figure::Director;
 
@@ -63,6 +63,8 @@ pub struct App {
     pub cores: usize,
     /// The time that no run of the gallery goes beyond at present; `None` outside the gallery.
     pub clock: Option<f64>,
+    /// Whether the gallery is that of the scenes that were opened, not of the four cases.
+    pub gallery_of_opened: bool,
     /// Bytes that the older fields of all runs together may take.
     pub memory: usize,
     /// The slot whose scene is being edited.
@@ -257,13 +259,19 @@ pub struct Notice {
 
 impl std::fmt::Display for Notice {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(formatter, "step {}: {}", self.step, self.text)
+        // What is known of the scene belongs to no step.
+        match self.step {
+            0 => formatter.write_str(&self.text),
+            step => write!(formatter, "step {step}: {}", self.text),
+        }
     }
 }
 
 /// How grave a notice is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
+    /// What the solver did, and what was asked for: only in the list of all.
+    Log,
     /// Worth knowing.
     Note,
     /// Allowed, but probably not meant.
@@ -277,7 +285,7 @@ pub enum Severity {
 pub enum Screen {
     /// One run.
     Run,
-    /// The four cases side by side.
+    /// Several runs side by side.
     Gallery,
 }
 

@@ -3,6 +3,7 @@
 
 mod area;
 mod banner;
+mod chart;
 mod cost;
 mod dialog;
 mod energy;
@@ -30,6 +31,8 @@ use super::layout::{LEAST, Step, Wish, divide, take_bottom};
 use super::state::{App, Overlay, Panel, Screen, View};
 use super::theme::{Role, Theme};
 use shown::Shown;
+
+pub use text::wrap;
 
 #[cfg(test)]
 pub(super) use dialog::{kept_words, quit_words};

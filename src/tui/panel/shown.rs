@@ -4,8 +4,11 @@ use std::time::Duration;
 
 use crate::scene::{AnchoringKind, Scene};
 use crate::simulation::{Report, RunSnapshot, Schedule, SetUp, Setting};
-use crate::tui::curve::{self, Mark};
+use crate::tui::curve;
+use crate::tui::history::{Baseline, Mark};
 use crate::tui::keys;
+use crate::tui::numbers::brief;
+use crate::tui::series::Series;
 use crate::tui::state::{App, Run, Slot, Status};
 use crate::tui::theme::Role;
 
@@ -110,15 +113,43 @@ impl<'a> Shown<'a> {
         self.run?.history.surface_area.first()
     }
 
-    /// What the change of E_total is counted from: the start, or the last switch of the anchoring, where
-    /// the energy became another one. `None` at a time between switches, of which that is not stored.
-    pub fn energy_at_start(&self) -> Option<f64> {
+    /// What the changes of the energies are counted from: the start, or the last switch of the anchoring, where
+    /// they became others. `None` at a time between switches, of which that is not stored.
+    pub fn energies_at_start(&self) -> Option<Baseline> {
         let history = &self.run?.history;
         let step = self.report?.step;
         match (history.marks.first(), history.marks.last()) {
-            (_, Some((last, _))) if step >= *last => history.baseline,
+            (_, Some((last, _))) if step >= *last => history.baseline.clone(),
             (Some((first, _)), _) if step >= *first => None,
-            _ => history.total_energy.first(),
+            _ => {
+                let energies = history.energies.iter();
+                let first =
+                    |(name, series): &(String, Series)| Some((name.clone(), series.first()?));
+                Some(Baseline {
+                    t: 0.0,
+                    total: history.total_energy.first()?,
+                    energies: energies.filter_map(first).collect(),
+                })
+            }
+        }
+    }
+
+    /// What the percentages of the energies and the curves are about, in words.
+    pub fn notes(&self, baseline: Option<&Baseline>, logarithmic: bool, room: u16) -> String {
+        let since = match baseline {
+            Some(Baseline { t, .. }) if *t > 0.0 => format!("% since t = {}", brief(*t, 2)),
+            Some(_) => "% since t = 0".to_owned(),
+            None => String::new(),
+        };
+        let end = self.end_of_curves();
+        let curves = match logarithmic {
+            true => format!("log curves to t = {}", brief(end, 3)),
+            false => format!("curves to t = {}", brief(end, 3)),
+        };
+        let both = format!("{since}, {curves}");
+        match both.chars().count() <= usize::from(room) && !since.is_empty() {
+            true => both,
+            false => since,
         }
     }
 
@@ -128,7 +159,7 @@ impl<'a> Shown<'a> {
         Some(area.target * self.initial_surface_area()?)
     }
 
-    /// How many vesicles there are, where that is why their size is not shown.
+    /// How many vesicles there are, where there is not one.
     pub fn vesicles(&self) -> Option<String> {
         match self.report?.vesicles.len() {
             0 => Some("no vesicle".to_owned()),
@@ -145,26 +176,30 @@ impl<'a> Shown<'a> {
         Schedule::new(&setting.scene.time, 1, 0).share(report.step, report.t)
     }
 
-    /// Steps where the mesh has followed the membrane, and where the anchoring was switched.
-    pub fn marks(&self) -> Vec<(u64, Mark)> {
+    /// What happened, and when, in the order of time.
+    pub fn marks(&self) -> Vec<(f64, Mark)> {
         let Some(history) = self.run.map(|run| &run.history) else {
             return Vec::new();
         };
-        let meshes = history.mesh_changes.iter();
-        let switches = history.marks.iter();
-        (meshes.map(|(step, _)| (*step, Mark::Mesh)))
-            .chain(switches.map(|(step, _)| (*step, Mark::Switch)))
-            .collect()
+        let meshes = history.mesh_changes.iter().map(|(_, t)| (*t, Mark::Mesh));
+        let mut marks: Vec<_> = meshes.chain(history.happened.iter().copied()).collect();
+        marks.sort_by(|one, other| one.0.total_cmp(&other.0));
+        marks
+    }
+
+    /// The time at the right end of the curves.
+    fn end_of_curves(&self) -> f64 {
+        let t = self.run.map_or(0.0, |run| run.report.t);
+        let end = self.setting.map_or(0.0, |setting| setting.scene.time.end);
+        curve::horizon(t, end)
     }
 
     /// What the curves of this run have in common.
-    pub fn curves<'m>(&self, marks: &'m [(u64, Mark)], logarithmic: bool) -> curve::Frame<'m> {
-        let step = self.run.map_or(0, |run| run.report.step);
-        let steps = self.setting.and_then(|setting| setting.steps).unwrap_or(0);
+    pub fn curves<'m>(&self, marks: &'m [(f64, Mark)], logarithmic: bool) -> curve::Frame<'m> {
         curve::Frame {
-            horizon: curve::horizon(step, steps),
+            end: self.end_of_curves(),
             marks,
-            cursor: self.back.and(self.report).map(|report| report.step),
+            cursor: self.back.and(self.report).map(|report| report.t),
             logarithmic,
         }
     }

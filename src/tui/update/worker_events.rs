@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::super::frame_history;
 use super::super::run_control::WorkerState;
-use super::super::state::{App, Notice, Run, Screen, Severity, Status};
+use super::super::state::{App, Mark, Notice, Run, Screen, Severity, Status};
 use super::measuring;
 use crate::scene::{AnchoringKind, Warning};
 use crate::simulation::{
@@ -25,7 +25,7 @@ impl App {
     pub(super) fn shows(&self, index: usize) -> bool {
         match self.screen {
             Screen::Run => index == self.active,
-            Screen::Gallery => self.cases().contains(&index),
+            Screen::Gallery => self.gallery().contains(&index),
         }
     }
 }
@@ -96,14 +96,34 @@ pub(super) fn hear(app: &mut App, message: WorkerMessage) {
             run.unsaved = true;
         }
         WorkerEvent::Event(event) => {
-            let severity = match event.kind {
+            let severity = match &event.kind {
                 // A switch is reported as `Anchored` too, and marked then.
                 EventKind::AnchoringSwitched { .. } => None,
                 EventKind::MeshChanged(_) => {
                     run.history.mesh_changes.push((event.step, event.t));
+                    Some(Severity::Log)
+                }
+                EventKind::FieldSwitched { .. } => {
+                    run.history.happened.push((event.t, Mark::Field));
+                    Some(Severity::Log)
+                }
+                EventKind::VesiclesChanged { change, .. } => {
+                    let mark = Mark::Vesicles(*change);
+                    run.history.happened.push((event.t, mark));
                     Some(Severity::Note)
                 }
-                _ => Some(Severity::Warning),
+                EventKind::ReachedWall => {
+                    run.history.happened.push((event.t, Mark::Wall));
+                    Some(Severity::Warning)
+                }
+                // What a step that is about to take long needs to be solved.
+                EventKind::ShortSteps { .. } => Some(Severity::Warning),
+                EventKind::FellBackToFactor { .. }
+                | EventKind::FactorIsFaster
+                | EventKind::ReturnedToTransform
+                | EventKind::NewtonTookOver { .. }
+                | EventKind::StepDivided { .. }
+                | EventKind::Damped { .. } => Some(Severity::Log),
             };
             if let Some(severity) = severity {
                 run.notify(Notice {

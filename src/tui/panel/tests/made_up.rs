@@ -88,10 +88,10 @@ pub fn report(step: u64) -> Report {
             area: 0.12,
             perimeter: 1.478,
             outline: Some(OutlineMeasure {
-            length: 0.64,
-            waist: 0.185 - 0.04 * (1.0 - decay),
-            width: 0.246,
-        }),
+                length: 0.64,
+                waist: 0.185 - 0.04 * (1.0 - decay),
+                width: 0.246,
+            }),
             ..Vesicle::default()
         }],
         ..Report::default()

@@ -3,12 +3,13 @@
 use crossterm::event::KeyCode;
 
 use super::super::super::message::{Effect, Message};
-use super::super::super::state::{Beyond, Overlay, Question, Severity, Status};
+use super::super::super::state::{Beyond, Mark, Overlay, Question, Severity, Status};
 use super::rig::{Rig, scene, slot};
 use crate::physics::NamedValue;
 use crate::scene::{AnchoringKind, Warning};
 use crate::simulation::{
-    Event, EventKind, Message as WorkerMessage, Report, RunId, StepProgress, WorkerEvent,
+    Event, EventKind, Message as WorkerMessage, Report, RunId, StepProgress, VesicleChange,
+    WorkerEvent,
 };
 
 /// A worker of the active run says this.
@@ -333,7 +334,10 @@ fn the_anchoring_goes_round_and_is_marked_and_nothing_rises() {
         assert_eq!(rig.app.slots[2].anchoring(), Some(kind));
         assert_eq!(run.report.step, before.step);
         assert_ne!(run.report.total_energy, before.total_energy);
-        assert_eq!(run.history.baseline, Some(run.report.total_energy));
+        assert_eq!(
+            run.history.baseline.as_ref().map(|it| it.total),
+            Some(run.report.total_energy)
+        );
         rig.work(3);
     }
     let run = rig.run(2);
@@ -513,6 +517,42 @@ fn warnings_and_events_become_notices() {
         }),
     );
     assert_eq!(rig.run(2).notices.len(), 1);
+}
+
+/// What the solver did, and what was asked for, is in the list of all, after what the user must know.
+#[test]
+fn what_the_solver_did_is_logged_and_what_happened_is_marked() {
+    let mut rig = Rig::new();
+    rig.work(2);
+    let change = VesicleChange::Merged;
+    let counts = [2, 1];
+    let kinds = [
+        (EventKind::ReachedWall, Severity::Warning),
+        (EventKind::Damped { factor: 0.1 }, Severity::Log),
+        (EventKind::FactorIsFaster, Severity::Log),
+        (EventKind::FieldSwitched { jump: 1.0 }, Severity::Log),
+        (
+            EventKind::VesiclesChanged { change, counts },
+            Severity::Note,
+        ),
+    ];
+    for (kind, severity) in kinds {
+        let (step, t) = (2, 2e-6);
+        say(&mut rig, WorkerEvent::Event(Event { step, t, kind }));
+        assert_eq!(rig.run(2).notices.back().unwrap().severity, severity);
+    }
+    let marks = [Mark::Wall, Mark::Field, Mark::Vesicles(change)];
+    assert_eq!(rig.run(2).history.happened, marks.map(|mark| (2e-6, mark)));
+    rig.keys("w");
+    let Some(Overlay::Message { text, .. }) = &rig.app.overlay else {
+        unreachable!("no list: {:?}", rig.app.overlay);
+    };
+    let place = |words: &str| {
+        text.find(words)
+            .unwrap_or_else(|| panic!("{words}: {text}"))
+    };
+    let order = ["wall", "have merged", "on the way", "damped"].map(place);
+    assert!(order.is_sorted(), "{text}");
 }
 
 #[test]
