@@ -7,9 +7,11 @@ use super::run::some_step;
 use super::signals::EndSignal;
 use crate::figure::{FigureOptions, save_study};
 use crate::record::load_scene;
+use crate::scene::Scene;
 use crate::signals::EndingSignal;
 use crate::study::{
-    Budget, ComparedRun, ComparedRuns, ErrorSize, Point, Study, StudyError, StudyNews, chart, study,
+    Budget, ComparedRun, ComparedRuns, ErrorSize, Offer, Point, Study, StudyError, StudyNews,
+    chart, price_words, study,
 };
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::ffi::OsString;
@@ -26,7 +28,10 @@ const FULL: u64 = 1800;
 #[command(after_help = "\
 The scene is computed on several meshes with several tolerances, each compared with a finer run, within \
 the budget; what would not fit is left out. A budget that does not pay for an answer is refused, with one \
-that does. Ctrl-C ends the study with what there is.")]
+that does. Ctrl-C ends the study with what there is.
+
+The list of prices comes first: what vesica run SCENE --accuracy E will take for five errors E. It takes some seconds \
+beside the budget.")]
 pub(super) struct Arguments {
     /// A preset's name (see `vesica presets`) or a TOML file
     scene: OsString,
@@ -52,6 +57,10 @@ pub(super) struct Arguments {
     #[arg(long)]
     full: bool,
 
+    /// The list of prices alone: nodes, seconds and memory for five errors of φ
+    #[arg(long, conflicts_with_all = ["out", "budget", "beside", "against", "full"])]
+    prices: bool,
+
     /// Override a value of the scene, such as anchoring.kind=parallel
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
@@ -62,6 +71,10 @@ pub(super) fn accuracy(arguments: &Arguments) -> Result<(), CliError> {
     let loaded = load_scene(&arguments.scene, &arguments.set)?;
     some_step(&loaded.scene.time)?;
     let signal = EndSignal::listen()?;
+    print_prices(&loaded.scene, &signal)?;
+    if arguments.prices {
+        return Ok(());
+    }
     let default = if arguments.full { FULL } else { QUICK };
     let budget = Budget {
         time: Duration::from_secs(arguments.budget.unwrap_or(default)),
@@ -142,6 +155,29 @@ pub(super) fn accuracy(arguments: &Arguments) -> Result<(), CliError> {
             files,
         }),
     }
+}
+
+/// Prints what each error of the list will take on this machine.
+fn print_prices(scene: &Scene, signal: &EndSignal) -> Result<(), CliError> {
+    output::line(format_args!(
+        "{:>8} {:>9} {:>7}  on this machine",
+        "accuracy", "edges", "nodes"
+    ))?;
+    for offer in Offer::all(scene) {
+        let row = match &offer.offered {
+            Ok(offered) => {
+                let mut go_on = || signal.received().is_none();
+                let Some(price) = price_words(&offered.scene, &mut go_on) else {
+                    break;
+                };
+                let (Ok(price) | Err(price)) = price;
+                format!("{:>9} {:>7}  {price}", offered.edge, offered.nodes)
+            }
+            Err(why) => why.to_string(),
+        };
+        output::line(format_args!("{:>8} {row}", format!("{:e}", offer.error)))?;
+    }
+    output::line("")
 }
 
 fn print(study: &Study) -> Result<(), CliError> {

@@ -63,32 +63,53 @@ impl<'a> Wanted<'a> {
 
     /// Gives a scene the mesh and the steps for it.
     pub(super) fn give(&self, scene: &mut Scene) -> Result<(), SceneError> {
-        if let Some((key, file)) = scene.nodal_files().first() {
-            return Err(self.field.error(Problem::NodalValuesOnAdaptiveMesh {
-                key: key.name.to_owned(),
-                path: file.path.clone(),
-            }));
-        }
-        let width = scene.membrane.interface_width;
-        let edge = (0.5 * self.error / OF_MESH).cbrt();
-        if edge > LONGEST {
-            return Err(self.field.error(Problem::AccuracyTooLow {
-                largest: 2.0 * OF_MESH * LONGEST.powi(3),
-            }));
-        }
-        let size = rounded(edge * width);
-        scene.mesh = Mesh::Adaptive {
-            size: FAR.max(size),
-            refine: Refinement {
-                band: rounded(BAND * width),
-                size,
-            },
-            seed: 1,
-        };
-        scene.time.tolerance = Some(rounded(0.5 * self.error / OF_STEPS));
-        scene.time.scheme = TimeScheme::Secant;
-        Ok(())
+        choose(scene, self.error).map_err(|problem| self.field.error(problem))
     }
+}
+
+impl Scene {
+    /// The scene with the mesh and the steps for an error of φ, in place of its own.
+    ///
+    /// # Errors
+    /// [`Problem`]: its data belong to its own mesh, or with that error there would be no interface.
+    pub fn with_accuracy(&self, error: f64) -> Result<Self, Problem> {
+        if matches!(self.mesh, Mesh::File(_)) {
+            return Err(Problem::AccuracyAndMesh);
+        }
+        let mut scene = self.clone();
+        choose(&mut scene, error)?;
+        scene.name = format!("{}, error {error:e}", self.name);
+        Ok(scene)
+    }
+}
+
+/// Gives a scene the mesh and the steps for an error of φ.
+fn choose(scene: &mut Scene, error: f64) -> Result<(), Problem> {
+    if let Some((key, file)) = scene.nodal_files().first() {
+        return Err(Problem::NodalValuesOnAdaptiveMesh {
+            key: key.name.to_owned(),
+            path: file.path.clone(),
+        });
+    }
+    let width = scene.membrane.interface_width;
+    let edge = (0.5 * error / OF_MESH).cbrt();
+    if edge > LONGEST {
+        return Err(Problem::AccuracyTooLow {
+            largest: 2.0 * OF_MESH * LONGEST.powi(3),
+        });
+    }
+    let size = rounded(edge * width);
+    scene.mesh = Mesh::Adaptive {
+        size: FAR.max(size),
+        refine: Refinement {
+            band: rounded(BAND * width),
+            size,
+        },
+        seed: 1,
+    };
+    scene.time.tolerance = Some(rounded(0.5 * error / OF_STEPS));
+    scene.time.scheme = TimeScheme::Secant;
+    Ok(())
 }
 
 /// To three digits.
@@ -124,6 +145,16 @@ mod tests {
         let written = scene.to_toml();
         assert!(!written.contains("accuracy"), "{written}");
         assert_eq!(read(&written, &[]).as_ref(), Ok(&scene));
+        // Of a scene that is there the same is made.
+        let own = read("membrane.interface_width = 0.02\ntime.end = 1e-4", &[]).expect("a scene");
+        let mut chosen = own.with_accuracy(1e-2).expect("a scene");
+        assert_eq!(chosen.name, format!("{}, error 1e-2", own.name));
+        chosen.name = own.name.clone();
+        assert_eq!(chosen, scene);
+        assert!(matches!(
+            own.with_accuracy(0.2),
+            Err(Problem::AccuracyTooLow { .. })
+        ));
         let finer = read(text, &["accuracy=1e-3"]).expect("a scene");
         let (edge, tolerance) = edge_and_tolerance(&finer);
         assert!(edge < 0.5 * 0.0149 && tolerance == Some(5e-4));

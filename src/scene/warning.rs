@@ -3,12 +3,16 @@
 use std::fmt;
 
 use super::significant::significant;
-use super::tables::{Mesh, Scene};
+use super::tables::{Mesh, Quadrature, Scene};
 
 /// Cells that an interface of width ε should span, for accurate energies.
 const CELLS_FOR_ENERGIES: f64 = 3.0;
 /// Cells that it must span for the membrane to move freely: on a coarser mesh it sticks.
 const CELLS_FOR_SHAPES: f64 = 1.0;
+
+/// The band of fine edges on either side of the membrane, over ε, that holds the interface: beyond 3 ε, 1 − |φ| is
+/// below 2.9 % (tanh(3/√2)).
+const BAND_FOR_INTERFACE: f64 = 3.0;
 
 /// What is allowed in a scene but probably not meant.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,6 +47,15 @@ pub enum Warning {
         /// Whether `mesh.jitter` made them; otherwise they are in the mesh's file.
         is_jittered: bool,
     },
+    /// A mesh that follows the membrane is fine in less than the interface.
+    NarrowBand {
+        /// `mesh.band`.
+        band: f64,
+        /// ε.
+        interface_width: f64,
+    },
+    /// A mesh that follows the membrane, and the lumped rule.
+    LumpedOnAdaptiveMesh,
     /// φ⁰ changes its sign nowhere; only where it is random or from a file.
     NoMembrane {
         /// Whether it is positive.
@@ -154,6 +167,19 @@ impl fmt::Display for Warning {
                     },
                 )
             }
+            Self::NarrowBand {
+                band,
+                interface_width,
+            } => write!(
+                f,
+                "the mesh is fine within mesh.band = {band:?} of the membrane, and the interface is wider: take \
+                 {:.2e} or more (3 \u{3b5}), else the error is that of the coarse mesh beside it",
+                BAND_FOR_INTERFACE * interface_width,
+            ),
+            Self::LumpedOnAdaptiveMesh => f.write_str(
+                "with solver.quadrature = \"lumped\" the bending energy rises about threefold each time the mesh \
+                 is made again, and the result is not to be trusted: take \"consistent\", or a mesh that stays",
+            ),
             Self::NoMembrane { inside } => write!(
                 f,
                 "the initial φ is {} everywhere: there is no membrane, so neither a vesicle nor what acts \
@@ -281,6 +307,7 @@ fn thin(
 pub fn warnings(scene: &Scene, edge: Option<f64>) -> Vec<Warning> {
     let mut warnings = Vec::new();
     warnings.extend(thin_interface(scene, edge));
+    warnings.extend(adaptive_mesh(scene));
     warnings.extend(scene.table_warnings());
     warnings
 }
@@ -309,6 +336,25 @@ fn thin_interface(scene: &Scene, edge: Option<f64>) -> Option<Warning> {
         edge,
         key,
     })
+}
+
+/// The warnings of a mesh that follows the membrane.
+fn adaptive_mesh(scene: &Scene) -> Vec<Warning> {
+    let Mesh::Adaptive { refine, .. } = scene.mesh else {
+        return Vec::new();
+    };
+    let (band, interface_width) = (refine.band, scene.membrane.interface_width);
+    let mut warnings = Vec::new();
+    if is_fewer(band / interface_width, BAND_FOR_INTERFACE) {
+        warnings.push(Warning::NarrowBand {
+            band,
+            interface_width,
+        });
+    }
+    if scene.solver.quadrature == Quadrature::Lumped {
+        warnings.push(Warning::LumpedOnAdaptiveMesh);
+    }
+    warnings
 }
 
 #[cfg(test)]
@@ -352,6 +398,24 @@ mod tests {
             text.ends_with("(6.2 times the nodes and at least the time)"),
             "{text}"
         );
+    }
+
+    #[test]
+    fn an_adaptive_mesh_that_cannot_hold_the_interface_is_told() {
+        let scene = |settings: &[&str]| {
+            let mesh = "mesh = { kind = 'adaptive', size = 0.1, interface = 0.003, band = 0.03 }\n\
+                        membrane.interface_width = 0.01";
+            warnings(&Scene::of_text(mesh, settings), None)
+        };
+        assert_eq!(scene(&[]), []);
+        let narrow = Warning::NarrowBand {
+            band: 0.029,
+            interface_width: 0.01,
+        };
+        assert!(narrow.to_string().contains("take 3.00e-2 or more"));
+        assert_eq!(scene(&["mesh.band=0.029"]), [narrow]);
+        let lumped = scene(&["solver.quadrature=lumped"]);
+        assert_eq!(lumped, [Warning::LumpedOnAdaptiveMesh]);
     }
 
     #[test]

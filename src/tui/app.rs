@@ -70,7 +70,6 @@ impl App {
             memory: frame_history::BUDGET,
             editing: None,
             reloaded: None,
-            improved: None,
             expectation: Expectation::default(),
             ending: None,
         }

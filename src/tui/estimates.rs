@@ -4,8 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::scene::Scene;
-use crate::simulation::memory_needed;
-use crate::study::{Foresight, Plan, prices, prices_table, run_estimate};
+use crate::study::{Plan, price_words, prices, prices_table};
 
 /// What the run of a scene would take on this machine, in words, or why it cannot be run; `load` gets it where
 /// it is not given. `None`: `end` was set.
@@ -19,17 +18,7 @@ pub(super) fn expected(
         // Its lines follow when it is opened.
         Err(reason) => return Some(Err(reason.lines().next().unwrap_or_default().to_owned())),
     };
-    let words = match run_estimate(&scene, &mut || !end.load(Ordering::Relaxed)) {
-        Ok(Foresight::Price(price)) => Ok(price.to_string()),
-        Ok(Foresight::TooLarge(nodes)) => Ok(format!(
-            "{:.1} GB; how long is not tried with {nodes} nodes",
-            memory_needed(&scene) as f64 / 1e9
-        )),
-        Ok(Foresight::Unsolved(unsolved)) => Ok(format!("more than can be foreseen: {unsolved}")),
-        Ok(Foresight::Ended) => return None,
-        Err(error) => Err(format!("it cannot be run: {error}")),
-    };
-    Some(words)
+    price_words(&scene, &mut || !end.load(Ordering::Relaxed))
 }
 
 /// Measures until it is done or `end` is set; reports its progress, and at last the table.

@@ -11,7 +11,7 @@ use super::run_control::RunControl;
 use crate::record::KeptAt;
 use crate::scene::{AnchoringKind, Scene};
 use crate::simulation::{Report, RunId, RunSnapshot, SetUp, Setting, StepProgress};
-use crate::study::ErrorRow;
+use crate::study::{ErrorRow, Offer};
 
 pub use super::history::{History, Mark};
 pub use super::throughput::Throughput;
@@ -71,8 +71,6 @@ pub struct App {
     pub editing: Option<usize>,
     /// A slot and the scene that waits to replace it, while that is asked.
     pub reloaded: Option<(usize, Box<Slot>)>,
-    /// The scene that is offered in place of the active one, while that is asked.
-    pub improved: Option<Box<Slot>>,
     /// What a scene in a dialog would take.
     pub expectation: Expectation,
     /// Where the app ends.
@@ -313,6 +311,8 @@ pub enum Overlay {
         /// As it is shown, line by line.
         text: String,
     },
+    /// What the active scene costs at several errors of φ; one of them can be run.
+    Accuracy(PriceList),
     /// The measured error of the run that is shown.
     Measured,
     /// A long text to read: an error of a scene with its lines.
@@ -322,6 +322,17 @@ pub enum Overlay {
         /// The words.
         text: String,
     },
+}
+
+/// The price list of a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PriceList {
+    /// The scene's word in the header.
+    pub name: String,
+    /// The lines, each with what its run will take, in words, or why it cannot be run; `None`: not known yet.
+    pub rows: Vec<(Offer, Option<Result<String, String>>)>,
+    /// The line that Enter runs.
+    pub chosen: usize,
 }
 
 /// What is asked before a run is lost.
@@ -337,8 +348,6 @@ pub enum Question {
     GoOn,
     /// Continue the active run beyond its end, which it has reached?
     GoBeyond(Beyond),
-    /// Begin another run, with the change that the estimated errors suggest?
-    Improve,
 }
 
 /// What a run that has reached its end does first, if it continues.
@@ -361,7 +370,6 @@ impl Question {
             Self::Reload => "Reload",
             Self::GoOn => "Go on",
             Self::GoBeyond(_) => "The run is over",
-            Self::Improve => "Improve",
         }
     }
 }

@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod adaptive;
 mod combinations;
 mod energy_law;
 mod freedericksz;

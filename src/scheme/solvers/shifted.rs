@@ -30,7 +30,8 @@ const FINENESS: f64 = 4.0;
 /// The inverse of the bulk operator by sparse factors.
 #[derive(Debug)]
 pub(in crate::scheme) struct ShiftedInverse {
-    factors: ShiftedFactors,
+    /// Analysed when they are first used: most runs with chosen steps never do.
+    factors: Option<ShiftedFactors>,
     mass: MassForm,
     /// s and σ.
     shifts: [f64; 2],
@@ -44,16 +45,16 @@ pub(in crate::scheme) struct ShiftedInverse {
 }
 
 impl ShiftedInverse {
-    /// Analyses the factors.
-    pub(in crate::scheme) fn new(space: &Space) -> Result<Self, LinalgError> {
+    /// The mass matrix, and no factor yet.
+    pub(in crate::scheme) fn new(space: &Space) -> Self {
         let assembly = space.assembly();
         let mut mass_values = vec![0.0; assembly.pattern.stored()];
         space
             .mass()
             .add_to(1.0, &assembly.diagonal, &mut mass_values);
         let weights = space.nodal_weights();
-        Ok(Self {
-            factors: ShiftedFactors::analyse(&assembly.pattern, MOST_KEPT)?,
+        Self {
+            factors: None,
             mass: space.mass().clone(),
             shifts: [f64::NAN; 2],
             made_for: [f64::NAN; 2],
@@ -61,7 +62,7 @@ impl ShiftedInverse {
             scratch: vec![0.0; space.nodes()],
             root_weights: weights.iter().map(|weight| weight.sqrt()).collect(),
             nodal_weights: weights.to_vec(),
-        })
+        }
     }
 }
 
@@ -77,9 +78,15 @@ impl BulkInverse for ShiftedInverse {
         }
         self.made_for = [f64::NAN; 2];
         self.shifts = shifts(step_mobility * width, 2.0 / (width * width)).map(rounded);
+        let factors = match &mut self.factors {
+            Some(factors) => factors,
+            none => none.insert(ShiftedFactors::analyse(
+                &space.assembly().pattern,
+                MOST_KEPT,
+            )?),
+        };
         for shift in self.shifts {
-            self.factors
-                .prepare(shift, &space.stiffness().values, &self.mass_values)?;
+            factors.prepare(shift, &space.stiffness().values, &self.mass_values)?;
         }
         self.made_for = [step_mobility, width];
         Ok(())
@@ -101,11 +108,14 @@ impl LinearOperator for ShiftedInverse {
         }
         let sum = vector::sum(y);
         let [single, double] = self.shifts;
-        self.factors.solve_in_place(single, y);
-        for _ in 0..2 {
-            self.mass.multiply(y, &mut self.scratch);
-            y.copy_from_slice(&self.scratch);
-            self.factors.solve_in_place(double, y);
+        // `prepare` comes first.
+        if let Some(factors) = &mut self.factors {
+            factors.solve_in_place(single, y);
+            for _ in 0..2 {
+                self.mass.multiply(y, &mut self.scratch);
+                y.copy_from_slice(&self.scratch);
+                factors.solve_in_place(double, y);
+            }
         }
         vector::scale(y, single * double * double);
         // As in `transform`: 1ᵀM P⁻¹r = 1ᵀr exactly.
@@ -170,7 +180,7 @@ mod tests {
         for rule in [QuadratureRule::Lumped, QuadratureRule::Consistent] {
             let space = Space::new(mesh.clone(), rule);
             let size = space.nodes();
-            let mut preconditioner = ShiftedInverse::new(&space).expect("small");
+            let mut preconditioner = ShiftedInverse::new(&space);
             preconditioner
                 .prepare(&space, 1e-9, 0.05)
                 .expect("definite");

@@ -66,8 +66,8 @@ pub enum Action {
     Slower,
     /// Edit the scene and load it again.
     Edit,
-    /// Offer a run that is more accurate or cheaper.
-    Improve,
+    /// Show what other accuracies cost.
+    Accuracy,
     /// Measure the error of the run, or show it.
     Measure,
     /// Show what each effect costs.
@@ -113,6 +113,8 @@ pub enum Place {
     Confirm,
     /// Where a scene's name is typed; characters that mean nothing else are typed.
     Open,
+    /// The price list of accuracy.
+    Accuracy,
     /// A long text.
     Message,
     /// Everywhere.
@@ -127,6 +129,7 @@ impl Place {
             Some(Overlay::Help { .. }) => Self::Help,
             Some(Overlay::Confirm(_)) => Self::Confirm,
             Some(Overlay::Open { .. }) => Self::Open,
+            Some(Overlay::Accuracy(_)) => Self::Accuracy,
             Some(Overlay::Message { .. } | Overlay::Prices { .. } | Overlay::Measured) => {
                 Self::Message
             }
@@ -242,11 +245,12 @@ mod tests {
 
     use super::*;
 
-    const PLACES: [Place; 5] = [
+    const PLACES: [Place; 6] = [
         Place::Main,
         Place::Help,
         Place::Confirm,
         Place::Open,
+        Place::Accuracy,
         Place::Message,
     ];
 

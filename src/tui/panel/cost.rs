@@ -14,7 +14,6 @@ use super::rows::{self, Row, Widths};
 use super::shown::Shown;
 use super::text;
 use crate::simulation::{Costs, ErrorPart, Phase, Report};
-use crate::study::Recommendation;
 use crate::tui::curve;
 use crate::tui::keys::{self, Action};
 use crate::tui::layout::{Step, Wish};
@@ -94,19 +93,14 @@ pub fn draw(shown: &Shown<'_>, look: Look, theme: &Theme, area: Rect, buffer: &m
     let errors = measured::phase_line(shown, theme)
         .or_else(|| budget(shown, report, &costs, area.width, theme));
     let key = Some(measured::key_line(run, theme));
-    let suggestion = Recommendation::of(shown.scene(), &report.budget).map(|suggestion| {
-        Line::from(vec![
-            Span::styled(
-                format!(" {} ", keys::label(Action::Improve)),
-                theme.style(Role::Accent),
-            ),
-            Span::styled(
-                suggestion_words(suggestion.what(), area.width),
-                theme.muted(),
-            ),
-        ])
-    });
-    let further = [errors, key, suggestion].into_iter().flatten();
+    let prices = Line::from(vec![
+        Span::styled(
+            format!(" {} ", keys::label(Action::Accuracy)),
+            theme.style(Role::Accent),
+        ),
+        Span::styled("what other accuracies cost", theme.muted()),
+    ]);
+    let further = [errors, key, Some(prices)].into_iter().flatten();
     for (row, line) in (3 + parts..area.height).zip(further) {
         text::line(buffer, area, row, line);
     }
@@ -115,15 +109,6 @@ pub fn draw(shown: &Shown<'_>, look: Look, theme: &Theme, area: Rect, buffer: &m
     if beside.x > area.x + used {
         let series = &run.history.law_residual;
         curve::draw(series, &curves, theme.curve(), theme, beside, buffer);
-    }
-}
-
-/// The change that is suggested, whole or not at all.
-fn suggestion_words(what: &str, width: u16) -> String {
-    let words = format!("improves: {what}");
-    match words.chars().count() + 4 <= usize::from(width) {
-        true => words,
-        false => "proposes a better run".to_owned(),
     }
 }
 

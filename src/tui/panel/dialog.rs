@@ -40,7 +40,6 @@ pub fn confirm(app: &App, question: Question, theme: &Theme, screen: Rect, buffe
         Question::Quit => quit_words(app),
         Question::GoOn => kept_words(app),
         Question::GoBeyond(beyond) => beyond_words(app, beyond),
-        Question::Improve => improve_words(app),
     };
     let width = 56.min(screen.width.saturating_sub(4));
     let words = text::wrap(&words, usize::from(width).saturating_sub(4));
@@ -152,20 +151,6 @@ fn others_words(name: &str, others: &[PathBuf]) -> Option<String> {
     Some(format!(
         "Of {name} {runs} {are} kept in {folders}: o opens a run by its folder."
     ))
-}
-
-/// What would be changed, why, and what the run would take.
-fn improve_words(app: &App) -> String {
-    let (Some(slot), Some(name)) = (&app.improved, expectation_wanted(app)) else {
-        return String::new();
-    };
-    let why = slot.remark.as_deref().unwrap_or_default();
-    let price = match app.expectation.words(&name) {
-        Some(Ok(words)) => format!("It takes {words}."),
-        Some(Err(why)) => why.to_owned(),
-        None => "What it takes is being measured.".to_owned(),
-    };
-    format!("{why} A new run of {name}? {price}")
 }
 
 /// Of which runs there are no figures, and whether their states are kept.

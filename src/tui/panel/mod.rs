@@ -1,6 +1,7 @@
 //! The screen, one file a panel: each a pure function of the state. No panel computes physics, takes
 //! a lock, reads a clock or touches a file.
 
+mod accuracy;
 mod area;
 mod banner;
 mod chart;
@@ -130,6 +131,7 @@ fn overlay(app: &App, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
         Some(Overlay::Prices { text }) => {
             dialog::table("What each effect costs", text, theme, screen, buffer);
         }
+        Some(Overlay::Accuracy(list)) => accuracy::draw(list, theme, screen, buffer),
         Some(Overlay::Measured) => {
             let words = measured::words(app);
             dialog::table("Measured error", &words, theme, screen, buffer);

@@ -8,10 +8,9 @@ use super::super::state::{
     App, Beyond, Director, Ending, Field, Keeping, Notice, Overlay, Panel, Question, Run, Save,
     Screen, Severity, Slot, Status,
 };
-use super::{leave, measuring, overlays, pacing, remark, saving};
+use super::{accuracy, leave, measuring, pacing, remark, saving};
 use crate::record::ShortNumber;
 use crate::simulation::{Command, RunId, step_count};
-use crate::study::Recommendation;
 
 /// The frame rates that the keys go through.
 const FRAME_RATES: [u32; 7] = [1, 2, 5, 10, 15, 20, 30];
@@ -60,7 +59,7 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
                 app.overlay = Some(Overlay::Prices { text });
             }
         }
-        Action::Improve => improve(app),
+        Action::Accuracy => accuracy::open(app),
         Action::Measure => measuring::press(app, effects),
         Action::Notices => show_notices(app),
         Action::Help => app.overlay = Some(Overlay::Help { scroll: 0 }),
@@ -76,31 +75,6 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
         | Action::Load
         | Action::Erase
         | Action::Clear => {}
-    }
-}
-
-/// Offers a run with the change that the estimated errors of the active one suggest.
-fn improve(app: &mut App) {
-    let suggestion = app.active_slot().and_then(|slot| {
-        let run = slot.run.as_ref()?;
-        let suggestion = Recommendation::of(&slot.scene, &run.report.budget)?;
-        let mut improved = Slot::new(
-            format!("{}-improved", slot.name),
-            None,
-            suggestion.applied_to(&slot.scene),
-        );
-        improved.remark = Some(suggestion.to_string());
-        Some(improved)
-    });
-    match suggestion {
-        Some(improved) => {
-            app.improved = Some(Box::new(improved));
-            app.overlay = Some(Overlay::Confirm(Question::Improve));
-        }
-        None => remark(
-            app,
-            "the errors are not known yet, or the scene's own data allow no other mesh",
-        ),
     }
 }
 
@@ -129,7 +103,7 @@ pub(super) fn ask(app: &mut App, question: Question, effects: &mut Vec<Effect>) 
     let loses = match question {
         Question::Quit => app.has_unsaved(),
         Question::Restart => app.active_run().is_some_and(|run| run.unsaved),
-        Question::GoOn | Question::GoBeyond(_) | Question::Improve => true,
+        Question::GoOn | Question::GoBeyond(_) => true,
         Question::Reload => app.reloaded.as_ref().is_some_and(|(index, _)| {
             let run = app.slots.get(*index).and_then(|slot| slot.run.as_ref());
             run.is_some_and(|run| run.unsaved)
@@ -168,11 +142,6 @@ pub(super) fn consent(app: &mut App, question: Question, effects: &mut Vec<Effec
         // They are where the next runs begin.
         Question::GoOn => {}
         Question::GoBeyond(beyond) => go_beyond(app, beyond, effects),
-        Question::Improve => {
-            if let Some(slot) = app.improved.take() {
-                overlays::add(app, *slot);
-            }
-        }
         Question::Reload => {
             if let Some((index, slot)) = app.reloaded.take() {
                 if let Some(run) = begin_anew(app, index) {

@@ -1,5 +1,6 @@
 //! What happens to the state: one pure function.
 
+mod accuracy;
 mod actions;
 mod estimates;
 mod measuring;

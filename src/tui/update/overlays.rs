@@ -10,7 +10,7 @@ use super::super::keys::{self, Action};
 use super::super::message::Effect;
 use super::super::state::{App, Ending, Overlay, Question, Slot};
 use super::actions::{ask, consent, look_at};
-use super::{leave, remark};
+use super::{accuracy, leave, remark};
 use crate::scene::preset_names;
 
 /// The presets that are offered for what was typed: those that contain it.
@@ -37,7 +37,6 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
         }
         (Action::Quit, _) => {
             app.reloaded = None;
-            app.improved = None;
             app.overlay = None;
             ask(app, Question::Quit, effects);
         }
@@ -63,9 +62,6 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
                 let kept = take_kept(app);
                 effects.push(Effect::PutAside(kept));
             }
-            if question == Question::Improve {
-                app.improved = None;
-            }
             if question == Question::Reload {
                 app.reloaded = None;
                 remark(
@@ -75,6 +71,11 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
             }
         }
         (Action::Close, _) => app.overlay = None,
+        (Action::Choose(by), Some(Overlay::Accuracy(list))) => {
+            let last = list.rows.len().saturating_sub(1);
+            list.chosen = list.chosen.saturating_add_signed(by as isize).min(last);
+        }
+        (Action::Load, Some(Overlay::Accuracy(_))) => accuracy::run(app),
         (Action::Scroll(lines), Some(Overlay::Help { scroll })) => {
             let last = keys::help().count() as i32 - 1;
             *scroll = i32::from(*scroll)

@@ -12,11 +12,13 @@ use crate::geometry::{Point, length};
 use crate::record::KeptAt;
 use crate::scene::AnchoringKind;
 use crate::simulation::RunSnapshot;
+use crate::study::Offer;
 use crate::tui::brake::Brake;
 use crate::tui::colour_map::COLOUR_MAPS;
 use crate::tui::layout::divide;
 use crate::tui::state::{
-    App, Director, Field, Keeping, Overlay, Panel, Question, Saving, Screen, Severity, Slot, Status,
+    App, Director, Field, Keeping, Overlay, Panel, PriceList, Question, Saving, Screen, Severity,
+    Slot, Status,
 };
 use crate::tui::theme::{ColorTier, Theme};
 
@@ -37,6 +39,22 @@ const CHANGES: &[Change] = &[
     ("errors", |app| {
         made_up::measure(app, true);
         app.overlay = Some(Overlay::Measured);
+    }),
+    ("accuracy", |app| {
+        let slot = app.active_slot().expect("one is shown");
+        let mut list = PriceList {
+            name: slot.name.clone(),
+            rows: Offer::all(&slot.scene)
+                .into_iter()
+                .map(|it| (it, None))
+                .collect(),
+            chosen: 2,
+        };
+        for (index, seconds) in [0.3, 0.6, 1.4].into_iter().enumerate() {
+            let words = format!("about {seconds} s and 14 MB, {} steps", 20 + 10 * index);
+            list.rows[index].1 = Some(Ok(words));
+        }
+        app.overlay = Some(Overlay::Accuracy(list));
     }),
     ("quick", |app| {
         let slots = std::mem::take(&mut app.slots).into_iter();

@@ -12,7 +12,7 @@ use super::super::super::state::{Ending, Keeping, Overlay, Question, Slot, Statu
 use super::super::offered;
 use super::rig::{Rig, scene, slot};
 use crate::record::KeptAt;
-use crate::simulation::{ErrorEstimates, Message as WorkerMessage, StepProgress, WorkerEvent};
+use crate::simulation::{Message as WorkerMessage, StepProgress, WorkerEvent};
 
 fn typed(rig: &Rig) -> (&str, Option<usize>, Option<&str>) {
     let Some(Overlay::Open {
@@ -496,36 +496,37 @@ fn the_dialog_tells_what_the_chosen_scene_would_take() {
     assert!(asked_prices(&mut rig).is_empty());
 }
 
+/// The list is measured line by line, and Enter runs the line that is chosen in a place of its own.
 #[test]
-fn what_the_errors_suggest_begins_as_another_run() {
+fn the_price_list_is_measured_and_a_line_of_it_is_run() {
     let mut rig = Rig::new();
     rig.keys("i");
-    assert!(
-        rig.app
-            .remark
-            .as_deref()
-            .is_some_and(|it| it.contains("not known yet"))
-    );
-    rig.work(3);
-    let run = rig.app.slots[2].run.as_mut().expect("it runs");
-    run.report.budget = ErrorEstimates {
-        time: Some(1e-4),
-        space: Some(1e-2),
-        algebra: Some(1e-9),
+    let name = rig.app.slots[2].scene.name.clone();
+    for error in ["1e-1", "3e-2", "1e-2", "3e-3", "1e-3"] {
+        let asked = format!("{name}, error {error}");
+        assert_eq!(asked_prices(&mut rig), std::slice::from_ref(&asked));
+        rig.tell(Message::Expected(asked, Some(Ok("about 3 s".into()))));
+    }
+    assert!(asked_prices(&mut rig).is_empty(), "all are known");
+    let Some(Overlay::Accuracy(list)) = &rig.app.overlay else {
+        panic!("{:?}", rig.app.overlay);
     };
-    rig.keys("i");
-    let question = Overlay::Confirm(Question::Improve);
-    assert_eq!(rig.app.overlay, Some(question.clone()));
-    assert_eq!(asked_prices(&mut rig).len(), 1);
-    rig.keys("n");
+    let known = list
+        .rows
+        .iter()
+        .all(|(_, price)| *price == Some(Ok("about 3 s".into())));
+    assert!(known, "{list:?}");
+    rig.press(KeyCode::Esc);
     assert_eq!((rig.app.slots.len(), rig.app.active), (4, 2));
     rig.keys("i");
-    assert_eq!(rig.app.overlay, Some(question));
-    rig.keys("y");
+    for _ in 0..2 {
+        rig.press(KeyCode::Down);
+    }
+    rig.press(KeyCode::Enter);
     assert_eq!((rig.app.slots.len(), rig.app.active), (5, 4));
     let slot = &rig.app.slots[4];
-    assert_eq!(slot.name, "case3-improved");
-    assert_eq!(slot.scene.time.tolerance, Some(1e-3));
+    assert_eq!(slot.name, "case3-1e-2");
+    assert_eq!(slot.scene.time.tolerance, Some(5e-3));
     assert!(slot.run.is_some(), "it has begun");
     assert!(rig.app.slots[2].run.is_some(), "the other waits");
 }
