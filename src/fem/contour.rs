@@ -41,35 +41,12 @@ impl Contour {
 
     /// Replaces the contour by the zero set of nodal values.
     pub fn trace(&mut self, mesh: &Mesh, values: &[f64]) {
-        let segments = &mut self.segments;
-        segments.clear();
+        self.segments.clear();
         let mut area = 0.0;
         for (triangle, triangle_area) in mesh.triangles().iter().zip(mesh.areas()) {
-            let corner_values = triangle.map(|node| values[node as usize]);
-            let inside = corner_values.map(|value| value > 0.0);
-            let count = inside.iter().filter(|inside| **inside).count();
-            if count == 0 || count == 3 {
-                area += if count == 3 { *triangle_area } else { 0.0 };
-                continue;
-            }
-            // The corner that is alone on its side, first.
-            let alone = (0..3)
-                .find(|&corner| inside[corner] == (count == 1))
-                .unwrap_or(0);
-            let order = [alone, (alone + 1) % 3, (alone + 2) % 3];
-            let places = order.map(|corner| mesh.nodes()[triangle[corner] as usize]);
-            let [first, second, third] = order.map(|corner| corner_values[corner]);
-            let (to_second, to_third) = (first / (first - second), first / (first - third));
-            let along = |other: usize, share: f64| places[0] + share * (places[other] - places[0]);
-            let (near_second, near_third) = (along(1, to_second), along(2, to_third));
-            let corner = to_second * to_third * triangle_area;
-            if count == 1 {
-                segments.push([near_second, near_third]);
-                area += corner;
-            } else {
-                segments.push([near_third, near_second]);
-                area += triangle_area - corner;
-            }
+            let (part, segment) = cut(mesh, triangle, *triangle_area, values);
+            area += part;
+            self.segments.extend(segment);
         }
         self.area = area;
     }
@@ -92,30 +69,60 @@ impl Contour {
             .map(|place| wall.distance(*place))
             .min_by(f64::total_cmp)
     }
+}
 
-    /// Length, waist and width along an axis, a unit vector, or along the one across it if the
-    /// vesicle is longer that way; `None` where the zero set is empty.
-    pub fn measure(&self, axis: Vector) -> Option<OutlineMeasure> {
-        let along = self.measure_along(axis)?;
+/// The part of a triangle where φ > 0: its area, and the piece of φ = 0 in the triangle, with φ > 0 on its left.
+pub(super) fn cut(
+    mesh: &Mesh,
+    triangle: &[u32; 3],
+    triangle_area: f64,
+    values: &[f64],
+) -> (f64, Option<Segment>) {
+    let corner_values = triangle.map(|node| values[node as usize]);
+    let inside = corner_values.map(|value| value > 0.0);
+    let count = inside.iter().filter(|inside| **inside).count();
+    if count == 0 || count == 3 {
+        return (if count == 3 { triangle_area } else { 0.0 }, None);
+    }
+    // The corner that is alone on its side, first.
+    let alone = (0..3)
+        .find(|&corner| inside[corner] == (count == 1))
+        .unwrap_or(0);
+    let order = [alone, (alone + 1) % 3, (alone + 2) % 3];
+    let places = order.map(|corner| mesh.nodes()[triangle[corner] as usize]);
+    let [first, second, third] = order.map(|corner| corner_values[corner]);
+    let (to_second, to_third) = (first / (first - second), first / (first - third));
+    let along = |other: usize, share: f64| places[0] + share * (places[other] - places[0]);
+    let (near_second, near_third) = (along(1, to_second), along(2, to_third));
+    let corner = to_second * to_third * triangle_area;
+    if count == 1 {
+        (corner, Some([near_second, near_third]))
+    } else {
+        (triangle_area - corner, Some([near_third, near_second]))
+    }
+}
+
+impl OutlineMeasure {
+    /// Of a curve, along an axis, a unit vector, or along the one across it if the vesicle is longer that
+    /// way; `None` where there is no segment.
+    pub fn of(segments: impl Iterator<Item = Segment> + Clone, axis: Vector) -> Option<Self> {
+        let along = Self::along(segments.clone(), axis)?;
         if along.width > along.length {
-            self.measure_along(Vector::new(-axis.y, axis.x))
+            Self::along(segments, Vector::new(-axis.y, axis.x))
         } else {
             Some(along)
         }
     }
 
-    fn measure_along(&self, axis: Vector) -> Option<OutlineMeasure> {
-        if self.segments.is_empty() {
-            return None;
-        }
+    fn along(segments: impl Iterator<Item = Segment> + Clone, axis: Vector) -> Option<Self> {
+        segments.clone().next()?;
         // In coordinates along the axis (x) and across it (y).
         let frame = frame(axis);
-        let turned = |place: &Point| frame.inverse_transform_point(place);
-        let places = self.segments.iter().flatten().map(turned);
-        let hull = BoundingBox::around(places);
+        let turned = |place: Point| frame.inverse_transform_point(&place);
+        let hull = BoundingBox::around(segments.clone().flatten().map(turned));
         let middle = 0.5 * (hull.lower.x + hull.upper.x);
         let mut waist = [f64::INFINITY, f64::NEG_INFINITY];
-        for [a, b] in &self.segments {
+        for [a, b] in segments {
             let (a, b) = (turned(a), turned(b));
             if (a.x <= middle) != (b.x <= middle) {
                 let share = (middle - a.x) / (b.x - a.x);
@@ -123,7 +130,7 @@ impl Contour {
                 waist = [waist[0].min(across), waist[1].max(across)];
             }
         }
-        Some(OutlineMeasure {
+        Some(Self {
             length: hull.extent().x,
             waist: (waist[1] - waist[0]).max(0.0),
             width: hull.extent().y,
@@ -185,7 +192,8 @@ mod tests {
             let [a, b] = half_axes;
             let contour = Contour::new(&mesh, &ellipse(&mesh, a, b));
             for axis in [Vector::y(), Vector::x()] {
-                let measure = contour.measure(axis).expect("an outline");
+                let segments = contour.segments.iter().copied();
+                let measure = OutlineMeasure::of(segments, axis).expect("an outline");
                 for (value, exact) in [
                     (measure.length, 0.8),
                     (measure.waist, 0.4),
@@ -195,9 +203,6 @@ mod tests {
                 }
             }
         }
-        assert_eq!(
-            Contour::new(&mesh, &vec![-1.0; mesh.nodes().len()]).measure(Vector::x()),
-            None
-        );
+        assert_eq!(OutlineMeasure::of(std::iter::empty(), Vector::x()), None);
     }
 }
