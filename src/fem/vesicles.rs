@@ -105,6 +105,11 @@ impl Vesicles {
         changes
     }
 
+    /// How many there were when they were compared last; `None`: on another mesh, or never.
+    pub fn count_before(&self) -> Option<usize> {
+        self.before.as_ref().map(Pieces::count)
+    }
+
     /// Forgets what the next vesicles would be compared with: the mesh is another one.
     pub fn forget(&mut self) {
         self.before = None;

@@ -339,7 +339,7 @@ fn a_scene_has_only_the_energies_of_its_effects() {
         .iter()
         .map(|plot| plot.name.plain())
         .collect();
-    assert_eq!(names, ["Etotal", "Eben"]);
+    assert_eq!(names, ["Etotal", "Ebending"]);
     let files: Vec<&str> = figures.iter().map(|figure| figure.file).collect();
     assert_eq!(files, ["energies", "volume-area"], "it has no outline");
 }

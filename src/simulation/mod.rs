@@ -442,10 +442,11 @@ impl Simulation {
 
     /// Measures the vesicles, and notices when they merge or split, and when one reaches the wall.
     fn look(&mut self) {
-        let before = self.report.vesicles.len();
         self.measure();
         let (step, t) = (self.report.step, self.report.t);
-        let counts = [before, self.report.vesicles.len()];
+        // Not the report's: within a step that was interrupted it is about a state on the way.
+        let now = self.report.vesicles.len();
+        let counts = [self.vesicles.count_before().unwrap_or(now), now];
         let changes = VesicleChange::all(self.vesicles.changes());
         let events = changes.map(|change| EventKind::VesiclesChanged { change, counts });
         self.events
