@@ -3,9 +3,11 @@
 //! `println!` and `eprintln!` panic when the other side of a pipe is gone; these do not.
 
 use super::CliError;
+use crate::tui::panel::wrap;
+use rustix::termios::tcgetwinsize;
 use serde::Serialize;
 use std::fmt::Display;
-use std::io::{self, Write};
+use std::io::{self, IsTerminal, Write};
 
 /// Prints text on the standard output as it is. A reader who has seen enough (`| head`) is no
 /// error.
@@ -50,8 +52,16 @@ pub(super) fn warning(warning: impl Display) {
     note(format_args!("warning: {warning}"));
 }
 
-/// Prints a line on the standard error.
+/// Prints a line on the standard error, in a terminal broken between words.
 pub(super) fn note(text: impl Display) {
+    let mut text = text.to_string();
+    let mut output = io::stderr().lock();
+    if output.is_terminal()
+        && let Ok(size) = tcgetwinsize(&output)
+        && size.ws_col > 0
+    {
+        text = wrap(&text, usize::from(size.ws_col)).join("\n");
+    }
     // If it is closed, there is nobody to tell.
-    let _ = io::stderr().write_all(format!("{text}\n").as_bytes());
+    let _ = output.write_all(format!("{text}\n").as_bytes());
 }

@@ -51,45 +51,13 @@ impl Contour {
 
     /// Replaces the contour by the zero set of nodal values.
     pub fn trace(&mut self, mesh: &Mesh, values: &[f64]) {
-        let segments = &mut self.segments;
-        segments.clear();
+        self.segments.clear();
         let (mut area, mut volume) = (0.0, 0.0);
         for (triangle, triangle_area) in mesh.triangles().iter().zip(mesh.areas()) {
-            let body = |places: [Point; 3], area: f64| {
-                TAU / 3.0 * (places[0].x + places[1].x + places[2].x) * area
-            };
-            let corner_values = triangle.map(|node| values[node as usize]);
-            let inside = corner_values.map(|value| value > 0.0);
-            let count = inside.iter().filter(|inside| **inside).count();
-            if count == 0 || count == 3 {
-                if count == 3 {
-                    let places = triangle.map(|node| mesh.nodes()[node as usize]);
-                    area += triangle_area;
-                    volume += body(places, *triangle_area);
-                }
-                continue;
-            }
-            // The corner that is alone on its side, first.
-            let alone = (0..3)
-                .find(|&corner| inside[corner] == (count == 1))
-                .unwrap_or(0);
-            let order = [alone, (alone + 1) % 3, (alone + 2) % 3];
-            let places = order.map(|corner| mesh.nodes()[triangle[corner] as usize]);
-            let [first, second, third] = order.map(|corner| corner_values[corner]);
-            let (to_second, to_third) = (first / (first - second), first / (first - third));
-            let along = |other: usize, share: f64| places[0] + share * (places[other] - places[0]);
-            let (near_second, near_third) = (along(1, to_second), along(2, to_third));
-            let corner = to_second * to_third * triangle_area;
-            let corner_body = body([places[0], near_second, near_third], corner);
-            if count == 1 {
-                segments.push([near_second, near_third]);
-                area += corner;
-                volume += corner_body;
-            } else {
-                segments.push([near_third, near_second]);
-                area += triangle_area - corner;
-                volume += body(places, *triangle_area) - corner_body;
-            }
+            let (part, segment) = cut(mesh, triangle, *triangle_area, values);
+            area += part.area;
+            volume += part.volume;
+            self.segments.extend(segment);
         }
         self.area = area;
         self.volume = (mesh.geometry() == Geometry::Axisymmetric).then_some(volume);
@@ -97,11 +65,7 @@ impl Contour {
 
     /// Adds the other side of the axis of rotation, so that it is the contour of the full cross-section, in the plane.
     pub fn mirror(&mut self) {
-        let mirrored = |place: &Point| Point::new(-place.x, place.y);
-        let segments = self.segments.iter();
-        let other: Vec<Segment> = segments
-            .map(|[from, to]| [mirrored(to), mirrored(from)])
-            .collect();
+        let other: Vec<Segment> = self.segments.iter().map(mirrored).collect();
         self.segments.extend(other);
         self.area *= 2.0;
         self.volume = None;
@@ -128,8 +92,7 @@ impl Contour {
             let length = self.length();
             return (length > 0.0).then(|| 4.0 * PI * self.area / (length * length));
         };
-        let rings = self.segments.iter();
-        let surface: f64 = rings.map(|[a, b]| PI * (a.x + b.x) * length(b - a)).sum();
+        let surface: f64 = self.segments.iter().map(ring).sum();
         (surface > 0.0).then(|| 36.0 * PI * volume * volume / surface.powi(3))
     }
 
@@ -140,30 +103,90 @@ impl Contour {
             .map(|place| wall.distance(*place))
             .min_by(f64::total_cmp)
     }
+}
 
-    /// Length, waist and width along an axis, a unit vector, or along the one across it if the
-    /// vesicle is longer that way; `None` where the zero set is empty.
-    pub fn measure(&self, axis: Vector) -> Option<OutlineMeasure> {
-        let along = self.measure_along(axis)?;
+/// A part of a triangle: its area, and the volume 2π r̄ |T| of the body that it makes by rotation about x = 0.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Part {
+    pub(super) area: f64,
+    pub(super) volume: f64,
+}
+
+/// The part of a triangle where φ > 0, and the piece of φ = 0 in the triangle, with φ > 0 on its left.
+pub(super) fn cut(
+    mesh: &Mesh,
+    triangle: &[u32; 3],
+    triangle_area: f64,
+    values: &[f64],
+) -> (Part, Option<Segment>) {
+    let part = |places: [Point; 3], area: f64| Part {
+        area,
+        volume: TAU / 3.0 * (places[0].x + places[1].x + places[2].x) * area,
+    };
+    let corner_values = triangle.map(|node| values[node as usize]);
+    let inside = corner_values.map(|value| value > 0.0);
+    let count = inside.iter().filter(|inside| **inside).count();
+    if count == 0 || count == 3 {
+        let places = triangle.map(|node| mesh.nodes()[node as usize]);
+        let area = if count == 3 { triangle_area } else { 0.0 };
+        return (part(places, area), None);
+    }
+    // The corner that is alone on its side, first.
+    let alone = (0..3)
+        .find(|&corner| inside[corner] == (count == 1))
+        .unwrap_or(0);
+    let order = [alone, (alone + 1) % 3, (alone + 2) % 3];
+    let places = order.map(|corner| mesh.nodes()[triangle[corner] as usize]);
+    let [first, second, third] = order.map(|corner| corner_values[corner]);
+    let (to_second, to_third) = (first / (first - second), first / (first - third));
+    let along = |other: usize, share: f64| places[0] + share * (places[other] - places[0]);
+    let (near_second, near_third) = (along(1, to_second), along(2, to_third));
+    let corner = part(
+        [places[0], near_second, near_third],
+        to_second * to_third * triangle_area,
+    );
+    if count == 1 {
+        return (corner, Some([near_second, near_third]));
+    }
+    let whole = part(places, triangle_area);
+    let rest = Part {
+        area: whole.area - corner.area,
+        volume: whole.volume - corner.volume,
+    };
+    (rest, Some([near_third, near_second]))
+}
+
+/// The mirror image of a segment at the axis x = 0, with φ > 0 on its left again.
+pub(super) fn mirrored([from, to]: &Segment) -> Segment {
+    [to, from].map(|place| Point::new(-place.x, place.y))
+}
+
+/// The surface that a segment makes by rotation about x = 0.
+pub(super) fn ring([a, b]: &Segment) -> f64 {
+    PI * (a.x + b.x) * length(b - a)
+}
+
+impl OutlineMeasure {
+    /// Of a curve, along an axis, a unit vector, or along the one across it if the vesicle is longer that
+    /// way; `None` where there is no segment.
+    pub fn of(segments: impl Iterator<Item = Segment> + Clone, axis: Vector) -> Option<Self> {
+        let along = Self::along(segments.clone(), axis)?;
         if along.width > along.length {
-            self.measure_along(Vector::new(-axis.y, axis.x))
+            Self::along(segments, Vector::new(-axis.y, axis.x))
         } else {
             Some(along)
         }
     }
 
-    fn measure_along(&self, axis: Vector) -> Option<OutlineMeasure> {
-        if self.segments.is_empty() {
-            return None;
-        }
+    fn along(segments: impl Iterator<Item = Segment> + Clone, axis: Vector) -> Option<Self> {
+        segments.clone().next()?;
         // In coordinates along the axis (x) and across it (y).
         let frame = frame(axis);
-        let turned = |place: &Point| frame.inverse_transform_point(place);
-        let places = self.segments.iter().flatten().map(turned);
-        let hull = BoundingBox::around(places);
+        let turned = |place: Point| frame.inverse_transform_point(&place);
+        let hull = BoundingBox::around(segments.clone().flatten().map(turned));
         let middle = 0.5 * (hull.lower.x + hull.upper.x);
         let mut waist = [f64::INFINITY, f64::NEG_INFINITY];
-        for [a, b] in &self.segments {
+        for [a, b] in segments {
             let (a, b) = (turned(a), turned(b));
             if (a.x <= middle) != (b.x <= middle) {
                 let share = (middle - a.x) / (b.x - a.x);
@@ -171,7 +194,7 @@ impl Contour {
                 waist = [waist[0].min(across), waist[1].max(across)];
             }
         }
-        Some(OutlineMeasure {
+        Some(Self {
             length: hull.extent().x,
             waist: (waist[1] - waist[0]).max(0.0),
             width: hull.extent().y,
@@ -232,7 +255,8 @@ mod tests {
             let [a, b] = half_axes;
             let contour = Contour::new(&mesh, &ellipse(&mesh, a, b));
             for axis in [Vector::y(), Vector::x()] {
-                let measure = contour.measure(axis).expect("an outline");
+                let segments = contour.segments.iter().copied();
+                let measure = OutlineMeasure::of(segments, axis).expect("an outline");
                 for (value, exact) in [
                     (measure.length, 0.8),
                     (measure.waist, 0.4),
@@ -242,10 +266,7 @@ mod tests {
                 }
             }
         }
-        assert_eq!(
-            Contour::new(&mesh, &vec![-1.0; mesh.nodes().len()]).measure(Vector::x()),
-            None
-        );
+        assert_eq!(OutlineMeasure::of(std::iter::empty(), Vector::x()), None);
     }
 
     /// A sphere, and a spheroid of half axes 0.3 and 0.3 about the axis, 0.15 along it: V = 4π/3·a²c.
@@ -271,7 +292,8 @@ mod tests {
         let quotient = oblate.isoperimetric_quotient().expect("a vesicle");
         assert!((quotient / reduced - 1.0).abs() < 3e-3, "{quotient}");
         let section = Contour::of_section(&mesh, &values(0.3, 0.15));
-        let size = section.measure(Vector::y()).expect("a vesicle");
+        let segments = section.segments.iter().copied();
+        let size = OutlineMeasure::of(segments, Vector::y()).expect("a vesicle");
         assert!((size.length - 0.6).abs() < 1e-3 && (size.waist - 0.3).abs() < 1e-3);
         assert_eq!(section.segments.len(), 2 * oblate.segments.len());
         // φ > 0 is on the left of both sides: twice the area by the sum over the segments.

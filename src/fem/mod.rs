@@ -23,6 +23,7 @@ mod quadtree;
 mod raster;
 mod rotation;
 mod space;
+mod vesicles;
 
 pub use assembly::{Assembly, LoadEntries, MatrixEntries};
 pub use boundary::{Wall, is_in_hole};
@@ -35,8 +36,11 @@ pub use mass::MassForm;
 pub use mesh::{Grid, Mesh};
 pub use mesh_quality::{MeshQuality, SLIVER, WorstTriangle};
 pub use patch::Patch;
-pub use pieces::{Pieces, center_and_axis, long_axis};
+pub use pieces::{PieceChanges, Pieces, center_and_axis, long_axis};
 pub use projection::{GivenFunction, l2_projection, ritz_projection, solve_poisson};
 pub use quadrature::QuadratureRule;
 pub use raster::{Place, Raster};
 pub use space::Space;
+pub use vesicles::{Vesicle, Vesicles};
+
+use pieces::Moments;

@@ -135,19 +135,10 @@ fn energies(runs: &[RunData]) -> Vec<Scalar> {
     columns.into_iter().map(scalar).collect()
 }
 
-/// The symbol of a part of the energy as the paper has it. Parts are weighted as in E_total.
+/// The symbol of a part of the energy, by the name that it has on the screen and in the tables. Parts are weighted as in
+/// E_total.
 fn energy_symbol(column: &str) -> Label {
-    let weighted = |index: &str| {
-        let weight = Label::symbol("λ").below(index);
-        weight.and(" ").and_symbol("E").below(index)
-    };
-    match column {
-        "E_bending" => Label::symbol("E").below("ben"),
-        "E_area" => Label::symbol("E").below("pen"),
-        "E_nematic" => weighted("nem"),
-        "E_anchoring" => weighted("anch"),
-        other => Label::symbol("E").below(other.trim_start_matches("E_")),
-    }
+    Label::symbol("E").below(column.trim_start_matches("E_"))
 }
 
 /// ∫φ against its first value, and B with β.

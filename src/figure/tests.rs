@@ -13,7 +13,7 @@ use crate::record::{MarkKind, RunMark, ShortNumber};
 use crate::scene::Change;
 use crate::scene::{Anchoring, AnchoringKind, Area, Scene};
 use crate::scheme::State;
-use crate::simulation::{NamedValue, OutlineMeasure, Report};
+use crate::simulation::{NamedValue, OutlineMeasure, Report, Vesicle};
 use plotters::style::text_anchor::{HPos, VPos};
 use std::ops::Range;
 use std::sync::Arc;
@@ -71,11 +71,16 @@ fn report(step: u64) -> Report {
         total_energy: energies.iter().map(|(_, value)| value).sum(),
         phase_integral: -0.75 + 1e-16 * (step % 7) as f64,
         surface_area: 1.5 + 0.2 * (1.0 - decay),
-        outline: Some(OutlineMeasure {
-            length: 0.64,
-            waist: 0.18 * decay,
-            width: 0.25,
-        }),
+        vesicles: vec![Vesicle {
+            area: 0.12,
+            perimeter: 1.478,
+            outline: Some(OutlineMeasure {
+                length: 0.64,
+                waist: 0.18 * decay,
+                width: 0.25,
+            }),
+            ..Vesicle::default()
+        }],
         ..Report::default()
     }
 }
@@ -334,7 +339,7 @@ fn a_scene_has_only_the_energies_of_its_effects() {
         .iter()
         .map(|plot| plot.name.plain())
         .collect();
-    assert_eq!(names, ["Etotal", "Eben"]);
+    assert_eq!(names, ["Etotal", "Ebending"]);
     let files: Vec<&str> = figures.iter().map(|figure| figure.file).collect();
     assert_eq!(files, ["energies", "volume-area"], "it has no outline");
 }

@@ -412,7 +412,7 @@ fn missing(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulation::OutlineMeasure;
+    use crate::simulation::{OutlineMeasure, Vesicle};
     use std::fs;
 
     fn named(name: &'static str, value: f64) -> NamedValue {
@@ -528,11 +528,15 @@ mod tests {
         let step = |n, terms: &[&'static str]| {
             let mut report = report(n);
             report.ledger = terms.iter().map(|term| named(term, 0.5)).collect();
-            report.outline = Some(OutlineMeasure {
+            let outline = OutlineMeasure {
                 length: 0.64,
                 waist: 0.125,
                 width: 0.25,
-            });
+            };
+            report.vesicles = vec![Vesicle {
+                outline: Some(outline),
+                ..Vesicle::default()
+            }];
             report
         };
         tables.append(&report(0), 0.0);

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::summary::EventRecord;
 use crate::scene::Change;
-use crate::simulation::{Event, EventKind};
+use crate::simulation::{Event, EventKind, VesicleChange};
 
 /// Something that happened between two steps, and is marked in curves.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -29,9 +29,23 @@ pub enum MarkKind {
         /// By how much E_total changed by that; `None` where it goes on to, in a ramp, and where that is not known.
         work: Option<f64>,
     },
+    /// Vesicles have merged, split, ….
+    Vesicles(VesicleChange),
+    /// The wall was reached.
+    Wall,
 }
 
 impl RunMark {
+    /// What it is called below a curve; nothing for a new mesh, of which there are many.
+    pub fn name(&self) -> Option<&str> {
+        match &self.kind {
+            MarkKind::Mesh => None,
+            MarkKind::Change { label, .. } => Some(label),
+            MarkKind::Vesicles(change) => Some(change.name()),
+            MarkKind::Wall => Some("wall"),
+        }
+    }
+
     /// That of an event, if it is marked.
     pub fn of(event: &Event) -> Option<Self> {
         let kind = match &event.kind {
@@ -43,6 +57,8 @@ impl RunMark {
                     work: (!changes.iter().any(Change::is_ramp)).then_some(*work),
                 }
             }
+            EventKind::VesiclesChanged { change, .. } => MarkKind::Vesicles(*change),
+            EventKind::ReachedWall => MarkKind::Wall,
             _ => return None,
         };
         let Event { step, t, .. } = *event;
@@ -57,7 +73,8 @@ impl RunMark {
                 label: event.text.split(" from here on").next()?.to_owned(),
                 work: None,
             },
-            _ => return None,
+            "reached-wall" => MarkKind::Wall,
+            name => MarkKind::Vesicles(VesicleChange::of_event(name)?),
         };
         let EventRecord { step, t, .. } = *event;
         Some(Self { step, t, kind })

@@ -36,6 +36,7 @@ mod load_scene;
 mod mark;
 mod number;
 mod provenance;
+mod quantity;
 mod read;
 mod recorder;
 mod resume;
@@ -67,6 +68,7 @@ pub(crate) use number::push_cells;
 pub use number::{Number, ShortNumber};
 pub(crate) use provenance::sha256;
 pub use provenance::{Build, InputRecord, Session, changed_inputs};
+pub use quantity::{QUANTITIES, Quantity};
 pub use read::{
     ReadError, RecordedRun, RecordedSummary, Snapshot, StoredFields, WrongArray, read_fields,
     read_run, read_summary,

@@ -29,9 +29,9 @@ pub(super) fn scalar(report: &Report, column: &str) -> Option<f64> {
         "law_residual" => Some(report.law_residual),
         "newton" => Some(f64::from(report.newton)),
         "krylov" => Some(f64::from(report.krylov)),
-        "length" => report.outline.map(|outline| outline.length),
-        "waist" => report.outline.map(|outline| outline.waist),
-        "width" => report.outline.map(|outline| outline.width),
+        "length" => report.outline().map(|outline| outline.length),
+        "waist" => report.outline().map(|outline| outline.waist),
+        "width" => report.outline().map(|outline| outline.width),
         energy => value_of(&report.energies, energy.strip_prefix("E_")?),
     }
 }

@@ -235,6 +235,11 @@ fn values_of(kind: &EventKind) -> BTreeMap<Cow<'static, str>, f64> {
         EventKind::AtRest { unrest, .. } => {
             values.insert("unrest".into(), *unrest);
         }
+        EventKind::VesiclesChanged { counts, .. } => {
+            let [before, after] = counts.map(|count| count as f64);
+            values.insert("vesicles_before".into(), before);
+            values.insert("vesicles_after".into(), after);
+        }
         EventKind::ParametersChanged { work, .. } => {
             values.insert("E_total".into(), *work);
         }
@@ -351,7 +356,7 @@ impl RunSummary {
             .iter()
             .map(ToString::to_string)
             .collect();
-        self.outline.start = report.outline;
+        self.outline.start = report.outline();
         self.initial_phase_integral = report.phase_integral;
         self.reach(report);
     }
@@ -414,7 +419,7 @@ impl RunSummary {
         self.errors = report.budget;
         self.largest_error = report.budget.largest().map(|(part, _)| part);
         self.total_energy = Some(report.total_energy);
-        self.outline.end = report.outline;
+        self.outline.end = report.outline();
     }
 
     /// Takes in how the run ends.

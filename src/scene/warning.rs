@@ -122,17 +122,15 @@ impl fmt::Display for Warning {
                 cells,
             } => {
                 let spanned = interface_width * cells as f64;
-                write!(
-                    f,
+                let place = format!(
                     "the interface spans {} cells of the mesh (membrane.interface_width · mesh.cells \
-                     = {interface_width:?} · {cells}), {}; ",
+                     = {interface_width:?} · {cells})",
                     significant(spanned, 3),
-                    consequence(spanned),
-                )?;
+                );
                 let enough = |wanted: f64| {
                     format!("mesh.cells = {} or more", (wanted / interface_width).ceil())
                 };
-                remedy(f, spanned, enough)
+                thin(f, spanned, &place, enough)
             }
             Self::ThinInterfaceInTriangles {
                 interface_width,
@@ -140,14 +138,12 @@ impl fmt::Display for Warning {
                 key,
             } => {
                 let spanned = interface_width / edge;
-                write!(
-                    f,
+                let place = format!(
                     "the interface spans {} triangles of the mesh (membrane.interface_width = \
-                     {interface_width:?}, edges at the membrane {}), {}; ",
+                     {interface_width:?}, edges at the membrane {})",
                     significant(spanned, 3),
                     significant(edge, 3),
-                    consequence(spanned),
-                )?;
+                );
                 let enough = |wanted: f64| {
                     let edge = interface_width / wanted;
                     match key {
@@ -155,7 +151,7 @@ impl fmt::Display for Warning {
                         None => format!("a mesh with edges of {edge:.2e} or less there"),
                     }
                 };
-                remedy(f, spanned, enough)
+                thin(f, spanned, &place, enough)
             }
             Self::Slivers {
                 count,
@@ -289,30 +285,40 @@ fn is_fewer(spanned: f64, cells: f64) -> bool {
     spanned * (1.0 + f64::EPSILON) < cells
 }
 
-/// What an interface that spans too few cells does, in words.
-fn consequence(spanned: f64) -> String {
+/// What an interface that spans too few cells means, why, what to take in its place, and what that takes. `place` says
+/// what it spans; `enough` says what to take for as many cells as are wanted.
+fn thin(
+    f: &mut fmt::Formatter<'_>,
+    spanned: f64,
+    place: &str,
+    enough: impl Fn(f64) -> String,
+) -> fmt::Result {
+    // In two dimensions.
+    let price = |wanted: f64| match (wanted / spanned).powi(2) {
+        nodes if nodes < 1.5 => "hardly more time".to_owned(),
+        nodes => format!(
+            "{} times the nodes and at least the time",
+            significant(nodes, 2)
+        ),
+    };
+    let energies = format!(
+        "for accurate energies take {} ({})",
+        enough(CELLS_FOR_ENERGIES),
+        price(CELLS_FOR_ENERGIES)
+    );
     if is_fewer(spanned, CELLS_FOR_SHAPES) {
-        format!(
-            "fewer than {CELLS_FOR_SHAPES}: the membrane sticks to the mesh, so the shape cannot be trusted, \
-             nor can the energies"
-        )
-    } else {
-        format!(
-            "fewer than {CELLS_FOR_ENERGIES}: the energy law holds, but the bending energy is too high (that of \
-             a circle by 83 % where it spans 1.2, 7.5 % at 2.4, 1.9 % at 3.6; by more with lumped quadrature)"
-        )
-    }
-}
-
-/// What to take in its place: `enough` says it for as many cells as are wanted.
-fn remedy(f: &mut fmt::Formatter<'_>, spanned: f64, enough: impl Fn(f64) -> String) -> fmt::Result {
-    if is_fewer(spanned, CELLS_FOR_SHAPES) {
-        write!(f, "for shapes take {}, and ", enough(CELLS_FOR_SHAPES))?;
+        return write!(
+            f,
+            "at this mesh the shape is not to be trusted, nor are the energies: {place}, fewer than \
+             {CELLS_FOR_SHAPES}, so the membrane sticks to it; for shapes take {} ({}), and {energies}",
+            enough(CELLS_FOR_SHAPES),
+            price(CELLS_FOR_SHAPES)
+        );
     }
     write!(
         f,
-        "for accurate energies take {}",
-        enough(CELLS_FOR_ENERGIES)
+        "at this mesh the bending energy is too high: {place}, fewer than {CELLS_FOR_ENERGIES} (a circle's is too high \
+         by 83 % where it spans 1.2, 7.5 % at 2.4, 1.9 % at 3.6; by more with lumped quadrature); {energies}"
     )
 }
 
@@ -412,6 +418,11 @@ mod tests {
             text.contains("by 83 % where it spans 1.2, 7.5 % at 2.4, 1.9 % at 3.6;"),
             "{text}"
         );
+        // The remedy with its price: (300/120)² as many nodes.
+        assert!(
+            text.ends_with("(6.2 times the nodes and at least the time)"),
+            "{text}"
+        );
     }
 
     #[test]
@@ -465,7 +476,7 @@ mod tests {
         let grid = text(&scene(0.01, 48), None);
         for words in [
             "0.480 cells",
-            "shape cannot be trusted",
+            "the shape is not to be trusted",
             "mesh.cells = 100 or more",
         ] {
             assert!(grid.contains(words), "{grid}");
@@ -486,7 +497,7 @@ mod tests {
         for words in [
             "0.833 triangles",
             "edges at the membrane 0.0120",
-            "shape cannot be trusted",
+            "the shape is not to be trusted",
             "mesh.refine.size = 1.00e-2 or less",
         ] {
             assert!(coarse.contains(words), "{coarse}");

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::last_whole_step::LastWholeCheckpoint;
 use super::mesh_follower::{FollowerCheckpoint, MeshFollower};
 use super::partial_step::{PartialStep, StepProgress};
-use super::{ErrorEstimates, Pacing, Simulation, StepEffort, measure_vesicle};
+use super::{ErrorEstimates, Pacing, Simulation, StepEffort};
 use crate::scene::{Change, Timetable};
 use crate::scheme::{self, RestoreError};
 
@@ -146,12 +146,19 @@ impl Simulation {
         self.last_whole = None;
         if let Some(whole) = whole {
             let mut whole = whole.restore(&self.report);
-            let places = (&mut self.pieces, &mut self.contour);
+            let (wall, found) = (self.near_wall.nodes(), &mut whole.report.vesicles);
             let phi = &whole.state.phi;
-            measure_vesicle(&mut whole.report, &self.mesh, phi, places, self.axis);
+            (self.vesicles).measure(&self.mesh, phi, self.axis, wall, found);
+            // What the vesicles of the next whole step are compared with.
+            self.vesicles.forget();
+            self.vesicles.changes();
             self.last_whole = Some(Box::new(whole));
         }
         self.measure();
+        if self.last_whole.is_none() {
+            self.vesicles.forget();
+            self.vesicles.changes();
+        }
         Ok(())
     }
 }
@@ -215,7 +222,7 @@ mod tests {
             second.restore(&checkpoint).expect("the same scene");
             assert_eq!(second.scene(), first.scene());
             assert_eq!(second.report().t, first.report().t);
-            assert_eq!(second.report().outline, first.report().outline);
+            assert_eq!(second.report().vesicles, first.report().vesicles);
             assert_eq!(second.drain_events(), []);
             let (wanted, found) = (run(&mut first, 4), run(&mut second, 4));
             assert_eq!(wanted, found);

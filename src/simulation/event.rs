@@ -2,6 +2,9 @@
 
 use std::fmt;
 
+use serde::{Deserialize, Serialize};
+
+use crate::fem::PieceChanges;
 use crate::physics::NamedValue;
 use crate::scene::{Change, significant};
 use crate::scheme::{StepError, StepReport};
@@ -64,6 +67,13 @@ pub enum EventKind {
     },
     /// φ became positive within ε of the wall.
     ReachedWall,
+    /// Vesicles have merged, split, appeared or vanished.
+    VesiclesChanged {
+        /// What happened.
+        change: VesicleChange,
+        /// How many there were before the step, and are after it.
+        counts: [usize; 2],
+    },
     /// Parameters became others after this step, or began to: the energy changed, not the state.
     ParametersChanged {
         /// The changes.
@@ -80,6 +90,61 @@ pub enum EventKind {
         /// rest.tolerance.
         tolerance: f64,
     },
+}
+
+/// What may become of vesicles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum VesicleChange {
+    /// Several have become one.
+    Merged,
+    /// One has become several.
+    Split,
+    /// There is one where there was none.
+    Appeared,
+    /// There is nothing left of one.
+    Vanished,
+}
+
+impl VesicleChange {
+    const ALL: [Self; 4] = [Self::Merged, Self::Split, Self::Appeared, Self::Vanished];
+
+    /// It in a word.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Merged => "merged",
+            Self::Split => "split",
+            Self::Appeared => "appeared",
+            Self::Vanished => "vanished",
+        }
+    }
+
+    /// The name of its event, for programs.
+    fn event_name(self) -> &'static str {
+        match self {
+            Self::Merged => "vesicles-merged",
+            Self::Split => "vesicle-split",
+            Self::Appeared => "vesicle-appeared",
+            Self::Vanished => "vesicle-vanished",
+        }
+    }
+
+    /// That whose event has a name.
+    pub fn of_event(name: &str) -> Option<Self> {
+        let mut all = Self::ALL.into_iter();
+        all.find(|change| change.event_name() == name)
+    }
+
+    /// Which of them have happened.
+    pub(super) fn all(changes: PieceChanges) -> impl Iterator<Item = Self> {
+        let counts = [
+            (changes.merged, Self::Merged),
+            (changes.split, Self::Split),
+            (changes.appeared, Self::Appeared),
+            (changes.vanished, Self::Vanished),
+        ];
+        let counts = counts.into_iter().filter(|(count, _)| *count > 0);
+        counts.map(|(_, change)| change)
+    }
 }
 
 /// What a new mesh has changed.
@@ -141,6 +206,7 @@ impl EventKind {
             Self::ShortSteps { .. } => "short-steps",
             Self::Damped { .. } => "newton-damped",
             Self::ReachedWall => "reached-wall",
+            Self::VesiclesChanged { change, .. } => change.event_name(),
             Self::ParametersChanged { .. } => "parameters-changed",
             Self::MeshChanged(_) => "mesh-changed",
             Self::AtRest { .. } => "at-rest",
@@ -182,6 +248,16 @@ impl fmt::Display for EventKind {
             EventKind::ReachedWall => f.write_str(
                 "the vesicle has reached the wall, which now takes part in what happens",
             ),
+            EventKind::VesiclesChanged { change, counts } => {
+                let [before, after] = counts;
+                let words = match change {
+                    VesicleChange::Merged => "vesicles have merged",
+                    VesicleChange::Split => "a vesicle has split",
+                    VesicleChange::Appeared => "a vesicle has appeared",
+                    VesicleChange::Vanished => "a vesicle has vanished",
+                };
+                write!(f, "{words}: {after} now, {before} before")
+            }
             EventKind::AtRest { unrest, tolerance } => write!(
                 f,
                 "the run ends at rest: in a relaxation time {unrest:.1e} of the energy would be lost, at most \

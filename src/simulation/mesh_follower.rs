@@ -193,6 +193,9 @@ impl Simulation {
             controller.expect_kick();
         }
         self.report.take(self.scheme.report());
+        self.measure();
+        self.vesicles.forget();
+        self.vesicles.changes();
         let kind = EventKind::MeshChanged(Box::new(change));
         self.events.push(Event { step, t, kind });
         Ok(true)
@@ -373,7 +376,7 @@ mod tests {
             assert_ne!(second.mesh().nodes(), first.mesh().nodes());
             second.restore(&checkpoint).expect("the same scene");
             assert_eq!(second.mesh().nodes(), first.mesh().nodes());
-            assert_eq!(second.report().outline, first.report().outline);
+            assert_eq!(second.report().vesicles, first.report().vesicles);
             for simulation in [&mut first, &mut second] {
                 run(simulation, 2);
                 assert_eq!(simulation.renew_mesh(), Ok(true));

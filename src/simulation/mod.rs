@@ -31,21 +31,21 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use crate::fem::{Contour, GradientRecovery, Mesh, MeshQuality, Pieces, long_axis};
+use crate::fem::{Contour, GradientRecovery, Mesh, MeshQuality, Pieces, Vesicles, long_axis};
 use crate::geometry::Vector;
 use crate::scene::{
     Assignment, Change, Geometry, Iteration, Scene, Shape, Time, Timetable, Warning,
 };
 use crate::scheme::{Scheme, initial_fields};
 
-pub use crate::fem::OutlineMeasure;
+pub use crate::fem::{OutlineMeasure, Vesicle};
 pub use crate::physics::NamedValue;
 pub use crate::scheme::{Phase, RestoreError, State};
 pub use checkpoint::SimulationCheckpoint;
 pub use claim::{Claim, Shortage, kept_free};
 pub use error::SimulationError;
 pub use error_estimates::{ErrorEstimates, ErrorPart};
-pub use event::{EnergyChange, Event, EventKind, MeshChange};
+pub use event::{EnergyChange, Event, EventKind, MeshChange, VesicleChange};
 pub use free_memory::{FreeMemory, MemoryBound, free_memory};
 pub use memory_estimate::{check_memory, memory_held, memory_needed, node_count};
 pub use partial_step::StepProgress;
@@ -122,7 +122,7 @@ pub fn examine(scene: &Scene) -> Result<Examination, SimulationError> {
     check_vesicle(scene, &mesh, &initial.phi)?;
     let phi = &initial.phi;
     let contour = Contour::new(&mesh, phi);
-    let is_one = Pieces::default().count(&mesh, phi) == 1;
+    let is_one = Pieces::default().find(&mesh, phi) == 1;
     Ok(Examination {
         enclosed: contour.area,
         reduced_area: contour.isoperimetric_quotient().filter(|_| is_one),
@@ -143,8 +143,7 @@ pub struct Simulation {
     report: Report,
     warnings: Vec<Warning>,
     events: Vec<Event>,
-    contour: Contour,
-    pieces: Pieces,
+    vesicles: Vesicles,
     recovery: GradientRecovery,
     /// The long axis of the vesicle at the start, a unit vector.
     axis: Vector,
@@ -185,28 +184,6 @@ impl Default for Pacing {
     fn default() -> Self {
         Self::Fixed(StepSubdivision::default())
     }
-}
-
-/// Measures the vesicle of φ, if there is one: of several, extents and areas together mean nothing.
-fn measure_vesicle(
-    report: &mut Report,
-    mesh: &Mesh,
-    phi: &[f64],
-    (pieces, contour): (&mut Pieces, &mut Contour),
-    axis: Vector,
-) {
-    let vesicles = pieces.count(mesh, phi);
-    report.vesicles = Some(vesicles);
-    (report.outline, report.isoperimetric_quotient) = if vesicles == 1 {
-        contour.trace(mesh, phi);
-        let quotient = contour.isoperimetric_quotient();
-        if mesh.geometry() == Geometry::Axisymmetric {
-            contour.mirror();
-        }
-        (contour.measure(axis), quotient)
-    } else {
-        (None, None)
-    };
 }
 
 impl Simulation {
@@ -250,8 +227,7 @@ impl Simulation {
             .map_err(SimulationError::Factor)?;
         let mut simulation = Self {
             near_wall: NearWall::new(&mesh, scene.membrane.interface_width),
-            contour: Contour::default(),
-            pieces: Pieces::default(),
+            vesicles: Vesicles::default(),
             recovery: GradientRecovery::default(),
             report: Report {
                 dt: scene.time.step,
@@ -467,9 +443,17 @@ impl Simulation {
         }
     }
 
-    /// Measures the vesicle and notices when it reaches the wall.
+    /// Measures the vesicles, and notices when they merge or split, and when one reaches the wall.
     fn look(&mut self) {
         self.measure();
+        let (step, t) = (self.report.step, self.report.t);
+        // Not the report's: within a step that was interrupted it is about a state on the way.
+        let now = self.report.vesicles.len();
+        let counts = [self.vesicles.count_before().unwrap_or(now), now];
+        let changes = VesicleChange::all(self.vesicles.changes());
+        let events = changes.map(|change| EventKind::VesiclesChanged { change, counts });
+        self.events
+            .extend(events.map(|kind| Event { step, t, kind }));
         let phi = &self.scheme.state().phi;
         if self.report.step.is_multiple_of(SPACE_ERROR_EVERY) {
             let error = self.recovery.interpolation_error(&self.mesh, phi);
@@ -477,20 +461,16 @@ impl Simulation {
         }
         // φ > 0 everywhere is not a vesicle.
         if presence::sign(phi).is_none() && self.near_wall.is_reached(phi) {
-            let (step, t) = (self.report.step, self.report.t);
-            self.events.push(Event {
-                step,
-                t,
-                kind: EventKind::ReachedWall,
-            });
+            let kind = EventKind::ReachedWall;
+            self.events.push(Event { step, t, kind });
         }
     }
 
-    /// Measures the vesicle of the state.
+    /// Measures the vesicles of the state.
     fn measure(&mut self) {
         let phi = &self.scheme.state().phi;
-        let places = (&mut self.pieces, &mut self.contour);
-        measure_vesicle(&mut self.report, &self.mesh, phi, places, self.axis);
+        let (wall, found) = (self.near_wall.nodes(), &mut self.report.vesicles);
+        (self.vesicles).measure(&self.mesh, phi, self.axis, wall, found);
     }
 
     /// The scene.

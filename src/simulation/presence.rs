@@ -212,7 +212,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::super::tests::small;
-    use super::super::{Simulation, examine};
+    use super::super::{EventKind, Simulation, VesicleChange, examine};
     use super::*;
     use crate::scene::{NodalValues, Warning};
 
@@ -341,8 +341,7 @@ mod tests {
                 );
                 let scene = small(&[&vesicle, "mesh.cells=40", "membrane.interface_width=0.03"]);
                 let simulation = Simulation::new(&scene).expect("an ellipse");
-                assert_eq!(simulation.report().vesicles, Some(1));
-                let outline = simulation.report().outline.expect("one vesicle");
+                let outline = simulation.report().outline().expect("one vesicle");
                 let sizes = [
                     outline.length / 0.6,
                     outline.width / 0.4,
@@ -356,28 +355,51 @@ mod tests {
         }
     }
 
+    /// Two circles, with these centers in x.
+    fn two([left, right]: [f64; 2]) -> Simulation {
+        let parts = format!(
+            "vesicle.parts=[{{ shape = 'circle', radius = 0.15, center = [{left}, 0.5] }}, \
+             {{ shape = 'circle', radius = 0.15, center = [{right}, 0.5] }}]"
+        );
+        let scene = small(&[&parts, "mesh.cells=24", "membrane.interface_width=0.03"]);
+        Simulation::new(&scene).expect("two circles")
+    }
+
     #[test]
-    fn of_two_vesicles_there_is_no_size_until_they_are_one() {
-        let pair = |[left, right]: [f64; 2]| {
-            let parts = format!(
-                "vesicle.parts=[{{ shape = 'circle', radius = 0.15, center = [{left}, 0.5] }}, \
-                 {{ shape = 'circle', radius = 0.15, center = [{right}, 0.5] }}]"
-            );
-            let scene = small(&[&parts, "mesh.cells=24", "membrane.interface_width=0.03"]);
-            Simulation::new(&scene)
-                .expect("two circles")
-                .report()
-                .clone()
+    fn vesicles_that_merge_or_split_are_an_event() {
+        let (apart, merged) = ([0.25, 0.75], [0.4, 0.6]);
+        let mut run = two(apart);
+        // On the same mesh another state follows.
+        let mut next = |centers| {
+            run.scheme = two(centers).scheme;
+            run.look();
+            run.drain_events().into_iter().map(|event| event.kind)
         };
+        let changed = |change, counts| Some(EventKind::VesiclesChanged { change, counts });
+        assert_eq!(next(apart).next(), None);
+        assert_eq!(next(merged).next(), changed(VesicleChange::Merged, [2, 1]));
+        assert_eq!(next(merged).next(), None);
+        assert_eq!(next(apart).next(), changed(VesicleChange::Split, [1, 2]));
+    }
+
+    #[test]
+    fn each_of_two_vesicles_has_its_size_until_they_are_one() {
+        let pair = |centers| two(centers).report().clone();
         let apart = pair([0.25, 0.75]);
-        assert_eq!(apart.vesicles, Some(2));
-        assert_eq!((apart.outline, apart.isoperimetric_quotient), (None, None));
+        assert_eq!(apart.vesicles.len(), 2);
+        assert_eq!(apart.outline(), None);
+        for vesicle in &apart.vesicles {
+            let outline = vesicle.outline.expect("a membrane");
+            assert!((outline.length - 0.3).abs() < 0.01, "{outline:?}");
+            let reduced = vesicle.reduced_size().expect("away from the wall");
+            assert!((reduced - 1.0).abs() < 0.01, "{reduced}");
+        }
         // Side by side in x, and longer that way.
         let merged = pair([0.4, 0.6]);
-        assert_eq!(merged.vesicles, Some(1));
-        let outline = merged.outline.expect("one vesicle");
+        let outline = merged.outline().expect("one vesicle");
         assert!((outline.length - 0.5).abs() < 0.02, "{outline:?}");
         assert!((outline.width - 0.3).abs() < 0.02, "{outline:?}");
-        assert!(merged.isoperimetric_quotient.is_some());
+        let reduced = merged.vesicles[0].reduced_size();
+        assert!(reduced.is_some_and(|value| value < 0.95), "{reduced:?}");
     }
 }

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use super::{ErrorEstimates, OutlineMeasure, StepEffort};
+use super::{ErrorEstimates, OutlineMeasure, StepEffort, Vesicle};
 use crate::physics::NamedValue;
 use crate::scheme::{Phase, StepReport};
 
@@ -48,12 +48,8 @@ pub struct Report {
     pub ledger: Vec<NamedValue>,
     /// What it took to solve the step.
     pub effort: StepEffort,
-    /// How many vesicles there are: pieces of the region φ > 0. `None`: not counted.
-    pub vesicles: Option<usize>,
-    /// The size of the vesicle; `None` where there is not exactly one.
-    pub outline: Option<OutlineMeasure>,
-    /// 4π·area/length² of the vesicle: 1 for a circle; by rotation 36π·volume²/surface³, 1 for a sphere; `None` where there is not exactly one.
-    pub isoperimetric_quotient: Option<f64>,
+    /// The vesicles, pieces of the region φ > 0, from left to right.
+    pub vesicles: Vec<Vesicle>,
 }
 
 /// What the parts of a step took, on the clock; measuring the vesicle counts with the ledger.
@@ -105,6 +101,19 @@ impl Costs {
 }
 
 impl Report {
+    /// The vesicle, if there is exactly one: sizes of several together have no meaning.
+    pub fn only_vesicle(&self) -> Option<&Vesicle> {
+        match &self.vesicles[..] {
+            [vesicle] => Some(vesicle),
+            _ => None,
+        }
+    }
+
+    /// The size of the vesicle, if there is exactly one.
+    pub fn outline(&self) -> Option<OutlineMeasure> {
+        self.only_vesicle()?.outline
+    }
+
     /// By how much the energy rose in the step beyond the work that was done on it from outside, which
     /// the energy law forbids; `None` without a ledger. A switched energy is another one, and no rise.
     pub fn unexplained_rise(&self) -> Option<f64> {

@@ -47,7 +47,7 @@ pub fn shape_at_rest(
     if scene.membrane.spontaneous_curvature != ScalarField::Constant(0.0) {
         return Err(NoShapeAtRest::SpontaneousCurvature);
     }
-    let vesicles = Pieces::default().count(mesh, phi);
+    let vesicles = Pieces::default().find(mesh, phi);
     if vesicles != 1 {
         return Err(NoShapeAtRest::Vesicles { vesicles });
     }

@@ -113,6 +113,11 @@ impl NearWall {
         now
     }
 
+    /// The nodes within ε of the wall.
+    pub(super) fn nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+
     /// Whether the vesicle has been seen there.
     pub(super) fn reached(&self) -> bool {
         self.reached

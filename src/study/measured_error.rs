@@ -40,7 +40,7 @@ impl Sample {
         let mut scalars = vec![("E_total".to_owned(), report.total_energy)];
         let energies = report.energies.iter();
         scalars.extend(energies.map(|energy| (format!("E_{}", energy.name), energy.value)));
-        if let Some(OutlineMeasure { length, waist, .. }) = report.outline {
+        if let Some(OutlineMeasure { length, waist, .. }) = report.outline() {
             scalars.push(("length".to_owned(), length));
             scalars.push(("waist".to_owned(), waist));
         }

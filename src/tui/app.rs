@@ -69,6 +69,7 @@ impl App {
             replay: None,
             cores: cores(),
             clock: None,
+            gallery_of_opened: false,
             memory: frame_history::BUDGET,
             editing: None,
             reloaded: None,
@@ -142,6 +143,14 @@ impl App {
     }
 
     /// The slots of the gallery.
+    pub fn gallery(&self) -> std::ops::Range<usize> {
+        match self.gallery_of_opened {
+            true => self.opened().min(self.slots.len())..self.slots.len(),
+            false => self.cases(),
+        }
+    }
+
+    /// The slots of the four cases, in the form that is looked at.
     pub fn cases(&self) -> std::ops::Range<usize> {
         let first = Self::CASES * self.form;
         first.min(self.slots.len())..(first + Self::CASES).min(self.slots.len())
@@ -155,7 +164,7 @@ impl App {
         };
         match self.screen {
             Screen::Run => self.active_slot().is_some_and(goes),
-            Screen::Gallery => self.slots[self.cases()].iter().any(goes),
+            Screen::Gallery => self.slots[self.gallery()].iter().any(goes),
         }
     }
 
@@ -280,7 +289,7 @@ impl Run {
     /// The shape at rest that theory foresees for its membrane alone; `None` until there is a picture.
     pub fn shape_at_rest(&self) -> Option<&Result<Arc<ShapeAtRest>, NoShapeAtRest>> {
         let (setting, picture) = (self.setting.as_ref()?, self.picture.as_ref()?);
-        let surface_area = self.history.surface_area.first()?;
+        let surface_area = self.history.surface_area.at_start()?;
         Some(self.theory.get_or_init(|| {
             // ∫φ is conserved.
             let start = [picture.report.phase_integral, surface_area];

@@ -1,51 +1,63 @@
-//! A scalar over the whole run as a filled curve, one row or several: a column shows the least and
+//! A scalar over the time of the whole run as a line, one row or several: a column shows the least and
 //! the greatest value of its steps, so that nothing that happened can fall between two columns.
 
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::{Color, Style};
 
-use super::glyphs::Glyphs;
 use super::series::Series;
-use super::theme::{ColorTier, Role, Theme};
+use super::theme::{Role, Theme};
+use crate::record::RunMark;
 
-/// The stretch of steps that curves show: it doubles when it is full, so that a curve moves from the
-/// first second on, and yet its past does not shift with every step.
-pub fn horizon(step: u64, steps: u64) -> u64 {
-    const SHORTEST: u64 = 64;
-    let doubled = step.saturating_add(1).checked_next_power_of_two();
-    let doubled = doubled.unwrap_or(u64::MAX).max(SHORTEST) - 1;
-    if steps > 0 && step <= steps {
-        doubled.min(steps)
-    } else {
-        doubled
+/// Heights that a row of the screen has for a line: bottom, middle, top.
+const LEVELS: usize = 3;
+/// A range below this part of the values is widened to it: what hardly changes is level.
+const LEAST_RANGE: f64 = 0.01;
+
+/// The time up to which curves are shown: one of the end's fractions by powers of 1.1, so that a curve fills the
+/// width from the first step on, and yet its past does not move with every step.
+pub fn horizon(t: f64, end: f64) -> f64 {
+    const RATIO: f64 = 1.1;
+    if !(t > 0.0 && end > 0.0 && (end / t).is_finite()) {
+        return if end > 0.0 { end } else { 1.0 };
     }
-}
-
-/// Why there is a mark.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Mark {
-    /// The mesh has followed the membrane.
-    Mesh,
-    /// The anchoring was switched.
-    Switch,
+    let power = ((end / t).ln() / RATIO.ln()).floor() as i32;
+    // Not below t by rounding.
+    (end * RATIO.powi(-power)).max(t)
 }
 
 /// What all curves of a run have in common.
 #[derive(Debug, Clone, Copy)]
 pub struct Frame<'a> {
-    /// The last step that there is room for.
-    pub horizon: u64,
-    /// Steps with a mark; a later one covers an earlier one.
-    pub marks: &'a [(u64, Mark)],
-    /// The step that is shown, if it is not the last.
-    pub cursor: Option<u64>,
+    /// The time at the right end; that at the left one is 0.
+    pub end: f64,
+    /// What happened on the way, in the order of time.
+    pub marks: &'a [RunMark],
+    /// The time that is shown, if it is not the present.
+    pub cursor: Option<f64>,
     /// Whether the scale is logarithmic.
     pub logarithmic: bool,
 }
 
-/// Draws a curve into an area. Returns the least and the greatest value that it shows.
+/// Draws a curve into an area, from its least to its greatest value.
 pub fn draw(
+    series: &Series,
+    frame: &Frame<'_>,
+    colour: Color,
+    theme: &Theme,
+    area: Rect,
+    buffer: &mut Buffer,
+) {
+    let area = area.intersection(buffer.area);
+    let columns = series.columns(usize::from(area.width), frame.end);
+    if let Some(scale) = Scale::of(&columns, frame.logarithmic) {
+        line(&columns, &scale, colour, theme, area, buffer);
+    }
+    cursor(frame, theme, area, buffer);
+}
+
+/// The same on an axis with round ends; returns their values, or nothing where there is no curve.
+pub fn draw_to_round_ends(
     series: &Series,
     frame: &Frame<'_>,
     colour: Color,
@@ -54,75 +66,90 @@ pub fn draw(
     buffer: &mut Buffer,
 ) -> Option<[f64; 2]> {
     let area = area.intersection(buffer.area);
-    if area.is_empty() {
-        return None;
-    }
-    let glyphs = theme.glyphs();
-    let columns = series.columns(usize::from(area.width), frame.horizon);
-    let scale = Scale::of(&columns, frame.logarithmic);
-    let resolution = glyphs.levels.len() - 1;
-    let full = usize::from(area.height) * resolution;
-    for (x, column) in (area.left()..area.right()).zip(&columns) {
-        let Some((column, scale)) = column.zip(scale.as_ref()) else {
-            continue;
-        };
-        // At least one level, so that the curve is seen where it is lowest.
-        let mut levels = column.map(|value| {
-            let level = 1.0 + scale.share(value) * (full - 1) as f64;
-            (level.round() as usize).clamp(1, full)
-        });
-        // A logarithmic scale has the least value, if it is negative, above the greatest.
-        levels.sort_unstable();
-        let [low, high] = levels;
-        for (row, y) in (area.top()..area.bottom()).rev().enumerate() {
-            let within = |level: usize| level.saturating_sub(row * resolution).min(resolution);
-            let (symbol, style) = fill(within(low), within(high), colour, theme);
-            if let Some(cell) = buffer.cell_mut((x, y)) {
-                cell.set_symbol(symbol).set_style(style);
-            }
-        }
-    }
-    let style = |mark: Mark| match mark {
-        Mark::Mesh => theme.muted(),
-        Mark::Switch => theme.style(Role::Warning),
-    };
-    let marks = frame.marks.iter().map(|(step, mark)| (*step, style(*mark)));
-    let cursor = frame.cursor.map(|step| (step, theme.style(Role::Accent)));
-    for (step, style) in marks.chain(cursor) {
-        let share = step as f64 / (frame.horizon as f64 + 1.0);
-        let offset = (share * f64::from(area.width)) as u16;
-        let x = area.x + offset.min(area.width - 1);
-        for y in area.top()..area.bottom() {
-            if let Some(cell) = buffer.cell_mut((x, y)) {
-                cell.reset();
-                cell.set_symbol(glyphs.bar).set_style(style);
-            }
-        }
-    }
-    scale.map(|scale| scale.ends)
+    let columns = series.columns(usize::from(area.width), frame.end);
+    let scale = Scale::of(&columns, frame.logarithmic)?.rounded();
+    line(&columns, &scale, colour, theme, area, buffer);
+    cursor(frame, theme, area, buffer);
+    Some(scale.ends())
 }
 
-/// A cell of a column that is filled for certain up to `low` and at times up to `high` levels.
-fn fill(low: usize, high: usize, colour: Color, theme: &Theme) -> (&'static str, Style) {
-    let glyphs: &'static Glyphs = theme.glyphs();
-    let full = glyphs.levels.len() - 1;
-    let style = Style::default().fg(colour);
-    if high - low < 2 || high < full {
-        // What varies by less is shown at its greatest; the difference would hardly be seen.
-        return (glyphs.levels[high.min(full)], style);
-    }
-    match theme.tier {
-        ColorTier::True | ColorTier::Palette if theme.unicode => {
-            (glyphs.levels[low], style.bg(theme.band(colour)))
+/// The column of a time, counted from the left end of an area.
+pub fn column(t: f64, frame: &Frame<'_>, area: Rect) -> u16 {
+    let share = (t / frame.end).clamp(0.0, 1.0);
+    ((share * f64::from(area.width)) as u16).min(area.width.saturating_sub(1))
+}
+
+/// Marks the time that is looked at: the curve stays seen.
+fn cursor(frame: &Frame<'_>, theme: &Theme, area: Rect, buffer: &mut Buffer) {
+    let Some(t) = frame.cursor.filter(|_| !area.is_empty()) else {
+        return;
+    };
+    let x = area.x + column(t, frame, area);
+    for y in area.top()..area.bottom() {
+        if let Some(cell) = buffer.cell_mut((x, y)) {
+            if cell.symbol() == " " {
+                cell.set_symbol(theme.glyphs().bar);
+            }
+            cell.set_style(theme.style(Role::Accent));
         }
-        _ if low == 0 => (glyphs.band, style),
-        _ => (glyphs.levels[low], style),
+    }
+}
+
+/// Draws the line through the columns.
+fn line(
+    columns: &[Option<[f64; 2]>],
+    scale: &Scale,
+    colour: Color,
+    theme: &Theme,
+    area: Rect,
+    buffer: &mut Buffer,
+) {
+    let glyphs = theme.glyphs().line;
+    let last = (LEVELS * usize::from(area.height)).saturating_sub(1);
+    let style = Style::default().fg(colour);
+    let mut before: Option<[usize; 2]> = None;
+    for (x, column) in (area.left()..area.right()).zip(columns) {
+        let heights = column.map(|values| values.map(|value| scale.share(value)));
+        let Some(shares) = heights.filter(|shares| shares.iter().all(|share| share.is_finite()))
+        else {
+            before = None;
+            continue;
+        };
+        let mut levels = shares.map(|share| (share * last as f64).round() as usize);
+        // A logarithmic scale has the least value, if it is negative, above the greatest.
+        levels.sort_unstable();
+        let [mut low, mut high] = levels;
+        if high - low < 2 {
+            // What varies by less is level.
+            (low, high) = (high, high);
+        }
+        let own = [low, high];
+        if let Some([below, above]) = before {
+            // Joined to the column before.
+            low = low.min(above + 1);
+            high = high.max(below.saturating_sub(1));
+        }
+        before = Some(own);
+        for (row, y) in (area.top()..area.bottom()).rev().enumerate() {
+            let is_drawn = |level: usize| {
+                let level = row * LEVELS + level;
+                (low..=high).contains(&level)
+            };
+            let mask = (0..LEVELS).map(|level| usize::from(is_drawn(level)) << level);
+            let mask: usize = mask.sum();
+            if mask > 0
+                && let Some(cell) = buffer.cell_mut((x, y))
+            {
+                cell.set_symbol(glyphs[mask]).set_style(style);
+            }
+        }
     }
 }
 
 /// How values become heights.
+#[derive(Debug, Clone, Copy)]
 struct Scale {
-    ends: [f64; 2],
+    /// The heights of the ends.
     low: f64,
     high: f64,
     logarithmic: bool,
@@ -134,25 +161,56 @@ impl Scale {
     /// The scale of the values that are there; a logarithmic one shows absolute values.
     fn of(columns: &[Option<[f64; 2]>], logarithmic: bool) -> Option<Self> {
         let values = || columns.iter().flatten().flatten().filter(|v| v.is_finite());
-        let least = values().copied().reduce(f64::min)?;
-        let greatest = values().copied().reduce(f64::max)?;
         let positive = values()
             .map(|value| value.abs())
             .filter(|value| *value > 0.0);
         let floor = positive.reduce(f64::min);
         let mut scale = Self {
-            ends: [least, greatest],
-            low: least,
-            high: greatest,
+            low: 0.0,
+            high: 0.0,
             logarithmic: logarithmic && floor.is_some(),
             floor: floor.unwrap_or(1.0),
         };
-        if scale.logarithmic {
-            let heights = || values().map(|value| scale.height(*value));
-            let (low, high) = (heights().reduce(f64::min)?, heights().reduce(f64::max)?);
-            (scale.low, scale.high) = (low, high);
-        }
+        let heights = || values().map(|value| scale.height(*value));
+        let (low, high) = (heights().reduce(f64::min)?, heights().reduce(f64::max)?);
+        let size = match scale.logarithmic {
+            true => 1.0,
+            false => low.abs().max(high.abs()),
+        };
+        let missing = (LEAST_RANGE * size - (high - low)).max(0.0);
+        (scale.low, scale.high) = (low - 0.5 * missing, high + 0.5 * missing);
         Some(scale)
+    }
+
+    /// The same to round ends, with zero where it is near.
+    fn rounded(self) -> Self {
+        if self.logarithmic {
+            let (low, high) = (self.low.floor(), self.high.ceil());
+            return Self { low, high, ..self };
+        }
+        let [mut low, mut high] = [self.low, self.high];
+        let is_near = |end: f64, other: f64| end.abs() < 0.3 * other.abs() && end * other > 0.0;
+        if is_near(low, high) {
+            low = 0.0;
+        } else if is_near(high, low) {
+            high = 0.0;
+        }
+        let power = 10_f64.powf((0.5 * (high - low)).log10().floor());
+        let steps = [1.0, 2.0, 5.0].map(|step| step * power);
+        let step = steps.into_iter().rfind(|step| *step <= 0.5 * (high - low));
+        let step = step.filter(|step| step.is_normal());
+        if let Some(step) = step {
+            (low, high) = ((low / step).floor() * step, (high / step).ceil() * step);
+        }
+        Self { low, high, ..self }
+    }
+
+    /// The values at the ends.
+    fn ends(&self) -> [f64; 2] {
+        [self.low, self.high].map(|end| match self.logarithmic {
+            true => 10_f64.powf(end),
+            false => end,
+        })
     }
 
     fn height(&self, value: f64) -> f64 {
@@ -163,14 +221,15 @@ impl Scale {
         }
     }
 
-    /// Where a value lies between the ends, from 0 to 1; a curve that is constant lies at 0.
+    /// Where a value lies between the ends, from 0 to 1; a curve of zeros lies at 0. NaN for what is no number.
     fn share(&self, value: f64) -> f64 {
         let range = self.high - self.low;
-        let share = (self.height(value) - self.low) / range;
-        if range > 0.0 && share.is_finite() {
-            share.clamp(0.0, 1.0)
-        } else {
-            0.0
+        if !value.is_finite() {
+            return f64::NAN;
+        }
+        match range > 0.0 {
+            true => ((self.height(value) - self.low) / range).clamp(0.0, 1.0),
+            false => 0.0,
         }
     }
 }
@@ -178,9 +237,10 @@ impl Scale {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tui::theme::ColorTier;
 
     const PLAIN: Frame<'_> = Frame {
-        horizon: 9,
+        end: 10.0,
         marks: &[],
         cursor: None,
         logarithmic: false,
@@ -189,127 +249,146 @@ mod tests {
     fn series(values: &[f64]) -> Series {
         let mut series = Series::default();
         for (step, value) in values.iter().enumerate() {
-            series.push(step as u64, *value);
+            series.push(step as f64, *value);
         }
         series
     }
 
-    fn drawn(series: &Series, frame: &Frame<'_>, theme: &Theme, rows: u16) -> Vec<String> {
-        let area = Rect::new(0, 0, 10, rows);
-        let mut buffer = Buffer::empty(area);
-        draw(series, frame, Color::Reset, theme, area, &mut buffer);
-        let row = |y| (0..10).map(|x| buffer[(x, y)].symbol()).collect();
-        (0..rows).map(row).collect()
+    fn rows(buffer: &Buffer) -> Vec<String> {
+        let row = |y| {
+            (0..buffer.area.width)
+                .map(|x| buffer[(x, y)].symbol())
+                .collect()
+        };
+        (0..buffer.area.height).map(row).collect()
     }
 
-    #[test]
-    fn a_logarithmic_scale_bears_both_signs_in_a_column() {
-        let values: Vec<f64> = (0..40)
-            .map(|n| if n % 4 == 0 { -100.0 } else { 0.1 })
-            .collect();
-        let frame = Frame {
-            horizon: 39,
-            logarithmic: true,
-            ..PLAIN
-        };
-        let theme = Theme::new(ColorTier::None, true);
-        let rows = drawn(&series(&values), &frame, &theme, 2);
-        assert!(rows.iter().all(|row| row.chars().count() == 10), "{rows:?}");
+    fn drawn(series: &Series, frame: &Frame<'_>, theme: &Theme, height: u16) -> Vec<String> {
+        let area = Rect::new(0, 0, 10, height);
+        let mut buffer = Buffer::empty(area);
+        draw(series, frame, Color::Reset, theme, area, &mut buffer);
+        rows(&buffer)
     }
 
     #[test]
     fn a_line_rises_over_one_row_and_over_two() {
         let rising = series(&(0..8).map(f64::from).collect::<Vec<_>>());
         let unicode = Theme::new(ColorTier::None, true);
-        assert_eq!(drawn(&rising, &PLAIN, &unicode, 1), ["▁▂▃▄▅▆▇█  "]);
-        let two = drawn(&rising, &PLAIN, &unicode, 2);
-        assert_eq!(two[1].chars().next(), Some('▁'));
-        assert_eq!(two[0].chars().nth(7), Some('█'));
-        assert_eq!(two[1].chars().nth(7), Some('█'));
+        assert_eq!(drawn(&rising, &PLAIN, &unicode, 1), ["▁▁────▔▔  "]);
+        let two = ["    ▁──▔  ", "▁──▔      "];
+        assert_eq!(drawn(&rising, &PLAIN, &unicode, 2), two);
         let ascii = Theme::new(ColorTier::None, false);
-        assert_eq!(drawn(&rising, &PLAIN, &ascii, 1), ["..::++##  "]);
+        assert_eq!(drawn(&rising, &PLAIN, &ascii, 1), ["__----''  "]);
     }
 
     #[test]
-    fn a_constant_lies_on_the_ground_and_nothing_is_nothing() {
+    fn a_jump_is_an_upright_line_and_a_line_has_no_gaps() {
         let theme = Theme::new(ColorTier::None, true);
-        assert_eq!(drawn(&series(&[3.0; 4]), &PLAIN, &theme, 1), ["▁▁▁▁      "]);
+        let mut jump = Series::default();
+        jump.push(0.0, 0.0);
+        jump.push(5.0, 0.0);
+        jump.push(5.0, 8.0);
+        jump.push(9.0, 8.0);
+        assert_eq!(drawn(&jump, &PLAIN, &theme, 1), ["▁▁▁▁▁│▔▔▔▔"]);
+        assert_eq!(
+            drawn(&jump, &PLAIN, &theme, 2),
+            ["     │▔▔▔▔", "▁▁▁▁▁│    "]
+        );
+    }
+
+    #[test]
+    fn what_hardly_changes_is_level_and_nothing_is_nothing() {
+        let theme = Theme::new(ColorTier::None, true);
+        assert_eq!(
+            drawn(&series(&[3.0; 4]), &PLAIN, &theme, 1)[0]
+                .trim_end()
+                .len(),
+            4 * 3
+        );
+        assert_eq!(
+            drawn(&series(&[100.0, 100.001, 100.0]), &PLAIN, &theme, 1),
+            ["───       "]
+        );
         assert_eq!(drawn(&series(&[]), &PLAIN, &theme, 1), ["          "]);
+        assert_eq!(drawn(&series(&[0.0; 3]), &PLAIN, &theme, 1), ["▁▁▁       "]);
         let broken = series(&[f64::NAN, 1.0, f64::INFINITY, 2.0]);
-        assert_eq!(drawn(&broken, &PLAIN, &theme, 1), ["▁▁▁█      "]);
+        assert_eq!(drawn(&broken, &PLAIN, &theme, 1), [" ▁ ▔      "]);
     }
 
     #[test]
-    fn the_extremes_of_a_column_are_both_seen() {
-        let theme = Theme::new(ColorTier::None, true);
-        let frame = Frame {
-            horizon: 39,
-            ..PLAIN
-        };
-        // Four steps a column; in the second column one step falls to the ground.
-        let mut values = vec![8.0; 12];
-        values[5] = 0.0;
-        let rows = drawn(&series(&values), &frame, &theme, 2);
-        assert_eq!(rows, ["█░█       ", "█▁█       "]);
-    }
-
-    #[test]
-    fn a_logarithm_makes_a_decay_straight_and_bears_zero() {
+    fn a_logarithm_makes_a_decay_straight_and_bears_zero_and_signs() {
         let theme = Theme::new(ColorTier::None, true);
         let frame = Frame {
             logarithmic: true,
             ..PLAIN
         };
-        let decay: Vec<f64> = (0..8).map(|n| 10_f64.powi(-n)).collect();
-        assert_eq!(drawn(&series(&decay), &frame, &theme, 1), ["█▇▆▅▄▃▂▁  "]);
-        let signs = series(&[0.0, -1e-3, 1.0]);
-        assert_eq!(drawn(&signs, &frame, &theme, 1), ["▁▁█       "]);
-        let zeros = series(&[0.0, 0.0]);
-        assert_eq!(drawn(&zeros, &frame, &theme, 1), ["▁▁        "]);
-    }
-
-    #[test]
-    fn marks_and_the_cursor_stand_at_their_steps() {
-        let theme = Theme::new(ColorTier::None, true);
-        let frame = Frame {
-            marks: &[(2, Mark::Switch)],
-            cursor: Some(4),
-            ..PLAIN
-        };
-        let values = series(&[1.0; 6]);
-        assert_eq!(drawn(&values, &frame, &theme, 1), ["▁▁│▁│▁    "]);
-    }
-
-    #[test]
-    fn the_horizon_doubles_up_to_the_end() {
-        let table = [
-            (0, 10_000, 63),
-            (63, 10_000, 63),
-            (64, 10_000, 127),
-            (9000, 10_000, 10_000),
-            (10_000, 10_000, 10_000),
-            (10_001, 10_000, 16_383),
-            (5, 20, 20),
-            (5, 0, 63),
-        ];
-        for (step, steps, end) in table {
-            assert_eq!(horizon(step, steps), end, "{step} of {steps}");
+        let decay: Vec<f64> = (0..9).map(|n| 10_f64.powi(-n)).collect();
+        let rows = drawn(&series(&decay), &frame, &theme, 3);
+        for (row, glyphs) in rows.iter().zip(["▔─▁       ", "   ▔─▁    ", "      ▔─▁ "])
+        {
+            assert_eq!(row, glyphs);
         }
-        assert!(horizon(u64::MAX, 0) >= 1);
+        let values: Vec<f64> = (0..40)
+            .map(|n| if n % 4 == 0 { -100.0 } else { 0.1 })
+            .collect();
+        let frame = Frame { end: 40.0, ..frame };
+        let rows = drawn(&series(&values), &frame, &theme, 2);
+        assert!(rows.iter().all(|row| row == "││││││││││"), "{rows:?}");
+        assert_eq!(drawn(&series(&[0.0, 0.0]), &frame, &theme, 1).len(), 1);
+    }
+
+    #[test]
+    fn the_ends_of_a_plot_are_round_and_have_zero_where_it_is_near() {
+        let ends = |values: [f64; 2], logarithmic| {
+            let scale = Scale::of(&[Some(values)], logarithmic).expect("values");
+            scale.rounded().ends()
+        };
+        for (values, expected) in [
+            ([263.0, 640.0], [200.0, 700.0]),
+            ([26.0, 640.0], [0.0, 800.0]),
+            ([-640.0, -26.0], [-800.0, 0.0]),
+            ([-3.0, 4.0], [-4.0, 4.0]),
+            ([0.0, 0.0], [0.0, 0.0]),
+        ] {
+            assert_eq!(ends(values, false), expected, "{values:?}");
+        }
+        assert_eq!(ends([0.02, 5.0], true), [0.01, 10.0]);
+    }
+
+    #[test]
+    fn the_horizon_is_near_and_moves_seldom() {
+        let end = 1e-3;
+        let mut horizons = Vec::new();
+        for step in 1..=10_000 {
+            let t = end * f64::from(step) / 1e4;
+            let horizon = horizon(t, end);
+            assert!(horizon >= t && horizon <= 1.1001 * t, "{t} {horizon}");
+            if horizons.last() != Some(&horizon) {
+                horizons.push(horizon);
+            }
+        }
+        assert!(horizons.len() < 110, "{}", horizons.len());
+        assert!((horizons[horizons.len() - 1] / end - 1.0).abs() < 1e-12);
+        assert!(horizon(2.5e-3, end) >= 2.5e-3);
+        for (t, end) in [
+            (0.0, 1.0),
+            (0.0, 0.0),
+            (1.0, 0.0),
+            (f64::NAN, 1.0),
+            (1e-300, 1e300),
+        ] {
+            assert!(horizon(t, end) > 0.0, "{t} {end}");
+        }
     }
 
     #[test]
     fn an_area_off_the_screen_is_left_alone() {
         let mut buffer = Buffer::empty(Rect::new(0, 0, 4, 2));
         let theme = Theme::new(ColorTier::True, true);
-        let area = Rect::new(3, 1, 40, 9);
         let values = series(&[1.0, 2.0]);
-        let ends = draw(&values, &PLAIN, Color::Red, &theme, area, &mut buffer);
-        assert_eq!(ends, Some([1.0, 2.0]));
-        let outside = Rect::new(9, 9, 3, 3);
-        assert_eq!(
-            draw(&values, &PLAIN, Color::Red, &theme, outside, &mut buffer),
-            None
-        );
+        for area in [Rect::new(3, 1, 40, 9), Rect::new(9, 9, 3, 3)] {
+            draw(&values, &PLAIN, Color::Red, &theme, area, &mut buffer);
+            draw_to_round_ends(&values, &PLAIN, Color::Red, &theme, area, &mut buffer);
+        }
     }
 }

@@ -21,14 +21,34 @@ pub(super) fn editor(variable: impl Fn(&str) -> Option<String>) -> String {
         .unwrap_or_else(|| USUAL.to_owned())
 }
 
+/// A file that is edited.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct SceneFile {
+    /// Where it is.
+    pub path: PathBuf,
+    /// What was written to it, if it was made to be edited.
+    made: Option<String>,
+}
+
+impl SceneFile {
+    /// Removes it if it was made to be edited and nothing was changed in it; returns whether it is still there.
+    pub fn stays(&self) -> bool {
+        let is_unchanged = self.made.as_ref().is_some_and(|text| {
+            std::fs::read_to_string(&self.path).is_ok_and(|there| there == *text)
+        });
+        !(is_unchanged && std::fs::remove_file(&self.path).is_ok())
+    }
+}
+
 /// The file to edit: the scene's own, or for a preset a new one in `folder`, which never takes the
 /// place of another.
 ///
 /// # Errors
 /// What could not be written, and why.
-pub(super) fn file(slot: &Slot, folder: &Path) -> Result<PathBuf, String> {
+pub(super) fn file(slot: &Slot, folder: &Path) -> Result<SceneFile, String> {
     if let Some(file) = &slot.file {
-        return Ok(file.clone());
+        let (path, made) = (file.clone(), None);
+        return Ok(SceneFile { path, made });
     }
     let text = text(slot);
     for number in 1_u64.. {
@@ -40,15 +60,10 @@ pub(super) fn file(slot: &Slot, folder: &Path) -> Result<PathBuf, String> {
         match OpenOptions::new().write(true).create_new(true).open(&path) {
             Ok(mut file) => {
                 file.write_all(text.as_bytes()).map_err(tell)?;
-                return Ok(path);
+                let made = Some(text);
+                return Ok(SceneFile { path, made });
             }
-            Err(reason) if reason.kind() == io::ErrorKind::AlreadyExists => {
-                // An earlier copy that was not changed serves as well.
-                if path.is_file() && std::fs::read_to_string(&path).is_ok_and(|there| there == text)
-                {
-                    return Ok(path);
-                }
-            }
+            Err(reason) if reason.kind() == io::ErrorKind::AlreadyExists => {}
             Err(reason) => return Err(tell(reason)),
         }
     }
@@ -85,8 +100,7 @@ pub(super) fn edit(editor: &str, file: &Path) -> Result<(), String> {
     }
     Err(format!(
         "the editor '{editor}' failed ({status}); set VISUAL or EDITOR to the one you want. The \
-         scene stays as it was, and its file is {}",
-        file.display()
+         scene stays as it was"
     ))
 }
 
@@ -121,14 +135,15 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let mut slot = open(OsStr::new("case3"), &[]).unwrap();
         fs::write(folder.path().join("case3.toml"), "mine").unwrap();
-        let path = file(&slot, folder.path()).unwrap();
-        assert_eq!(path, folder.path().join("case3-2.toml"));
+        let made = file(&slot, folder.path()).unwrap();
+        let path = folder.path().join("case3-2.toml");
+        assert_eq!(made.path, path);
         assert_eq!(fs::read_to_string(&path).unwrap(), preset("case3").unwrap());
-        assert_eq!(
-            file(&slot, folder.path()).unwrap(),
-            path,
-            "the same once more"
-        );
+        // A copy in which nothing was changed does not stay; one with a change does.
+        assert!(!made.stays() && !path.exists());
+        let made = file(&slot, folder.path()).unwrap();
+        fs::write(&path, "changed").unwrap();
+        assert!(made.stays() && path.exists());
         assert_eq!(
             fs::read_to_string(folder.path().join("case3.toml")).unwrap(),
             "mine"
@@ -136,11 +151,16 @@ mod tests {
 
         Arc::make_mut(&mut slot.scene).time.end = 5e-4;
         let changed = file(&slot, folder.path()).unwrap();
-        assert_eq!(changed, folder.path().join("case3-3.toml"));
-        assert_eq!(*open(changed.as_os_str(), &[]).unwrap().scene, *slot.scene);
+        assert_eq!(changed.path, folder.path().join("case3-3.toml"));
+        assert_eq!(
+            *open(changed.path.as_os_str(), &[]).unwrap().scene,
+            *slot.scene
+        );
 
-        slot.file = Some(changed.clone());
-        assert_eq!(file(&slot, Path::new("/nowhere")).unwrap(), changed);
+        // A scene's own file stays whatever is done to it.
+        slot.file = Some(changed.path.clone());
+        let own = file(&slot, Path::new("/nowhere")).unwrap();
+        assert!(own.path == changed.path && own.stays() && changed.path.exists());
     }
 
     #[test]

@@ -24,8 +24,8 @@ pub(super) enum AppEvent {
     Stop,
     /// The process continues after a stop.
     Continued,
-    /// The editor of a scene has ended; the file to load again, or why there is none.
-    Edited(Result<PathBuf, String>),
+    /// The editor of a scene has ended; the file to load again (none: nothing was changed), or why that failed.
+    Edited(Result<Option<PathBuf>, String>),
     /// A thread of the app's own has panicked: these were its words.
     Crashed(String),
 }

@@ -55,10 +55,9 @@ pub struct Glyphs {
     pub arrows: [&'static str; 8],
     /// The four directions without a head, counter-clockwise from +x.
     pub strokes: [&'static str; 4],
-    /// Bars of one cell's height, from empty to full: what curves are drawn with.
-    pub levels: &'static [&'static str],
-    /// Between the least and the greatest value of a column, where there is no colour to show it.
-    pub band: &'static str,
+    /// A line of one cell by the heights that it has there, the sum of 1 (bottom), 2 (middle) and 4 (top): what
+    /// curves are drawn with.
+    pub line: [&'static str; 8],
     /// Bars of one cell's breadth, from empty to full: what shares are drawn with.
     pub shares: &'static [&'static str],
     /// What is left of a bar of shares.
@@ -88,8 +87,7 @@ pub static UNICODE: Glyphs = Glyphs {
     ticks: ["┬", "┤"],
     arrows: ["→", "↗", "↑", "↖", "←", "↙", "↓", "↘"],
     strokes: ["─", "╱", "│", "╲"],
-    levels: &[" ", "▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"],
-    band: "░",
+    line: [" ", "▁", "─", "╷", "▔", "│", "╵", "│"],
     shares: &[" ", "▏", "▎", "▍", "▌", "▋", "▊", "▉", "█"],
     rest: "░",
     ramp: &[" ", "░", "▒", "▓", "█"],
@@ -119,8 +117,7 @@ pub static ASCII: Glyphs = Glyphs {
     // A diagonal has no head in ASCII.
     arrows: [">", "/", "^", "\\", "<", "/", "v", "\\"],
     strokes: ["-", "/", "|", "\\"],
-    levels: &[" ", ".", ":", "+", "#"],
-    band: "'",
+    line: [" ", "_", "-", "|", "'", "|", "|", "|"],
     shares: &[" ", "#"],
     rest: ".",
     ramp: &[" ", ".", ":", "-", "=", "+", "*", "#", "%", "@"],
@@ -132,14 +129,13 @@ pub static ASCII: Glyphs = Glyphs {
     focus: "*",
 };
 
-/// Where ink covers more of a cell the number is greater: the order of the glyphs of ramps, levels
+/// Where ink covers more of a cell the number is greater: the order of the glyphs of ramps
 /// and shares, roughly in percent.
 #[cfg(test)]
 fn coverage(glyph: &str) -> u32 {
     match glyph {
         " " => 0,
         "." => 4,
-        "'" => 5,
         ":" => 8,
         "-" => 9,
         "=" => 17,
@@ -151,13 +147,13 @@ fn coverage(glyph: &str) -> u32 {
         "░" => 25,
         "▒" => 50,
         "▓" => 75,
-        "▁" | "▏" => 12,
-        "▂" | "▎" => 25,
-        "▃" | "▍" => 37,
-        "▄" | "▌" => 50,
-        "▅" | "▋" => 62,
-        "▆" | "▊" => 75,
-        "▇" | "▉" => 87,
+        "▏" => 12,
+        "▎" => 25,
+        "▍" => 37,
+        "▌" => 50,
+        "▋" => 62,
+        "▊" => 75,
+        "▉" => 87,
         "█" => 100,
         other => unreachable!("no coverage of {other:?}"),
     }
@@ -180,7 +176,7 @@ impl Glyphs {
         self.strokes[eighth(x, y) % 4]
     }
 
-    /// The glyph of a share in [0, 1] out of a ramp, levels or shares: the nearest.
+    /// The glyph of a share in [0, 1] out of a ramp or shares: the nearest.
     pub fn pick(set: &'static [&'static str], share: f64) -> &'static str {
         let last = set.len().saturating_sub(1);
         // A NaN becomes 0.
@@ -229,7 +225,7 @@ mod tests {
     #[test]
     fn more_ink_means_more() {
         for set in [&UNICODE, &ASCII] {
-            for glyphs in [set.levels, set.shares, set.ramp, set.phase] {
+            for glyphs in [set.shares, set.ramp, set.phase] {
                 let ink: Vec<u32> = glyphs.iter().map(|glyph| coverage(glyph)).collect();
                 assert!(ink.windows(2).all(|pair| pair[0] < pair[1]), "{glyphs:?}");
                 assert_eq!(ink[0], 0);
@@ -284,14 +280,13 @@ mod tests {
         let mut glyphs = vec![
             set.rule,
             set.bar,
-            set.band,
             set.rest,
             set.contour,
             set.dot,
             set.theory,
         ];
         glyphs.extend(set.arrows.iter().chain(&set.strokes).chain(&set.ticks));
-        glyphs.extend(set.levels.iter().chain(set.shares).chain(set.ramp));
+        glyphs.extend(set.line.iter().chain(set.shares).chain(set.ramp));
         assert!(glyphs.iter().all(|glyph| glyph.is_ascii()));
         for character in ['φ', '…', '漢', '\u{7f}', '\n', 'é', '💧'] {
             assert!((' '..='~').contains(&ascii(character)));
@@ -300,8 +295,8 @@ mod tests {
 
     #[test]
     fn shares_beyond_the_ends_have_the_glyph_of_the_end() {
-        let pick = |share| Glyphs::pick(UNICODE.levels, share);
-        assert_eq!([pick(-1.0), pick(0.0), pick(0.5)], [" ", " ", "▄"]);
+        let pick = |share| Glyphs::pick(UNICODE.shares, share);
+        assert_eq!([pick(-1.0), pick(0.0), pick(0.5)], [" ", " ", "▌"]);
         assert_eq!([pick(1.0), pick(7.0), pick(f64::NAN)], ["█", "█", " "]);
     }
 }

@@ -36,11 +36,13 @@ impl History {
     /// The scalars of a run that resumes a kept one with these rows, and where they are marked.
     pub fn of(rows: &Columns, marks: &[RunMark]) -> Self {
         let steps = rows.column("step").unwrap_or_default();
+        let times = rows.column("t").unwrap_or_default();
         let series = |name: &str, from: f64, change: &dyn Fn(f64) -> f64| {
             let mut series = Series::default();
-            for (step, value) in steps.iter().zip(rows.column(name).unwrap_or_default()) {
+            let values = rows.column(name).unwrap_or_default();
+            for ((step, t), value) in steps.iter().zip(times).zip(values) {
                 if *step >= from && !value.is_nan() {
-                    series.push(*step as u64, change(*value));
+                    series.push(*t, change(*value));
                 }
             }
             series
@@ -70,35 +72,27 @@ impl History {
     /// Takes the scalars of the next step, or those of step 0.
     pub fn take(&mut self, report: &Report) {
         self.take_energies(report);
-        let step = report.step;
-        self.surface_area.push(step, report.surface_area);
+        let t = report.t;
+        self.surface_area.push(t, report.surface_area);
         let start = *self.phase_integral.get_or_insert(report.phase_integral);
-        self.phase_drift.push(step, report.phase_integral - start);
-        if let Some(outline) = report.outline {
-            self.length.push(step, outline.length);
-            self.waist.push(step, outline.waist);
-            self.width.push(step, outline.width);
+        self.phase_drift.push(t, report.phase_integral - start);
+        if let Some(outline) = report.outline() {
+            self.length.push(t, outline.length);
+            self.waist.push(t, outline.waist);
+            self.width.push(t, outline.width);
         }
         // Neither law nor cost belongs to the initial state.
-        if step > 0 {
-            self.law_residual.push(step, report.law_residual.abs());
+        if report.step > 0 {
+            self.law_residual.push(t, report.law_residual.abs());
             let seconds = report.costs.total().as_secs_f64();
-            self.cost.push(step, 1e3 * seconds);
+            self.cost.push(t, 1e3 * seconds);
         }
-    }
-
-    /// The changes of parameters up to a step: after which step, and what.
-    pub fn changes(&self) -> impl DoubleEndedIterator<Item = (u64, &str)> {
-        self.marks.iter().filter_map(|mark| match &mark.kind {
-            MarkKind::Change { label, .. } => Some((mark.step, label.as_str())),
-            MarkKind::Mesh => None,
-        })
     }
 
     /// What E_tot at a step is compared with: its value at the start and the work of the changes since. From there it can
     /// only have fallen. `None` where that work is not known.
     pub fn energy_at_start(&self, step: u64) -> Option<f64> {
-        let mut energy = self.total_energy.first()?;
+        let mut energy = self.total_energy.at_start()?;
         for mark in self.marks.iter().filter(|mark| mark.step < step) {
             if let MarkKind::Change { work, .. } = mark.kind {
                 energy += work?;
@@ -108,17 +102,17 @@ impl History {
     }
 
     fn take_energies(&mut self, report: &Report) {
-        self.total_energy.push(report.step, report.total_energy);
+        self.total_energy.push(report.t, report.total_energy);
         for energy in &report.energies {
             let known = self
                 .energies
                 .iter_mut()
                 .find(|(name, _)| *name == energy.name);
             match known {
-                Some((_, series)) => series.push(report.step, energy.value),
+                Some((_, series)) => series.push(report.t, energy.value),
                 None => {
                     let mut series = Series::default();
-                    series.push(report.step, energy.value);
+                    series.push(report.t, energy.value);
                     self.energies.push((energy.name.to_owned(), series));
                 }
             }
@@ -135,6 +129,7 @@ mod tests {
         let named = |&(name, value): &(&'static str, f64)| NamedValue { name, value };
         Report {
             step,
+            t: step as f64,
             total_energy: energies.iter().map(|(_, value)| value).sum(),
             energies: energies.iter().map(named).collect(),
             phase_integral: 0.5 + step as f64,
@@ -166,10 +161,6 @@ mod tests {
         history.marks.push(change(2, None));
         assert_eq!(history.energy_at_start(2), Some(8.0));
         assert_eq!(history.energy_at_start(3), None);
-        assert_eq!(
-            history.changes().collect::<Vec<_>>(),
-            [(1, "parallel"), (2, "parallel")]
-        );
         let names: Vec<_> = history
             .energies
             .iter()
@@ -200,7 +191,7 @@ mod tests {
                 &history.phase_drift,
                 &history.law_residual,
             ]
-            .map(|series| series.columns(90, 3000))
+            .map(|series| series.columns(90, 3000.0))
         };
         assert_eq!(curves(&again), curves(&history));
         assert_eq!(again.energies.len(), history.energies.len());

@@ -45,6 +45,8 @@ pub enum Message {
     HungUp,
     /// This many bytes of memory are available.
     FreeMemory(u64),
+    /// A scene was left as it is in the editor.
+    NotEdited,
     /// Something to say in passing.
     Remark(String),
     /// This much time has passed, which counts only while [`time_counts`](super::update::time_counts).

@@ -593,18 +593,26 @@ impl Session {
         let incoming = self.incoming.clone();
         let editor = editing::editor(|name| std::env::var(name).ok());
         let thread = self.aside("editor", move || {
-            let edited = editing::edit(&editor, &file).map(|()| file);
+            let edited = editing::edit(&editor, &file.path);
+            let stays = file.stays();
+            let path = file.path;
+            let edited = match edited {
+                Ok(()) => Ok(stays.then_some(path)),
+                Err(words) if stays => Err(format!("{words}; its file is {}", path.display())),
+                Err(words) => Err(words),
+            };
             // If the loop has ended, nobody wants it.
             let _ = incoming.send(AppEvent::Edited(edited));
         });
         thread.or_else(|words| self.edited(Err(words)))
     }
 
-    fn edited(&mut self, edited: Result<PathBuf, String>) -> Result<(), AppError> {
+    fn edited(&mut self, edited: Result<Option<PathBuf>, String>) -> Result<(), AppError> {
         self.input = Some(Input::start(self.incoming.clone()).map_err(AppError::Threads)?);
         self.resume()?;
         match edited {
-            Ok(file) => self.load(move || opening::open_file(&file, &[])),
+            Ok(Some(file)) => self.load(move || opening::open_file(&file, &[])),
+            Ok(None) => self.message(Message::NotEdited),
             Err(words) => self.message(Message::Loaded(Err(words))),
         }
     }

@@ -66,6 +66,8 @@ pub struct App {
     pub cores: usize,
     /// The time that no run of the gallery goes beyond at present; `None` outside the gallery.
     pub clock: Option<f64>,
+    /// Whether the gallery is that of the scenes that were opened, not of the four cases.
+    pub gallery_of_opened: bool,
     /// Bytes that the older fields of all runs together may take.
     pub memory: usize,
     /// The slot whose scene is being edited.
@@ -264,13 +266,19 @@ pub struct Notice {
 
 impl std::fmt::Display for Notice {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(formatter, "step {}: {}", self.step, self.text)
+        // What is known of the scene belongs to no step.
+        match self.step {
+            0 => formatter.write_str(&self.text),
+            step => write!(formatter, "step {step}: {}", self.text),
+        }
     }
 }
 
 /// How grave a notice is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
+    /// What the solver did, and what was asked for: only in the list of all.
+    Log,
     /// Worth knowing.
     Note,
     /// Allowed, but probably not meant.
@@ -284,7 +292,7 @@ pub enum Severity {
 pub enum Screen {
     /// One run.
     Run,
-    /// The four cases side by side.
+    /// Several runs side by side.
     Gallery,
 }
 

@@ -63,17 +63,6 @@ const CURVES: [Shade; 6] = [
     ([0xcc, 0x5f, 0x9e], 168, Color::Magenta),
     ([0x6f, 0x8f, 0x2a], 64, Color::Green),
 ];
-/// Colours of curves out of the palette, each with the one that is half way to grey.
-const FAINT: [(u8, u8); 8] = [
-    (68, 60),
-    (30, 66),
-    (136, 101),
-    (98, 60),
-    (166, 95),
-    (168, 95),
-    (64, 65),
-    (244, 240),
-];
 const MUTED: Shade = ([0x86, 0x86, 0x86], 244, Color::Reset);
 
 impl Theme {
@@ -159,26 +148,6 @@ impl Theme {
     /// A curve that has no colour of its own.
     pub fn curve(&self) -> Color {
         self.shade(MUTED)
-    }
-
-    /// Behind a curve of this colour where it varies within a column: the colour, half way to grey.
-    pub fn band(&self, curve: Color) -> Color {
-        const GREY: [u8; 3] = [0x6c, 0x72, 0x7a];
-        match curve {
-            Color::Rgb(red, green, blue) => {
-                let mean = |one: u8, other: u8| one.midpoint(other);
-                Color::Rgb(
-                    mean(red, GREY[0]),
-                    mean(green, GREY[1]),
-                    mean(blue, GREY[2]),
-                )
-            }
-            Color::Indexed(number) => {
-                let faint = FAINT.iter().find(|(full, _)| *full == number);
-                Color::Indexed(faint.map_or(242, |(_, faint)| *faint))
-            }
-            other => other,
-        }
     }
 
     /// The colour map that the view counts to.

@@ -25,7 +25,7 @@ fn quitting_asks_restores_the_terminal_and_leaves_a_line() {
     let mut app = running(&folder, (120, 40));
     app.type_keys("q");
     app.wait_text("Leave vesica?");
-    app.wait_text("The states are kept");
+    app.wait_text("The runs are kept");
     app.type_keys("y");
     app.assert_restored(0);
     let seen = app.seen();
@@ -63,7 +63,7 @@ fn the_line_tells_the_step_that_is_kept_and_asked_about_the_next_time() {
         let mut app = running(&folder, (120, 40));
         if end == "quit" {
             app.type_keys("q");
-            app.wait_text("The states are kept");
+            app.wait_text("The runs are kept");
             app.type_keys("y");
             app.assert_restored(0);
         } else {

@@ -214,7 +214,7 @@ fn what_comes_in_the_way_later_is_seen_before_the_end() {
     let mut app = running(&folder, (120, 40));
     pause(&mut app);
     app.type_keys("q");
-    app.wait_text("The states are kept");
+    app.wait_text("The runs are kept");
     app.type_keys("n");
     fs::remove_dir_all(folder.path().join("saved")).expect("a folder");
     fs::write(folder.path().join("saved"), "").expect("a file");
@@ -223,7 +223,7 @@ fn what_comes_in_the_way_later_is_seen_before_the_end() {
     // Whoever mends it loses nothing.
     fs::remove_file(folder.path().join("saved")).expect("a file");
     app.type_keys("nq");
-    app.wait_text("The states are kept");
+    app.wait_text("The runs are kept");
     app.type_keys("y");
     app.assert_restored(0);
     assert_eq!(kept(&folder).len(), 1);

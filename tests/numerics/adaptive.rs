@@ -48,7 +48,7 @@ fn end_of(text: &str, settings: &[&str], forced: u64) -> End {
     End {
         mesh: Arc::clone(simulation.mesh()),
         phi: simulation.state().phi.clone(),
-        outline: simulation.report().outline.expect("one vesicle"),
+        outline: simulation.report().outline().expect("one vesicle"),
         transfers: events.iter().filter(is_transfer).count(),
     }
 }

@@ -36,7 +36,7 @@ fn end_of(name: &str) -> (OutlineMeasure, Vector) {
         simulation.advance().expect("a step");
     }
     let axis = long_axis(simulation.mesh(), &simulation.state().phi);
-    (simulation.report().outline.expect("one vesicle"), axis)
+    (simulation.report().outline().expect("one vesicle"), axis)
 }
 
 #[test]

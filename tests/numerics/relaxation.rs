@@ -25,7 +25,7 @@ fn measured_over_theory(settings: &[&str]) -> f64 {
     let mut simulation = Simulation::new(&scene).expect("a vesicle");
     simulation.follow(&schedule);
     let log_amplitude = |simulation: &Simulation| {
-        let outline = simulation.report().outline.expect("one vesicle");
+        let outline = simulation.report().outline().expect("one vesicle");
         ((outline.length - outline.waist) / (outline.length + outline.waist)).ln()
     };
     // From after the first steps, in which the profile of the membrane finds its form.

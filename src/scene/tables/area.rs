@@ -4,7 +4,7 @@ use super::Rules;
 use crate::scene::reader::POSITIVE;
 
 table! {
-    /// The penalty of the surface area, E_pen = (B − β)²/(2η). Without it the area is free.
+    /// The penalty of the surface area, E_area = (B − β)²/(2η). Without it the area is free.
     #[derive(Copy)]
     pub struct Area {
         /// β as a fraction of B(φ⁰), the area at the start.

@@ -92,9 +92,12 @@ impl SnapshotOf<'_> {
         let mut ledger = std::mem::take(&mut picture.report.ledger);
         energies.clone_from(&self.report.energies);
         ledger.clone_from(&self.report.ledger);
+        let mut vesicles = std::mem::take(&mut picture.report.vesicles);
+        vesicles.clone_from(&self.report.vesicles);
         picture.report = Report {
             energies,
             ledger,
+            vesicles,
             ..*self.report
         };
         match Arc::get_mut(&mut picture.state) {

@@ -9,7 +9,7 @@ pub(super) fn always(_: &App) -> Result<(), &'static str> {
 pub(super) fn on_one_run(app: &App) -> Result<(), &'static str> {
     match app.screen {
         Screen::Run => Ok(()),
-        Screen::Gallery => Err("not in the gallery: g leaves it"),
+        Screen::Gallery => Err("not in the gallery: Esc leaves it"),
     }
 }
 
@@ -19,7 +19,7 @@ pub(super) fn when_not_over(app: &App) -> Result<(), &'static str> {
         (Screen::Run, Some(Status::Failed(_))) => {
             Err("the run has failed: r restarts it, e edits its scene")
         }
-        (Screen::Gallery, _) if app.slots[app.cases()].iter().all(is_over) => {
+        (Screen::Gallery, _) if app.slots[app.gallery()].iter().all(is_over) => {
             Err("all runs are over: Enter looks at one of them")
         }
         _ => Ok(()),
@@ -155,8 +155,15 @@ pub(super) fn pause_or_resume(app: &App) -> &'static str {
 
 pub(super) fn gallery(app: &App) -> &'static str {
     match app.screen {
-        Screen::Run => "gallery",
-        Screen::Gallery => "one run",
+        Screen::Gallery if !app.gallery_of_opened => "one run",
+        _ => "four cases",
+    }
+}
+
+pub(super) fn gallery_of_opened(app: &App) -> &'static str {
+    match app.screen {
+        Screen::Gallery if app.gallery_of_opened => "one run",
+        _ => "opened scenes",
     }
 }
 

@@ -42,8 +42,10 @@ pub enum Action {
     Duration,
     /// Make the change.
     Apply,
-    /// Into the gallery or out of it.
+    /// Into the gallery of the four cases or out of it.
     Gallery,
+    /// The same with the scenes that were opened.
+    GalleryOfOpened,
     /// This many stored pictures back.
     Older(usize),
     /// This many stored pictures on.

@@ -3,10 +3,10 @@
 use crossterm::event::KeyCode;
 
 use super::conditions::{
-    always, at_present_with_director, brake, gallery, in_gallery, measure, next_panel, on_a_case,
-    on_one_run, other_form, pause_or_resume, play, when_a_step_is_left, when_it_can_change,
-    when_not_over, with_a_change, with_a_past, with_director, with_notices, with_opened_scenes,
-    with_picture,
+    always, at_present_with_director, brake, gallery, gallery_of_opened, in_gallery, measure,
+    next_panel, on_a_case, on_one_run, other_form, pause_or_resume, play, when_a_step_is_left,
+    when_it_can_change, when_not_over, with_a_change, with_a_past, with_director, with_notices,
+    with_opened_scenes, with_picture,
 };
 use super::{Action, Binding, Key, Place};
 
@@ -53,7 +53,7 @@ pub static BINDINGS: &[Binding] = &[
         label: "?",
         plain_label: "?",
         brief: |_| "help",
-        words: "show all keys",
+        words: "what the numbers are, and all keys",
         when: always,
     },
     Binding {
@@ -76,7 +76,7 @@ pub static BINDINGS: &[Binding] = &[
         label: "t",
         plain_label: "t",
         brief: other_form,
-        words: "the case as Table 1 of the paper has it, or quick; also what 1 to 4 and g show from then on",
+        words: "the case as Table 1 of the paper has it, or quick; also what 1 to 4 show from then on",
         when: on_a_case,
     },
     Binding {
@@ -112,8 +112,17 @@ pub static BINDINGS: &[Binding] = &[
         label: "g",
         plain_label: "g",
         brief: gallery,
-        words: "gallery: the four cases side by side with a common clock; again: back to one run",
+        words: "the quick runs of the four cases side by side with a common clock; again: back to one run",
         when: always,
+    },
+    Binding {
+        place: Place::Main,
+        keys: &[key('G', Action::GalleryOfOpened)],
+        label: "G",
+        plain_label: "G",
+        brief: gallery_of_opened,
+        words: "the scenes that were opened side by side with a common clock; again: back to one run",
+        when: with_opened_scenes,
     },
     Binding {
         place: Place::Main,
@@ -268,7 +277,7 @@ pub static BINDINGS: &[Binding] = &[
         label: "w",
         plain_label: "w",
         brief: |_| "warnings",
-        words: "all warnings and notes of this run, whole",
+        words: "all warnings and notes of this run, whole, and what the solver did",
         when: with_notices,
     },
     Binding {
@@ -337,7 +346,7 @@ pub static BINDINGS: &[Binding] = &[
         label: "e",
         plain_label: "e",
         brief: |_| "edit",
-        words: "edit the scene in $EDITOR and reload it",
+        words: "edit the scene in $EDITOR and reload it if it was changed",
         when: on_one_run,
     },
     Binding {

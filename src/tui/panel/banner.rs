@@ -81,9 +81,11 @@ fn lines(app: &App, words: &Words, width: u16) -> Vec<String> {
 fn words(app: &App, shown: Option<&Shown<'_>>) -> Option<Words> {
     let run = shown.and_then(|shown| shown.run);
     let worst = run.and_then(|run| {
-        let severest = run.notices.iter().map(|notice| notice.severity).max()?;
+        // What the solver did is only in the list.
+        let notices = || (run.notices.iter()).filter(|notice| notice.severity > Severity::Log);
+        let severest = notices().map(|notice| notice.severity).max()?;
         let with = |notice: &&Notice| notice.severity == severest;
-        let count = run.notices.len();
+        let count = notices().count();
         run.notices.iter().rfind(with).map(|notice| (notice, count))
     });
     let failed = match run.map(|run| &run.status) {
@@ -145,13 +147,17 @@ fn words(app: &App, shown: Option<&Shown<'_>>) -> Option<Words> {
 /// A notice with its step, and how many there are besides.
 fn said(notice: &Notice, count: usize) -> Words {
     let (kind, role) = match notice.severity {
-        Severity::Note => ("note", None),
+        Severity::Log | Severity::Note => ("note", None),
         Severity::Warning => ("warning", Some(Role::Warning)),
         Severity::Error => ("error", Some(Role::Bad)),
     };
     let more = match count {
         0 | 1 => String::new(),
-        count => format!(" (and {} more)", count - 1),
+        count => format!(
+            " (and {} more: {})",
+            count - 1,
+            keys::label(Action::Notices)
+        ),
     };
     Words {
         kind: kind.to_owned(),

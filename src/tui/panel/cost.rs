@@ -33,9 +33,9 @@ fn name(phase: Phase) -> &'static str {
     match phase {
         Phase::Director => "director",
         Phase::Residual => "residual",
-        Phase::Linearisation => "linearise",
-        Phase::Krylov => "Krylov",
-        Phase::Ledger => "ledger",
+        Phase::Linearisation => "Jacobian",
+        Phase::Krylov => "linear solver",
+        Phase::Ledger => "energy law",
     }
 }
 
@@ -43,13 +43,13 @@ fn name(phase: Phase) -> &'static str {
 /// the energy law.
 pub fn draw(shown: &Shown<'_>, look: Look, theme: &Theme, area: Rect, buffer: &mut Buffer) {
     let title = Line::styled("Cost of a step", theme.strong());
-    let area = text::title(buffer, area, theme, look.focused, title, Line::default());
+    let notes = Line::styled("ms and % of a step", theme.muted());
+    let area = text::title(buffer, area, theme, look.focused, title, notes);
     let Some((run, report)) = shown.run.zip(shown.report) else {
         return;
     };
     let widths = Widths::of(area.width);
-    let marks = shown.marks();
-    let curves = shown.curves(&marks, look.view.logarithmic);
+    let curves = shown.curves(look.view.logarithmic);
     // Of an older picture, what that step took; now, what steps take.
     let costs = match shown.back {
         None => run.pace.cost(),
@@ -65,7 +65,7 @@ pub fn draw(shown: &Shown<'_>, look: Look, theme: &Theme, area: Rect, buffer: &m
         row.intersection(area)
     };
     let cost = Row {
-        name: "total ms",
+        name: "total",
         colour: Some(theme.colour(Role::Accent)),
         value: (!total.is_zero()).then_some(1e3 * total.as_secs_f64()),
         start: None,
@@ -86,7 +86,7 @@ pub fn draw(shown: &Shown<'_>, look: Look, theme: &Theme, area: Rect, buffer: &m
         1 + parts,
         iterations(report, area.width, theme),
     );
-    let law = law_line(shown, report, theme);
+    let law = law_line(shown, report, area.width, theme);
     let used = law.width() as u16;
     // A measured error is worth more than any estimate.
     let errors = measured::phase_line(shown, theme)
@@ -124,13 +124,13 @@ fn budget<'a>(
     report.budget.largest()?;
     let budget = report.budget.trusted(shown.scene());
     let Some((largest, _)) = budget.largest() else {
-        return Some(Line::styled(" error not known", theme.muted()));
+        return Some(Line::styled(" the error is not known yet", theme.muted()));
     };
     let parts = [
-        (ErrorPart::Time, "steps", budget.time),
+        (ErrorPart::Time, "time", budget.time),
         (ErrorPart::Space, "mesh", budget.space),
     ];
-    let mut spans = vec![Span::styled(" estimate", theme.muted())];
+    let mut spans = vec![Span::styled(" estimated error:", theme.muted())];
     for (part, name, error) in parts {
         spans.push(Span::styled(format!(" {name} "), theme.muted()));
         let value = error.map_or("not known".to_owned(), |error| brief(error, 2));
@@ -163,7 +163,7 @@ fn phase_row(
     let share = cost.as_secs_f64() / total.as_secs_f64();
     let colour = theme.style(Role::Curve(index));
     let spans = vec![
-        Span::styled(format!(" {:<10}", name(phase)), colour),
+        Span::styled(format!(" {:<13}", name(phase)), colour),
         Span::raw(format!("{:>7}", milliseconds(cost))),
         Span::styled(format!("{:>5.0}% ", 100.0 * share), theme.muted()),
     ];
@@ -186,10 +186,10 @@ fn phase_row(
 fn iterations<'a>(report: &Report, width: u16, theme: &Theme) -> Line<'a> {
     let counts = [
         ("Newton", report.newton),
-        ("Krylov", report.krylov),
+        ("linear", report.krylov),
         ("director", report.director_iterations),
     ];
-    let prefix = if width >= 56 { " iterations  " } else { " " };
+    let prefix = if width >= 50 { " iterations: " } else { " " };
     let mut spans = vec![Span::styled(prefix, theme.muted())];
     let gap = if width >= 40 { "  " } else { " " };
     for (name, count) in counts {
@@ -200,7 +200,7 @@ fn iterations<'a>(report: &Report, width: u16, theme: &Theme) -> Line<'a> {
 }
 
 /// The residual of the energy law against what is allowed.
-fn law_line<'a>(shown: &Shown<'_>, report: &Report, theme: &Theme) -> Line<'a> {
+fn law_line<'a>(shown: &Shown<'_>, report: &Report, width: u16, theme: &Theme) -> Line<'a> {
     let tolerance = shown.scene().solver.law_tolerance;
     let residual = report.law_residual.abs();
     let style = if residual <= tolerance {
@@ -208,9 +208,13 @@ fn law_line<'a>(shown: &Shown<'_>, report: &Report, theme: &Theme) -> Line<'a> {
     } else {
         theme.style(Role::Bad)
     };
+    let allowed = match width {
+        0..36 => String::new(),
+        _ => format!(" of {}", brief(tolerance, 2)),
+    };
     Line::from(vec![
-        Span::styled(" energy law ", theme.muted()),
+        Span::styled(" energy law error ", theme.muted()),
         Span::styled(significant(residual, 2), style),
-        Span::styled(format!(" of {}", brief(tolerance, 2)), theme.muted()),
+        Span::styled(allowed, theme.muted()),
     ])
 }

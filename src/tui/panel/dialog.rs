@@ -1,6 +1,6 @@
 //! Dialogs over the screen: questions, the name of a scene, long texts.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
@@ -24,18 +24,18 @@ pub fn confirm(app: &App, question: Question, theme: &Theme, screen: Rect, buffe
     let name = slot.map_or("the run", |slot| slot.name.as_str());
     let run = slot.and_then(|slot| slot.run.as_ref());
     let place = run.map_or("at step 0".to_owned(), place);
-    let saved = match run.and_then(|run| run.saved) {
-        Some(step) => format!("saved up to step {step}"),
-        None => "not saved".to_owned(),
-    };
+    let saved = run.map_or(String::new(), saved_words);
     let title = question.title();
     let words = match question {
         Question::Restart => {
-            format!("Restart {name}? It is {place}, and {saved}: n, then S saves it.")
+            format!(
+                "Restart {name}? It is {place}{saved}. What is kept of it is removed; n, then S saves figures and \
+                 tables first."
+            )
         }
         Question::Reload => format!(
             "Restart {name} with the scene as it is in its file now? \
-             It is {place}, and {saved}."
+             It is {place}{saved}."
         ),
         Question::Quit => quit_words(app),
         Question::GoOn => kept_words(app),
@@ -75,6 +75,19 @@ fn place(run: &Run) -> String {
             underway.step,
             ShortNumber(underway.t)
         ),
+    }
+}
+
+/// Whether a run is kept, and up to where its figures are saved.
+fn saved_words(run: &Run) -> String {
+    let kept = match &run.keeping {
+        Keeping::Kept(kept) => format!(", kept in {}", kept.folder.display()),
+        Keeping::Pending => String::new(),
+        Keeping::Failed(_) => ", not kept".to_owned(),
+    };
+    match run.saved {
+        Some(step) => format!("{kept}; figures are saved up to step {step}"),
+        None => format!("{kept}; no figures are saved"),
     }
 }
 
@@ -184,11 +197,23 @@ pub(in crate::tui) fn quit_words(app: &App) -> String {
         words.push(format!("No figures are saved of {}.", bare.join(", ")));
     }
     if !lost.is_empty() {
-        words.extend(lost);
+        words.splice(1..1, lost);
     } else if pending {
-        words.push("The states are being kept ..".to_owned());
+        words.insert(1, "The runs are being kept ..".to_owned());
     } else if is_asked {
-        words.push("The states are kept: you can go on with them another time.".to_owned());
+        let folders = app.slots.iter().filter_map(|slot| {
+            let run = slot.run.as_ref().filter(|run| run.unsaved)?;
+            match &run.keeping {
+                Keeping::Kept(kept) => kept.folder.parent(),
+                Keeping::Pending | Keeping::Failed(_) => None,
+            }
+        });
+        let mut folders = folders.filter(|folder| !folder.as_os_str().is_empty());
+        let folder = folders.next().map(Path::display);
+        let place = folder.map_or(String::new(), |folder| format!(" in {folder}"));
+        let kept =
+            format!("The runs are kept{place}: the app offers to go on with them the next time.");
+        words.insert(1, kept);
     }
     words.join(" ")
 }

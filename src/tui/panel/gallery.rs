@@ -4,17 +4,17 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::text::{Line, Span};
 
-use super::external_field;
 use super::plot::Plot;
 use super::shown::Shown;
 use super::text;
+use super::{chart, external_field};
 use crate::geometry::{BoundingBox, Point};
 use crate::tui::canvas::Canvas;
-use crate::tui::curve;
 use crate::tui::layout::{take_left, take_top};
 use crate::tui::numbers::{percent, significant};
 use crate::tui::state::{App, Slot, View};
 use crate::tui::theme::{Role, Theme};
+use crate::tui::update::common_time;
 use crate::tui::window::Window;
 
 /// Rows of a tile below a picture: the frame, and scalars if they do not stand beside it.
@@ -25,12 +25,12 @@ const BELOW: u16 = 6;
 pub fn draw(app: &App, theme: &Theme, canvas: &mut Canvas, area: Rect, buffer: &mut Buffer) {
     let mut area = area;
     let header = take_top(&mut area, 1);
-    let slots = &app.slots[app.cases()];
-    clock(slots, theme, header, buffer);
+    let slots = &app.slots[app.gallery()];
+    let common = common_time(app);
+    clock(slots, common, theme, header, buffer);
     if slots.is_empty() || area.is_empty() {
         return;
     }
-    let common = reached(slots);
     let runs = || slots.iter().filter_map(|slot| slot.run.as_ref());
     // All on the same scale.
     let vesicles = runs().filter_map(|run| run.past.vesicle());
@@ -41,7 +41,7 @@ pub fn draw(app: &App, theme: &Theme, canvas: &mut Canvas, area: Rect, buffer: &
         vesicles: vesicles.reduce(|one, other| one.union(&other)),
     };
     for (index, tile) in tiles(area, slots.len(), &view).into_iter().enumerate() {
-        let focused = app.cases().start + index == app.active;
+        let focused = app.gallery().start + index == app.active;
         if let Some(slot) = slots.get(index) {
             let shown = Shown::at(slot, common);
             draw_tile(&view, &shown, focused, theme, canvas, tile, buffer);
@@ -76,22 +76,16 @@ impl TileView {
     }
 }
 
-/// The time that every run has reached.
-fn reached(slots: &[Slot]) -> Option<f64> {
-    let runs = slots.iter().filter_map(|slot| slot.run.as_ref());
-    runs.map(|run| run.report.t).reduce(f64::min)
-}
-
 /// The common clock, and how fast the runs are together.
-fn clock(slots: &[Slot], theme: &Theme, area: Rect, buffer: &mut Buffer) {
+fn clock(slots: &[Slot], common: Option<f64>, theme: &Theme, area: Rect, buffer: &mut Buffer) {
     let runs = slots.iter().filter_map(|slot| slot.run.as_ref());
     let rate: f64 = runs.map(|run| run.pace.steps_per_second).sum();
     let mut spans = vec![
         Span::styled(" vesica ", theme.style(Role::Accent)),
         Span::styled("gallery", theme.strong()),
     ];
-    if let Some(t) = reached(slots) {
-        spans.push(Span::styled("   all have reached t ", theme.muted()));
+    if let Some(t) = common {
+        spans.push(Span::styled("   common time t ", theme.muted()));
         spans.push(Span::raw(format!("{t:.3e}")));
     }
     text::line(buffer, area, 0, Line::from(spans));
@@ -206,23 +200,22 @@ fn energy_curve(
     list: Rect,
     buffer: &mut Buffer,
 ) {
-    const HEIGHT: u16 = 5;
+    const HEIGHT: u16 = 6;
     let Some(run) = shown.run.filter(|_| list.height > below + HEIGHT + 1) else {
         return;
     };
-    let words = Span::styled(" energy", theme.muted());
+    let words = Span::styled(" total energy", theme.muted());
     text::line(buffer, list, below + 1, words);
     let area = Rect {
-        x: list.x + 1,
-        width: list.width.saturating_sub(1).min(48),
+        width: list.width.min(48),
         y: list.y + below + 2,
         height: HEIGHT.min(list.height - below - 2),
+        ..list
     };
-    let marks = shown.marks();
-    let curves = shown.curves(&marks, logarithmic);
+    let curves = shown.curves(logarithmic);
     let colour = theme.colour(Role::Total);
     let series = &run.history.total_energy;
-    curve::draw(series, &curves, colour, theme, area, buffer);
+    chart::draw(series, &curves, colour, theme, area, buffer);
 }
 
 /// The scalars of a run, the most telling first.
@@ -243,11 +236,11 @@ fn scalars<'a>(shown: &Shown<'_>, theme: &Theme) -> Vec<Line<'a>> {
         .energy_at_start()
         .map(|start| percent(energy - start, start));
     let change = change.map_or(String::new(), |change| format!(" {change}"));
-    lines.push(entry("E", significant(energy, 5), change));
+    lines.push(entry("total energy", significant(energy, 5), change));
     if let Some(words) = shown.vesicles() {
         lines.push(Line::styled(format!(" {words}"), theme.muted()));
     }
-    if let Some(outline) = report.outline {
+    if let Some(outline) = report.outline() {
         let ratio = outline.waist / outline.width;
         lines.push(entry("waist/width", significant(ratio, 3), String::new()));
         lines.push(entry(
@@ -257,9 +250,8 @@ fn scalars<'a>(shown: &Shown<'_>, theme: &Theme) -> Vec<Line<'a>> {
         ));
     }
     if let Some(target) = shown.target() {
-        let name = theme.word("B/β", "B/target");
         let share = significant(report.surface_area / target, 4);
-        lines.push(entry(name, share, String::new()));
+        lines.push(entry("area/target", share, String::new()));
     }
     lines.push(entry("step", report.step.to_string(), String::new()));
     lines

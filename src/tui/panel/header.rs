@@ -53,7 +53,7 @@ fn scene_parts<'a>(shown: &'a Shown<'_>, theme: &Theme, with_all_words: bool) ->
     let figures = shown.slot.figures();
     let title = shown.scene().name.trim();
     if let Some(figures) = figures {
-        spans.push(muted(if with_all_words { " error " } else { " " }));
+        spans.push(muted(if with_all_words { " error of φ " } else { " " }));
         spans.push(Span::raw(accuracy(figures, with_all_words)));
     } else if !title.is_empty() && title != shown.slot.name {
         spans.push(dot());

@@ -1,10 +1,11 @@
-//! All keys, and what the screen means.
+//! What the numbers on the screen are, and all keys.
 
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::text::{Line, Span};
 
 use super::text;
+use crate::record::QUANTITIES;
 use crate::tui::keys;
 use crate::tui::layout::centred;
 use crate::tui::theme::{Role, Theme};
@@ -15,7 +16,7 @@ pub fn draw(scroll: u16, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
     let lines = lines(theme, usize::from(width).saturating_sub(4));
     let height = (lines.len() as u16 + 2).min(screen.height.saturating_sub(2));
     let area = centred(screen, width, height);
-    let inside = text::frame(buffer, area, theme, "Keys", theme.style(Role::Accent));
+    let inside = text::frame(buffer, area, theme, "Help", theme.style(Role::Accent));
     // The last line is never scrolled further up than to the end of the frame.
     let last = lines.len().saturating_sub(usize::from(inside.height));
     let first = usize::from(scroll).min(last);
@@ -41,19 +42,51 @@ pub fn draw(scroll: u16, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
 
 fn lines<'a>(theme: &Theme, width: usize) -> Vec<Line<'a>> {
     let label = |binding: &keys::Binding| theme.word(binding.label, binding.plain_label);
-    let labels = keys::help().map(|binding| label(binding).chars().count());
-    let keys = labels.max().unwrap_or(0) + 2;
-    let mut lines = Vec::new();
-    for binding in keys::help() {
-        let label = label(binding);
-        let words = text::wrap(binding.words, width.saturating_sub(keys));
+    let heading = |words: &'static str| Line::styled(words, theme.strong());
+    let mut lines = vec![heading("The numbers (the keys follow)")];
+    let numbers = QUANTITIES.iter().filter(|it| !UNSEEN.contains(&it.column));
+    let numbers: Vec<(&str, &str)> = numbers.map(|it| (it.name, it.words)).collect();
+    table(&numbers, width, theme, &mut lines);
+    lines.extend([Line::default(), heading("The picture")]);
+    table(&PICTURE, width, theme, &mut lines);
+    lines.extend([Line::default(), heading("The keys")]);
+    let keys: Vec<(&str, &str)> = keys::help().map(|it| (label(it), it.words)).collect();
+    table(&keys, width, theme, &mut lines);
+    lines
+}
+
+/// Columns of quantities that need no explanation, or are not on the screen.
+const UNSEEN: [&str; 4] = ["step", "t", "dt", "wall"];
+
+/// What the picture shows.
+const PICTURE: [(&str, &str); 2] = [
+    (
+        "φ",
+        "the phase: 1 inside the vesicle, -1 outside, 0 on its membrane",
+    ),
+    (
+        "d",
+        "the director, inside the vesicle: where the molecules point",
+    ),
+];
+
+/// Names and what they are, the latter wrapped.
+fn table(
+    entries: &[(&'static str, &'static str)],
+    width: usize,
+    theme: &Theme,
+    lines: &mut Vec<Line<'_>>,
+) {
+    let names = entries.iter().map(|(name, _)| name.chars().count());
+    let column = names.max().unwrap_or(0) + 2;
+    for (name, words) in entries {
+        let words = text::wrap(words, width.saturating_sub(column));
         for (row, words) in words.into_iter().enumerate() {
-            let label = if row == 0 { label } else { "" };
+            let name = if row == 0 { name } else { "" };
             lines.push(Line::from(vec![
-                Span::styled(format!("{label:<keys$}"), theme.style(Role::Accent)),
+                Span::styled(format!("{name:<column$}"), theme.style(Role::Accent)),
                 Span::raw(words),
             ]));
         }
     }
-    lines
 }

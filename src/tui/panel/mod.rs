@@ -4,6 +4,7 @@
 mod accuracy;
 mod area;
 mod banner;
+mod chart;
 mod cost;
 mod dialog;
 mod director;
@@ -35,6 +36,8 @@ use super::layout::{LEAST, Step, Wish, divide, take_bottom};
 use super::state::{App, Overlay, Panel, Screen, View};
 use super::theme::{Role, Theme};
 use shown::Shown;
+
+pub use text::wrap;
 
 #[cfg(test)]
 pub(super) use dialog::{kept_words, quit_words};

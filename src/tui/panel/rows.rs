@@ -25,7 +25,7 @@ impl Widths {
     /// The widths for a panel: what there is no room for is left out, the curves last of all.
     pub fn of(panel: u16) -> Self {
         let narrow = Self {
-            name: 10,
+            name: 14,
             value: 8,
             digits: 4,
             change: 0,
@@ -34,14 +34,14 @@ impl Widths {
         match panel {
             0..40 => narrow,
             40..56 => Self {
-                name: 11,
+                name: 14,
                 value: 9,
                 digits: 6,
                 relative: 8,
                 ..narrow
             },
             _ => Self {
-                name: 12,
+                name: 15,
                 value: 10,
                 digits: 7,
                 change: 11,
@@ -74,6 +74,9 @@ impl Widths {
     }
 }
 
+/// A curve of fewer columns says nothing.
+const LEAST_CURVE: u16 = 6;
+
 /// A row: what it is called, what it is, and how it became so.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Row<'a> {
@@ -103,6 +106,9 @@ pub fn draw(
     text::line(buffer, area, 0, numbers(row, widths, theme));
     if let Some(series) = row.series {
         let area = widths.beside(area);
+        if area.width < LEAST_CURVE {
+            return;
+        }
         let colour = row.colour.unwrap_or(theme.curve());
         curve::draw(series, curves, colour, theme, area, buffer);
     }

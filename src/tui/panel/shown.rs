@@ -5,8 +5,9 @@ use std::time::Duration;
 
 use crate::scene::{AnchoringKind, Scene};
 use crate::simulation::{Report, RunSnapshot, Schedule, SetUp, Setting};
-use crate::tui::curve::{self, Mark};
+use crate::tui::curve;
 use crate::tui::keys;
+use crate::tui::numbers::brief;
 use crate::tui::state::{App, Run, Slot, Status};
 use crate::tui::theme::Role;
 
@@ -108,12 +109,37 @@ impl<'a> Shown<'a> {
 
     /// The first value of B, from which β is measured.
     pub fn initial_surface_area(&self) -> Option<f64> {
-        self.run?.history.surface_area.first()
+        self.run?.history.surface_area.at_start()
     }
 
     /// What the change of E_total is counted from: the start, and the work of changes since.
     pub fn energy_at_start(&self) -> Option<f64> {
         self.run?.history.energy_at_start(self.report?.step)
+    }
+
+    /// What the percentages of the energies and the curves are about, in words.
+    pub fn notes(&self, logarithmic: bool, room: u16) -> String {
+        let end = brief(self.end_of_curves(), 3);
+        let scale = if logarithmic { "log curves" } else { "curves" };
+        let since = match self.is_changed() {
+            true => "% since t = 0, total: less the work of changes",
+            false => "% since t = 0",
+        };
+        let words = [
+            format!("{since}, {scale} to t = {end}"),
+            since.to_owned(),
+            "% since t = 0".to_owned(),
+        ];
+        let fits = |words: &String| words.chars().count() <= usize::from(room);
+        words.into_iter().find(fits).unwrap_or_default()
+    }
+
+    /// Whether parameters had changed before what is shown.
+    fn is_changed(&self) -> bool {
+        let step = self.report.map_or(0, |report| report.step);
+        let is_change = |mark: &RunMark| matches!(mark.kind, MarkKind::Change { .. });
+        let mut marks = self.marks().iter();
+        marks.any(|mark| is_change(mark) && mark.step < step)
     }
 
     /// The target β of the surface area, if the scene has one.
@@ -122,9 +148,9 @@ impl<'a> Shown<'a> {
         Some(target.number()? * self.initial_surface_area()?)
     }
 
-    /// How many vesicles there are, where that is why their size is not shown.
+    /// How many vesicles there are, where there is not one.
     pub fn vesicles(&self) -> Option<String> {
-        match self.report?.vesicles? {
+        match self.report?.vesicles.len() {
             0 => Some("no vesicle".to_owned()),
             1 => None,
             count => Some(format!("{count} vesicles")),
@@ -139,27 +165,24 @@ impl<'a> Shown<'a> {
         Schedule::new(&setting.scene.time, 1, 0).share(report.step, report.t)
     }
 
-    /// Steps where the mesh has followed the membrane, and where parameters changed.
-    pub fn marks(&self) -> Vec<(u64, Mark)> {
-        let Some(history) = self.run.map(|run| &run.history) else {
-            return Vec::new();
-        };
-        let marks = history.marks.iter();
-        let mark = |mark: &RunMark| match mark.kind {
-            MarkKind::Mesh => (mark.step, Mark::Mesh),
-            MarkKind::Change { .. } => (mark.step, Mark::Switch),
-        };
-        marks.map(mark).collect()
+    /// What happened, and when, in the order of time.
+    fn marks(&self) -> &'a [RunMark] {
+        self.run.map_or(&[], |run| &run.history.marks)
+    }
+
+    /// The time at the right end of the curves.
+    fn end_of_curves(&self) -> f64 {
+        let t = self.run.map_or(0.0, |run| run.report.t);
+        let end = self.setting.map_or(0.0, |setting| setting.scene.time.end);
+        curve::horizon(t, end)
     }
 
     /// What the curves of this run have in common.
-    pub fn curves<'m>(&self, marks: &'m [(u64, Mark)], logarithmic: bool) -> curve::Frame<'m> {
-        let step = self.run.map_or(0, |run| run.report.step);
-        let steps = self.setting.and_then(|setting| setting.steps).unwrap_or(0);
+    pub fn curves(&self, logarithmic: bool) -> curve::Frame<'a> {
         curve::Frame {
-            horizon: curve::horizon(step, steps),
-            marks,
-            cursor: self.back.and(self.report).map(|report| report.step),
+            end: self.end_of_curves(),
+            marks: self.marks(),
+            cursor: self.back.and(self.report).map(|report| report.t),
             logarithmic,
         }
     }

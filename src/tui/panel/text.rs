@@ -1,11 +1,14 @@
 //! Lines of text within an area: what does not fit is cut, but never a number, which would be another
 //! one; nothing is drawn outside.
 
+use std::borrow::Cow;
+
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::{Color, Style};
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, Clear, Widget};
+use textwrap::{Options, WordSeparator, WordSplitter};
 
 use crate::tui::theme::{Role, Theme};
 
@@ -145,33 +148,11 @@ pub fn bar(share: f64, width: u16, theme: &Theme) -> String {
 /// Breaks a text into lines of at most `width` characters, at spaces where there are any; the lines
 /// that the text has stay, with what they are indented by.
 pub fn wrap(text: &str, width: usize) -> Vec<String> {
-    let width = width.max(1);
-    let mut lines = Vec::new();
-    for whole in text.lines() {
-        let mut rest = whole.trim_end();
-        loop {
-            let end = cut(rest, width);
-            if end == rest.len() {
-                lines.push(rest.to_owned());
-                break;
-            }
-            let space = rest[..end].rfind(' ').filter(|space| {
-                // A line of spaces alone would be no progress.
-                !rest[..*space].trim().is_empty()
-            });
-            let end = if rest[end..].starts_with(' ') {
-                end
-            } else {
-                space.unwrap_or(end)
-            };
-            lines.push(rest[..end].trim_end().to_owned());
-            rest = rest[end..].trim_start();
-            if rest.is_empty() {
-                break;
-            }
-        }
-    }
-    lines
+    let options = Options::new(width.max(1))
+        .word_separator(WordSeparator::AsciiSpace)
+        .word_splitter(WordSplitter::NoHyphenation);
+    let lines = text.lines().flat_map(|line| textwrap::wrap(line, &options));
+    lines.map(Cow::into_owned).collect()
 }
 
 /// The first cells of a text as a number of bytes, at least one character.

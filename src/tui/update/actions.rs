@@ -6,7 +6,7 @@ use super::super::keys::Action;
 use super::super::message::Effect;
 use super::super::state::{
     App, Beyond, Director, Ending, Field, Keeping, Notice, Overlay, Panel, Question, Run, Save,
-    Screen, Slot, Status, Zoom,
+    Screen, Severity, Slot, Status, Zoom,
 };
 use super::{accuracy, knobs, leave, measuring, pacing, remark, saving};
 use crate::record::ShortNumber;
@@ -28,7 +28,8 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
         Action::NextAnchoring => next_anchoring(app, effects),
         Action::Knobs => knobs::open(app),
         Action::TakeBack => knobs::take_back(app, effects),
-        Action::Gallery => gallery(app),
+        Action::Gallery => gallery(app, false),
+        Action::GalleryOfOpened => gallery(app, true),
         Action::Older(pictures) => scrub(app, |index, _| index.saturating_sub(pictures)),
         Action::Newer(pictures) => scrub(app, |index, _| index.saturating_add(pictures)),
         Action::Oldest => scrub(app, |_, _| 0),
@@ -85,12 +86,20 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
     }
 }
 
-/// All that the run has to say, the newest first.
+/// All that the run has to say, the gravest first and of these the newest; at last what the solver did.
 fn show_notices(app: &mut App) {
     let Some(run) = app.active_run() else {
         return;
     };
-    let said: Vec<String> = run.notices.iter().rev().map(Notice::to_string).collect();
+    let mut notices: Vec<&Notice> = run.notices.iter().rev().collect();
+    notices.sort_by_key(|notice| std::cmp::Reverse(notice.severity));
+    let logged = notices.partition_point(|notice| notice.severity > Severity::Log);
+    let (grave, logged) = notices.split_at(logged);
+    let mut said: Vec<String> = grave.iter().map(ToString::to_string).collect();
+    if !logged.is_empty() {
+        said.push("What was done on the way:".to_owned());
+        said.extend(logged.iter().map(ToString::to_string));
+    }
     app.overlay = Some(Overlay::Message {
         title: "Warnings and notes".to_owned(),
         text: said.join("\n\n"),
@@ -204,16 +213,23 @@ fn choose(app: &mut App, index: usize) {
     }
 }
 
-fn gallery(app: &mut App) {
-    match app.screen {
-        Screen::Run => {
-            look_back(app, None);
-            app.screen = Screen::Gallery;
-            if !app.cases().contains(&app.active) && !app.slots.is_empty() {
-                choose(app, app.cases().start);
-            }
-        }
-        Screen::Gallery => look_at(app, app.active),
+/// Shows several runs side by side: the quick ones of the four cases, or the scenes that were opened; once more: the
+/// active one alone.
+fn gallery(app: &mut App, of_opened: bool) {
+    if app.screen == Screen::Gallery && app.gallery_of_opened == of_opened {
+        return look_at(app, app.active);
+    }
+    look_back(app, None);
+    app.screen = Screen::Gallery;
+    app.gallery_of_opened = of_opened;
+    app.clock = None;
+    let is_case = app.active < app.opened();
+    if is_case && !of_opened {
+        choose(app, app.active % App::CASES);
+    }
+    let there = app.gallery();
+    if !there.contains(&app.active) && !there.is_empty() {
+        choose(app, there.start);
     }
 }
 
@@ -275,7 +291,7 @@ fn pause_or_resume(app: &mut App, effects: &mut Vec<Effect>) {
     let wanted = !app.is_going();
     let slots = match app.screen {
         Screen::Run => app.active..app.active + 1,
-        Screen::Gallery => app.cases(),
+        Screen::Gallery => app.gallery(),
     };
     for slot in app.slots.get_mut(slots).unwrap_or_default() {
         if let Some(run) = &mut slot.run {
@@ -437,9 +453,9 @@ fn next(app: &mut App, by: isize) {
             app.focus = panels[move_by(present.unwrap_or(0), panels.len())];
         }
         Screen::Gallery => {
-            let cases = app.cases();
-            let index = move_by(app.active.saturating_sub(cases.start), cases.len());
-            choose(app, cases.start + index);
+            let there = app.gallery();
+            let index = move_by(app.active.saturating_sub(there.start), there.len());
+            choose(app, there.start + index);
         }
     }
 }

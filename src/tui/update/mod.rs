@@ -23,6 +23,7 @@ pub use estimates::wanted as expectation_wanted;
 pub use overlays::offered;
 pub use pacing::time_counts;
 pub(super) use scheduling::SNAPSHOTS;
+pub use scheduling::common_time;
 
 /// Takes a message into the state; the caller carries out the returned effects.
 ///
@@ -66,6 +67,13 @@ pub fn update(app: &mut App, message: Message) -> Vec<Effect> {
         Message::HungUp => leave(app, Ending::HungUp, &mut effects),
         Message::FreeMemory(free) => worker_events::find_room(app, free),
         Message::Measured(run, news) => measuring::measured(app, run, news),
+        Message::NotEdited => {
+            app.editing = None;
+            remark(
+                app,
+                "nothing was changed: the scene stays, and no copy is left",
+            );
+        }
         Message::Remark(text) => remark(app, text),
         Message::Passed(passed) => pacing::passed(app, passed),
         Message::Tick => {}

@@ -5,6 +5,7 @@ use std::time::Duration;
 use super::super::brake::Replay;
 use super::super::state::{App, Run, Screen, Slot};
 use super::actions;
+use super::scheduling::common_time;
 
 /// Whether anything happens when time passes: else no message is needed, and the app sleeps.
 pub fn time_counts(app: &App) -> bool {
@@ -36,14 +37,16 @@ impl Watched {
     }
 }
 
-/// The active run, in the gallery the one that is furthest behind: if it is to go on.
+/// The active run, in the gallery the one that is furthest behind of those in step: if it is to go on.
 fn watched(app: &App) -> Option<Watched> {
     match app.screen {
         Screen::Run => Watched::of(app.active_slot()?),
         Screen::Gallery => {
-            let cases = app.slots[app.cases()].iter();
-            let runs = cases.filter_map(Watched::of);
-            runs.min_by(|one, other| one.t.total_cmp(&other.t))
+            let t = common_time(app)?;
+            let runs = app.slots[app.gallery()].iter().filter_map(Watched::of);
+            let ahead = runs.filter(|run| run.t >= t);
+            let next = ahead.min_by(|one, other| one.t.total_cmp(&other.t))?;
+            Some(Watched { t, ..next })
         }
     }
 }

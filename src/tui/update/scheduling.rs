@@ -15,6 +15,8 @@ const GATHERING: Duration = Duration::from_millis(40);
 pub(in crate::tui) const SNAPSHOTS: u64 = 5;
 /// No run of the gallery is ahead of another by more than this part of T (and a step).
 const CLOCK_PARTS: f64 = 500.0;
+/// While a run is set up, or catches up, the clock is ahead of it by no more than this part of T.
+const AHEAD: f64 = 0.1;
 /// A time that misses the clock's tick by rounding is on it; in ticks.
 const ROUNDING: f64 = 1e-6;
 
@@ -35,7 +37,7 @@ pub(super) fn direct(app: &mut App, effects: &mut Vec<Effect>) {
             }
         }
         Screen::Gallery => {
-            let cases = app.cases();
+            let cases = app.gallery();
             for index in (0..app.slots.len()).filter(|index| !cases.contains(index)) {
                 guide(app, index, false, None, effects);
             }
@@ -48,7 +50,7 @@ pub(super) fn direct(app: &mut App, effects: &mut Vec<Effect>) {
 /// As many of the cases compute as there are cores: those that are furthest behind the clock, each
 /// until it has come up to it. When all have, the clock moves on.
 fn direct_gallery(app: &mut App, effects: &mut Vec<Effect>) {
-    let cases = app.cases();
+    let cases = app.gallery();
     let clock = clock(app, &app.slots[cases.clone()], app.clock);
     app.clock = Some(clock);
     let behind = |slot: &Slot| wants(slot) && is_behind(slot, clock);
@@ -61,7 +63,8 @@ fn direct_gallery(app: &mut App, effects: &mut Vec<Effect>) {
         let [first, second] = [first, second].map(|index| {
             let run = app.slots[*index].run.as_ref();
             let computes = run.is_some_and(|run| run.control.going && run.control.is_busy());
-            (!computes, time(run))
+            // All are to be seen before any of them goes on.
+            ((is_set_up(&app.slots[*index]), !computes), time(run))
         });
         let times = first.1.total_cmp(&second.1);
         first.0.cmp(&second.0).then(times)
@@ -94,25 +97,77 @@ fn direct_gallery(app: &mut App, effects: &mut Vec<Effect>) {
     }
 }
 
-/// The common clock: unchanged until every run that computes has reached it, then its next tick
-/// after the last of them.
-fn clock(app: &App, cases: &[Slot], present: Option<f64>) -> f64 {
-    let times = || cases.iter().filter(|slot| wants(slot));
-    let last = times()
-        .map(|slot| time(slot.run.as_ref()))
-        .fold(f64::INFINITY, f64::min);
-    // At first all come up to where the last one is: those that have no run are set up.
-    let present = present.unwrap_or(if last.is_finite() { last } else { 0.0 });
-    let is_to_stay = !last.is_finite() || times().any(|slot| is_behind(slot, present));
+/// The common clock: unchanged until every run that is in step has reached it, then its next tick after the last of
+/// them. While runs are still set up, or catch up, it moves tick by tick over what the others have computed.
+fn clock(app: &App, slots: &[Slot], present: Option<f64>) -> f64 {
+    let wanted = || slots.iter().filter(|slot| wants(slot));
+    // At first all come up to where the last one is.
+    let present = present.unwrap_or_else(|| {
+        let times = wanted().map(|slot| time(slot.run.as_ref()));
+        times.reduce(f64::min).unwrap_or(0.0)
+    });
+    let tick = tick(slots);
+    let Some(last) = last_in_step(slots, present) else {
+        return present;
+    };
+    let (in_step, late): (Vec<&Slot>, Vec<&Slot>) =
+        wanted().partition(|slot| is_in_step(slot, present, tick));
+    let is_to_stay = in_step.iter().any(|slot| is_behind(slot, present));
     if is_to_stay || !pacing::lets_clock_pass(app, last) {
         return present;
     }
-    let end = cases
+    let next = ((last / tick + ROUNDING).floor() + 1.0) * tick;
+    // The cores are for those that are late: until they have come, only the stored past is shown.
+    let computed = in_step.iter().map(|slot| time(slot.run.as_ref()));
+    let left_behind = late
         .iter()
-        .map(|slot| slot.scene.time.end)
-        .fold(0.0, f64::max);
-    let tick = end / CLOCK_PARTS;
-    ((last / tick + ROUNDING).floor() + 1.0) * tick
+        .map(|slot| time(slot.run.as_ref()) + AHEAD * CLOCK_PARTS * tick);
+    match late.is_empty() {
+        true => next,
+        false => computed
+            .chain(left_behind)
+            .fold(next, f64::min)
+            .max(present),
+    }
+}
+
+/// How far the common clock moves at least.
+fn tick(slots: &[Slot]) -> f64 {
+    let ends = slots.iter().map(|slot| slot.scene.time.end);
+    ends.fold(0.0, f64::max) / CLOCK_PARTS
+}
+
+/// Whether a run is set up and where the others are: not further behind the clock than that moves at once.
+fn is_in_step(slot: &Slot, clock: f64, tick: f64) -> bool {
+    is_set_up(slot) && time(slot.run.as_ref()) >= clock - (1.0 + ROUNDING) * tick
+}
+
+fn is_set_up(slot: &Slot) -> bool {
+    let run = slot.run.as_ref();
+    run.is_some_and(|run| run.control.stand != WorkerState::SettingUp && run.setting.is_some())
+}
+
+/// The time that all runs have reached that compute and are in step: not beyond the clock while there are others.
+fn last_in_step(slots: &[Slot], clock: f64) -> Option<f64> {
+    let tick = tick(slots);
+    let (in_step, late): (Vec<&Slot>, Vec<&Slot>) =
+        (slots.iter().filter(|slot| wants(slot))).partition(|slot| is_in_step(slot, clock, tick));
+    let times = in_step.into_iter().map(|slot| time(slot.run.as_ref()));
+    let last = times.reduce(f64::min)?;
+    Some(match late.is_empty() {
+        true => last,
+        false => last.min(clock),
+    })
+}
+
+/// The time that the runs of the gallery are shown at: those that catch up are shown where they are.
+pub fn common_time(app: &App) -> Option<f64> {
+    let slots = &app.slots[app.gallery()];
+    last_in_step(slots, app.clock.unwrap_or(0.0)).or_else(|| {
+        // None of them computes.
+        let runs = slots.iter().filter_map(|slot| slot.run.as_ref());
+        runs.map(|run| run.report.t).reduce(f64::min)
+    })
 }
 
 /// Whether a run has not come up to the clock, or is not even set up.
@@ -143,7 +198,7 @@ fn guide(
     let threads = match app.screen {
         Screen::Run => app.cores,
         // They share the cores.
-        Screen::Gallery => app.cores / app.cases().len().max(1),
+        Screen::Gallery => app.cores / app.gallery().len().max(1),
     };
     let slot = &mut app.slots[index];
     if let Some(run) = &mut slot.run {
@@ -181,7 +236,7 @@ fn guide(
 fn tell_statuses(app: &mut App) {
     let cases = match app.screen {
         Screen::Run => 0..0,
-        Screen::Gallery => app.cases(),
+        Screen::Gallery => app.gallery(),
     };
     let braked = app.brake.on;
     for (index, slot) in app.slots.iter_mut().enumerate() {

@@ -25,7 +25,7 @@ impl App {
     pub(super) fn shows(&self, index: usize) -> bool {
         match self.screen {
             Screen::Run => index == self.active,
-            Screen::Gallery => self.cases().contains(&index),
+            Screen::Gallery => self.gallery().contains(&index),
         }
     }
 }
@@ -98,8 +98,18 @@ pub(super) fn hear(app: &mut App, message: WorkerMessage) {
         WorkerEvent::Event(event) => {
             run.history.marks.extend(RunMark::of(&event));
             let severity = match event.kind {
-                EventKind::MeshChanged(_) | EventKind::ParametersChanged { .. } => Severity::Note,
-                _ => Severity::Warning,
+                // The second: what a step that is about to take long needs to be solved.
+                EventKind::ReachedWall | EventKind::ShortSteps { .. } => Severity::Warning,
+                EventKind::VesiclesChanged { .. } | EventKind::AtRest { .. } => Severity::Note,
+                // What was asked for, and what the solver did.
+                EventKind::MeshChanged(_)
+                | EventKind::ParametersChanged { .. }
+                | EventKind::FellBackToFactor { .. }
+                | EventKind::FactorIsFaster
+                | EventKind::ReturnedToTransform
+                | EventKind::NewtonTookOver { .. }
+                | EventKind::StepDivided { .. }
+                | EventKind::Damped { .. } => Severity::Log,
             };
             run.notify(Notice {
                 severity,

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::fem::{Mesh, OutlineMeasure};
+use crate::fem::{Mesh, OutlineMeasure, Vesicle};
 use crate::geometry::{Point, Vector};
 use crate::physics::NamedValue;
 use crate::record::{MarkKind, RunMark};
@@ -85,12 +85,16 @@ pub fn report(step: u64) -> Report {
         krylov: 17 + (step % 4) as u32,
         director_iterations: 4,
         costs,
-        outline: Some(OutlineMeasure {
-            length: 0.64,
-            waist: 0.185 - 0.04 * (1.0 - decay),
-            width: 0.246,
-        }),
-        isoperimetric_quotient: Some(0.69),
+        vesicles: vec![Vesicle {
+            area: 0.12,
+            perimeter: 1.478,
+            outline: Some(OutlineMeasure {
+                length: 0.64,
+                waist: 0.185 - 0.04 * (1.0 - decay),
+                width: 0.246,
+            }),
+            ..Vesicle::default()
+        }],
         ..Report::default()
     }
 }

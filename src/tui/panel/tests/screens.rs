@@ -62,9 +62,9 @@ const CHANGES: &[Change] = &[
         let quick = |mut slot: Slot| {
             slot.name = format!("{}-quick", slot.name);
             slot.preset = Some("case3-quick");
-            slot.run
-                .iter_mut()
-                .for_each(|run| run.history.marks.clear());
+            slot.run.iter_mut().for_each(|run| {
+                run.history.marks.clear();
+            });
             slot
         };
         let printed = |name: &'static str| {
@@ -493,7 +493,7 @@ fn looking_back_shows_the_figures_of_that_time() {
 }
 
 #[test]
-fn of_two_vesicles_no_size_is_shown() {
+fn each_of_two_vesicles_has_its_sizes() {
     let theme = Theme::new(ColorTier::None, true);
     let mut app = made_up::app();
     for gallery in [false, true] {
@@ -504,13 +504,24 @@ fn of_two_vesicles_no_size_is_shown() {
         assert!(!characters(&one, one.area).contains("vesicles"));
         let report = &mut made_up::run(&mut app).report;
         let before = report.clone();
-        report.vesicles = Some(2);
-        report.outline = None;
-        report.isoperimetric_quotient = None;
+        let mut second = before.vesicles[0];
+        if let Some(outline) = &mut second.outline {
+            outline.waist = 0.0771;
+        }
+        second.is_at_wall = true;
+        report.vesicles.push(second);
         let two = drawn(&app, &theme, 120, 40);
         let two = characters(&two, two.area);
         assert!(two.contains("2 vesicles"), "{two}");
-        assert!(gallery || !two.contains("waist"), "{two}");
+        if !gallery {
+            let row = |name: &str| {
+                let mut rows = two.lines().filter(|row| row.contains(name));
+                rows.next_back().unwrap_or_default().to_owned()
+            };
+            assert!(row("waist").ends_with(" 0.07710"), "{two}");
+            // At the wall there is no reduced area.
+            assert!(row("reduced area").ends_with("  -"), "{two}");
+        }
         made_up::run(&mut app).report = before;
     }
 }

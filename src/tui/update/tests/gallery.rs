@@ -2,7 +2,9 @@
 
 use crossterm::event::KeyCode;
 
+use super::super::super::message::Message;
 use super::super::super::state::{Screen, Status};
+use super::super::common_time;
 use super::rig::{Rig, scene, slot};
 
 const STEP: f64 = 1e-6;
@@ -60,6 +62,24 @@ fn a_case_that_is_ahead_waits_for_the_others() {
     rig.work(400);
     assert!(rig.run(2).report.step > ahead + 1);
     assert!(lead(&rig) <= END / 200.0 + STEP);
+}
+
+/// The clock moves while the others are set up: what the first run has stored is shown, and they catch up.
+#[test]
+fn the_clock_does_not_wait_for_runs_that_are_set_up() {
+    let mut rig = Rig::new();
+    rig.app.cores = 2;
+    rig.work(100);
+    rig.keys("g");
+    // None of them has reported anything yet.
+    for _ in 0..20 {
+        rig.tell(Message::Tick);
+    }
+    let clock = common_time(&rig.app).unwrap();
+    assert!(clock > 0.0 && clock <= rig.run(2).report.t, "{clock}");
+    rig.work(4000);
+    assert_eq!(times(&rig).len(), 4);
+    assert!(lead(&rig) <= END / 200.0 + STEP, "{:?}", times(&rig));
 }
 
 #[test]
@@ -166,6 +186,26 @@ fn the_gallery_shows_the_cases_only() {
     rig.work(100);
     assert!(rig.run(4).report.step <= step + 1);
     assert_eq!(rig.run(4).status, Status::Paused);
+}
+
+#[test]
+fn opened_scenes_have_a_gallery_of_their_own() {
+    let slots = ["case1", "case2", "case3", "case4", "one", "other"].map(slot);
+    let mut rig = Rig::with(slots.into());
+    rig.keys("G");
+    assert_eq!((rig.app.screen, rig.app.active), (Screen::Gallery, 4));
+    rig.work(100);
+    assert!([4, 5].iter().all(|index| rig.run(*index).report.step > 20));
+    assert!(rig.app.slots[0].run.is_none());
+    // From one gallery into the other, and out of it.
+    rig.keys("g");
+    assert_eq!((rig.app.screen, rig.app.active), (Screen::Gallery, 0));
+    rig.keys("g");
+    assert_eq!((rig.app.screen, rig.app.active), (Screen::Run, 0));
+    let mut rig = Rig::new();
+    rig.keys("G");
+    assert_eq!(rig.app.screen, Screen::Run);
+    assert!(rig.app.remark.clone().unwrap().contains("o opens one"));
 }
 
 #[test]

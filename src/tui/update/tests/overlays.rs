@@ -233,6 +233,22 @@ fn a_preset_that_was_not_changed_in_the_editor_gets_no_slot() {
 }
 
 #[test]
+fn what_was_not_changed_in_the_editor_is_not_waited_for() {
+    let mut rig = Rig::new();
+    rig.work(3);
+    rig.keys("e");
+    rig.tell(Message::NotEdited);
+    assert!(rig.app.editing.is_none() && rig.app.overlay.is_none());
+    assert!(
+        rig.app
+            .remark
+            .clone()
+            .unwrap()
+            .contains("nothing was changed")
+    );
+}
+
+#[test]
 fn an_error_of_an_edited_scene_is_shown_whole() {
     let mut rig = Rig::new();
     rig.work(3);
@@ -307,11 +323,7 @@ fn states_are_kept_before_it_is_said_that_they_are() {
         bytes: 1,
     };
     rig.tell(Message::Kept(run, Keeping::Kept(kept)));
-    assert!(
-        words(&rig).contains("The states are kept"),
-        "{}",
-        words(&rig)
-    );
+    assert!(words(&rig).contains("The runs are kept"), "{}", words(&rig));
     // Asked again, it is kept again.
     rig.keys("nq");
     assert!(words(&rig).contains("are being kept"), "{}", words(&rig));

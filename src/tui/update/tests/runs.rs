@@ -4,18 +4,26 @@ use crate::tui::state::Notice;
 use crossterm::event::KeyCode;
 
 use super::super::super::message::{Effect, Message};
-use super::super::super::state::{Beyond, Overlay, Question, Severity, Status};
+use super::super::super::state::{Beyond, Overlay, Question, Run, Severity, Status};
 use super::rig::{Rig, scene, slot};
 use crate::physics::NamedValue;
-use crate::scene::{AnchoringKind, Warning};
+use crate::scene::{AnchoringKind, Assignment, Change, ParameterValue, Warning};
 use crate::simulation::{
-    Event, EventKind, Message as WorkerMessage, Report, RunId, StepProgress, WorkerEvent,
+    Event, EventKind, Message as WorkerMessage, Report, RunId, StepProgress, VesicleChange,
+    WorkerEvent,
 };
 
 /// A worker of the active run says this.
 fn say(rig: &mut Rig, event: WorkerEvent) {
     let run = rig.app.active_run().map(|run| run.id).unwrap();
     rig.tell(Message::Solver(WorkerMessage { run, event }));
+}
+
+/// After which steps something was marked, and what.
+fn marked(run: &Run) -> Vec<(u64, &str)> {
+    let marks = run.history.marks.iter();
+    let named = marks.filter_map(|mark| Some((mark.step, mark.name()?)));
+    named.collect()
 }
 
 fn status(rig: &Rig, slot: usize) -> Status {
@@ -33,7 +41,7 @@ fn the_first_message_starts_the_run_that_is_looked_at() {
     rig.work(10);
     let run = rig.run(2);
     assert_eq!(run.report.step, 11);
-    assert_eq!(run.history.total_energy.first(), Some(190.0));
+    assert_eq!(run.history.total_energy.at_start(), Some(190.0));
     assert_eq!(run.steps(), Some(1000));
     assert!(run.unsaved);
 }
@@ -155,7 +163,7 @@ fn keys_that_a_run_at_its_end_cannot_follow_ask_whether_it_goes_on() {
         if key == "a" {
             rig.work(1);
         }
-        assert_eq!(rig.run(2).history.changes().collect::<Vec<_>>(), marks);
+        assert_eq!(marked(rig.run(2)), marks);
         rig.work(2000);
         assert_eq!(
             (rig.run(2).report.step, status(&rig, 2)),
@@ -343,7 +351,7 @@ fn the_anchoring_goes_round_and_is_marked_and_nothing_rises() {
         rig.work(2);
     }
     let run = rig.run(2);
-    let marks: Vec<_> = run.history.changes().map(|(_, label)| label).collect();
+    let marks: Vec<_> = marked(run).into_iter().map(|(_, name)| name).collect();
     assert_eq!(marks, kinds.map(AnchoringKind::name));
     let is_note = |notice: &Notice| notice.severity == Severity::Note;
     assert!(run.notices.iter().all(is_note), "{:?}", run.notices);
@@ -509,20 +517,54 @@ fn warnings_and_events_become_notices() {
     let notice = rig.run(2).notices.back().unwrap().clone();
     assert_eq!((notice.step, notice.severity), (2, Severity::Warning));
     assert!(notice.text.contains("wall"));
-    let kind = EventKind::ParametersChanged {
-        changes: Vec::new(),
-        work: 1.0,
+}
+
+/// What the solver did, and what was asked for, is in the list of all, after what the user must know.
+#[test]
+fn what_the_solver_did_is_logged_and_what_happened_is_marked() {
+    let mut rig = Rig::new();
+    rig.work(2);
+    let change = VesicleChange::Merged;
+    let counts = [2, 1];
+    let set = vec![Assignment {
+        key: "field.strength".to_owned(),
+        value: ParameterValue::Number(2.0),
+    }];
+    let (at, over) = (2e-6, 0.0);
+    let stronger = Change { at, over, set };
+    let kinds = [
+        (EventKind::ReachedWall, Severity::Warning),
+        (EventKind::Damped { factor: 0.1 }, Severity::Log),
+        (EventKind::FactorIsFaster, Severity::Log),
+        (
+            EventKind::ParametersChanged {
+                changes: vec![stronger],
+                work: 1.0,
+            },
+            Severity::Log,
+        ),
+        (
+            EventKind::VesiclesChanged { change, counts },
+            Severity::Note,
+        ),
+    ];
+    for (kind, severity) in kinds {
+        let (step, t) = (2, 2e-6);
+        say(&mut rig, WorkerEvent::Event(Event { step, t, kind }));
+        assert_eq!(rig.run(2).notices.back().unwrap().severity, severity);
+    }
+    let marks = [(2, "wall"), (2, "field.strength = 2"), (2, "merged")];
+    assert_eq!(marked(rig.run(2)), marks);
+    rig.keys("w");
+    let Some(Overlay::Message { text, .. }) = &rig.app.overlay else {
+        unreachable!("no list: {:?}", rig.app.overlay);
     };
-    say(
-        &mut rig,
-        WorkerEvent::Event(Event {
-            step: 2,
-            t: 2e-6,
-            kind,
-        }),
-    );
-    let notice = rig.run(2).notices.back().unwrap();
-    assert_eq!(notice.severity, Severity::Note);
+    let place = |words: &str| {
+        text.find(words)
+            .unwrap_or_else(|| panic!("{words}: {text}"))
+    };
+    let order = ["wall", "have merged", "on the way", "damped"].map(place);
+    assert!(order.is_sorted(), "{text}");
 }
 
 #[test]
