@@ -109,7 +109,7 @@ mod tests {
         assert!(schedule.is_done(resumed.report()));
         resumed.go_beyond_rest();
         assert!(!schedule.is_done(resumed.report()));
-        // The slowest mode decays at 2.8 times the rate 1/τ here, as ε/R = 0.22: less than half of the measure is left to lose.
+        // The slowest mode decays faster than 1/τ, as ε/R = 0.22: less than half of the measure is left to lose.
         let tau = relaxation_time(enclosed_area(&simulation.mesh, report.phase_integral), 1.0);
         while resumed.report().t < report.t + 10.0 * tau {
             resumed.advance().expect("a step");
