@@ -128,14 +128,19 @@ impl Scheme {
     /// [`RestoreError`]: the checkpoint is of another scene. The state is then unchanged.
     pub fn restore(&mut self, checkpoint: &SchemeCheckpoint) -> Result<(), RestoreError> {
         checkpoint.check(self)?;
-        let parameters = match &checkpoint.interval {
-            Some(interval) => self.timetable.at(interval.middle()),
-            None => self.timetable.start().clone(),
-        };
-        let before = self.change_effects(parameters);
+        // Without changes the parameters are what they are at any time.
+        let before = (!self.timetable.is_empty()).then(|| {
+            let parameters = match &checkpoint.interval {
+                Some(interval) => self.timetable.at(interval.middle()),
+                None => self.timetable.start().clone(),
+            };
+            self.change_effects(parameters)
+        });
         let with_energy = self.effects.iter().filter(|effect| effect.has_energy());
         if checkpoint.energies.len() != with_energy.count() {
-            self.change_effects(before);
+            if let Some(before) = before {
+                self.change_effects(before);
+            }
             return Err(RestoreError::Foreign("it has other effects"));
         }
         self.membrane.restore(&self.space, &checkpoint.linear)?;

@@ -135,7 +135,8 @@ fn the_first_frame_comes_before_the_run_is_set_up() {
 #[test]
 fn the_editor_gets_the_terminal_and_the_scene_is_loaded_anew() {
     let folder = folder();
-    let script = "sed -i 's/end = 1.0/end = 2.0/' \"$1\"; tty <&1 > seen; stty -a > modes\n";
+    let script = "sed -i 's/end = 1.0/end = 2.0/; s/target = 0.75/target = 0.8/' \"$1\"; tty <&1 > seen; \
+                  stty -a > modes\n";
     fs::write(folder.path().join("edit.sh"), script).expect("a file");
     let variables = [("VISUAL", "sh edit.sh"), ("EDITOR", "false")];
     let app_with = |program: &[&str]| Pty::start((110, 34), folder.path(), program, &variables);

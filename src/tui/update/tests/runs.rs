@@ -353,8 +353,8 @@ fn the_anchoring_goes_round_and_is_marked_and_nothing_rises() {
     let run = rig.run(2);
     let marks: Vec<_> = marked(run).into_iter().map(|(_, name)| name).collect();
     assert_eq!(marks, kinds.map(AnchoringKind::name));
-    let is_note = |notice: &Notice| notice.severity == Severity::Note;
-    assert!(run.notices.iter().all(is_note), "{:?}", run.notices);
+    let is_log = |notice: &Notice| notice.severity == Severity::Log;
+    assert!(run.notices.iter().all(is_log), "{:?}", run.notices);
     assert_eq!(run.history.energies.len(), 2);
 }
 
@@ -553,7 +553,7 @@ fn what_the_solver_did_is_logged_and_what_happened_is_marked() {
         say(&mut rig, WorkerEvent::Event(Event { step, t, kind }));
         assert_eq!(rig.run(2).notices.back().unwrap().severity, severity);
     }
-    let marks = [(2, "wall"), (2, "field.strength = 2"), (2, "merged")];
+    let marks = [(2, "wall"), (2, "field.strength = 2.0"), (2, "merged")];
     assert_eq!(marked(rig.run(2)), marks);
     rig.keys("w");
     let Some(Overlay::Message { text, .. }) = &rig.app.overlay else {
