@@ -34,7 +34,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "NAME")]
     author: Option<String>,
 
-    /// The licence of the data, such as https://creativecommons.org/licenses/by/4.0/
+    /// The licence of the data, such as `https://creativecommons.org/licenses/by/4.0/`
     #[arg(long, value_name = "URL", value_parser = url)]
     license: Option<String>,
 
