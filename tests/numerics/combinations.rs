@@ -30,6 +30,9 @@ const EFFECTS: [(&str, &str, &str); 7] = [
     ("noise", "noise={ strength = 1e-3, seed = 5 }", ""),
 ];
 
+/// Work that is done from outside: by noise, and where the field is switched on.
+const WORKS: [&str; 2] = ["noise_work", "change_work"];
+
 /// Whether an effect is nothing without a director.
 fn needs_director(name: &str) -> bool {
     let table = tables().into_iter().find(|table| table.name == name);
@@ -74,11 +77,12 @@ fn check(report: &StepReport, place: &str) {
         "{place}: law_residual {residual:e}"
     );
     for term in &report.ledger {
-        let outside = ["dE", "noise_work"].contains(&term.name);
+        let outside = term.name == "dE" || WORKS.contains(&term.name);
         assert!(outside || term.value >= -1e-14 * scale, "{place}: {term:?}");
     }
-    let work = report.ledger.iter().find(|term| term.name == "noise_work");
-    let given = work.map_or(0.0, |work| -work.value);
+    let works = report.ledger.iter();
+    let works = works.filter(|term| WORKS.contains(&term.name));
+    let given: f64 = works.map(|work| -work.value).sum();
     let rise = named(&report.ledger, "dE");
     assert!(
         rise <= given + 1e-12 * scale,
