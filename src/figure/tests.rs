@@ -296,7 +296,7 @@ fn what_is_logarithmic_leaves_out_the_start() {
     let drawing = curves::draw(&title, &[], &figure.plots, &options).expect("it is drawn");
     assert_tidy("energies", &drawing);
     let texts: Vec<&str> = drawing.texts.iter().map(|text| &*text.text).collect();
-    for text in ["10−6", "10−5", "10−4", "(a) Etotal", "(b) Eben"] {
+    for text in ["10−6", "10−5", "10−4", "(a) Etotal", "(b) Ebending"] {
         assert!(texts.contains(&text), "{text} in {texts:?}");
     }
 }
