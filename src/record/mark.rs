@@ -80,3 +80,33 @@ impl RunMark {
         Some(Self { step, t, kind })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_marks_of_a_kept_run_are_those_that_it_had() {
+        use VesicleChange::{Appeared, Merged, Split, Vanished};
+        let changed = [Merged, Split, Appeared, Vanished].map(|change| {
+            let counts = [2, 1];
+            EventKind::VesiclesChanged { change, counts }
+        });
+        let names = ["merged", "split", "appeared", "vanished", "wall"];
+        let kinds = changed.into_iter().chain([EventKind::ReachedWall]);
+        for (kind, name) in kinds.zip(names) {
+            let (step, t) = (3, 0.5);
+            let event = Event { step, t, kind };
+            let mark = RunMark::of(&event).expect(name);
+            assert_eq!(mark.name(), Some(name));
+            assert_eq!(RunMark::of_record(&EventRecord::from(&event)), Some(mark));
+        }
+        let damped = Event {
+            step: 3,
+            t: 0.5,
+            kind: EventKind::Damped { factor: 0.5 },
+        };
+        assert_eq!(RunMark::of(&damped), None);
+        assert_eq!(RunMark::of_record(&EventRecord::from(&damped)), None);
+    }
+}

@@ -198,7 +198,7 @@ pub fn long_path() -> PathBuf {
 pub fn change(step: u64, label: &str, work: f64) -> RunMark {
     RunMark {
         step,
-        t: 0.0,
+        t: report(step).t,
         kind: MarkKind::Change {
             label: label.to_owned(),
             work: Some(work),
