@@ -79,14 +79,14 @@ pub(super) struct Plot {
     pub curves: Vec<Curve>,
 }
 
-/// Draws the plots under `title`, with `keys` for their lines if there are several.
+/// Draws the plots under `title`, with `keys` for their lines if there are several; over t, or what the abscissa is called.
 ///
 /// # Errors
 /// [`FigureError::Draw`].
 pub(super) fn draw(
     title: &Label,
     keys: &[(Label, Look)],
-    plots: &[Plot],
+    (plots, abscissa): (&[Plot], Option<&Label>),
     options: &FigureOptions,
 ) -> Result<Drawing, FigureError> {
     let size = text_size(options.width, TEXT_SIZES_A_WIDTH);
@@ -101,7 +101,9 @@ pub(super) fn draw(
     let numbers = axes.iter().map(|axis| axis.widest(size));
     let left_room = numbers.fold(0.0, f64::max) + 2.0 * TICKS[0] * size;
     let inner = (cell - left_room).max(2.0 * size);
-    let time = time_axis(plots, options.logarithmic_time, inner, size);
+    let is_logarithmic = options.logarithmic_time && abscissa.is_none();
+    let time = time_axis(plots, is_logarithmic, inner, size);
+    let abscissa = abscissa.cloned().unwrap_or_else(|| Label::symbol("t"));
     // A number at the end of the axis reaches beyond it by half its width.
     let overhang = 0.5 * time.widest(size);
     let inner = inner - overhang;
@@ -141,7 +143,13 @@ pub(super) fn draw(
                 let place = plot.on_pixels().with_room([left_room, 0.0, lower_room]);
                 let (page, curves) = (&part(page, place), &plots[number].curves);
                 let rooms = [left_room, lower_room];
-                draw_plot(page, curves, [&time, &axes[number]], rooms, size)?;
+                draw_plot(
+                    page,
+                    curves,
+                    ([&time, &axes[number]], &abscissa),
+                    rooms,
+                    size,
+                )?;
             }
             top += names_height + ASPECT * cell + lower_room + 0.8 * size;
         }
@@ -188,7 +196,7 @@ fn time_axis(plots: &[Plot], is_logarithmic: bool, width: f64, size: f64) -> Axi
 fn draw_plot(
     page: &Page,
     curves: &[Curve],
-    [time, value]: [&Axis; 2],
+    ([time, value], abscissa): ([&Axis; 2], &Label),
     [left_room, lower_room]: [f64; 2],
     size: f64,
 ) -> Result<(), FigureError> {
@@ -205,7 +213,7 @@ fn draw_plot(
         .label_style(font(size))
         .set_tick_mark_size(LabelAreaPosition::Left, units(TICKS[0] * size))
         .set_tick_mark_size(LabelAreaPosition::Bottom, units(TICKS[1] * size))
-        .x_desc(time.name(Label::symbol("t")))
+        .x_desc(time.name(abscissa.clone()))
         .draw()?;
     let columns = 2.0 * in_pixels(chart.plotting_area().dim_in_pixel().0);
     for curve in curves {
@@ -284,7 +292,7 @@ mod tests {
             draw_plot(
                 &part(page, place),
                 &curves,
-                [&axis, &axis],
+                ([&axis, &axis], &Label::symbol("t")),
                 [20.0, 50.0],
                 10.0,
             )?;

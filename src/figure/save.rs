@@ -252,7 +252,8 @@ impl<'a> Set<'a> {
                 [label] => format!("{}: {}", figure.what, label.title),
                 _ => figure.what.to_owned(),
             };
-            let drawing = curves::draw(&Label::text(&title), &keys, &figure.plots, options)?;
+            let plots = (&*figure.plots, figure.abscissa.as_ref());
+            let drawing = curves::draw(&Label::text(&title), &keys, plots, options)?;
             let provenance = self.provenance(figure.what, |number| {
                 let history = &self.runs[number].history;
                 let [steps, times] =

@@ -9,7 +9,7 @@ use super::text::Label;
 use crate::fem::center_and_axis;
 use crate::geometry::Point;
 use crate::record::RunMark;
-use crate::scene::{Boundary, Mesh};
+use crate::scene::{Boundary, Mesh, Timetable};
 use crate::theory::RoundVesicle;
 use std::f64::consts::PI;
 
@@ -19,6 +19,8 @@ pub(super) struct ScalarFigure {
     pub file: &'static str,
     /// In its title.
     pub what: &'static str,
+    /// What its plots are over, if that is not t.
+    pub abscissa: Option<Label>,
     pub plots: Vec<Plot>,
     pub table: Table,
 }
@@ -30,21 +32,8 @@ struct Scalar {
     name: Label,
     note: Label,
     values: Vec<Option<Vec<f64>>>,
-    /// A straight line of each run, dashed, with its column.
-    target: Option<(String, Vec<Option<Line>>)>,
-}
-
-/// What a value is expected to be: `start` + `slope`·t.
-#[derive(Debug, Clone, Copy)]
-struct Line {
-    start: f64,
-    slope: f64,
-}
-
-impl Line {
-    fn at(self, t: f64) -> f64 {
-        self.start + self.slope * t
-    }
+    /// What is aimed at or expected, of each run, dashed, with its column.
+    target: Option<(String, Vec<Option<Vec<f64>>>)>,
 }
 
 impl Scalar {
@@ -87,7 +76,10 @@ fn looks(count: usize) -> impl Iterator<Item = Look> {
 }
 
 /// What the files of these figures are called by.
-pub(super) const FILES: [&str; 3] = ["energies", "volume-area", "outline"];
+pub(super) const FILES: [&str; 4] = ["energies", "volume-area", "outline", AREA_OVER_TARGET];
+
+/// B over β, where β changes.
+const AREA_OVER_TARGET: &str = "area-target";
 
 /// The figures of scalars that the runs have data for.
 pub(super) fn figures(runs: &[RunData], labels: &[RunLabel]) -> Vec<ScalarFigure> {
@@ -98,7 +90,47 @@ pub(super) fn figures(runs: &[RunData], labels: &[RunLabel]) -> Vec<ScalarFigure
         .zip(titles)
         .zip(scalars)
         .filter_map(|((file, what), scalars)| figure(file, what, scalars, runs, labels))
+        .chain(area_over_target(runs, labels))
         .collect()
+}
+
+/// B over β of the runs whose β changes: whether the shape comes back with it.
+fn area_over_target(runs: &[RunData], labels: &[RunLabel]) -> Option<ScalarFigure> {
+    let mut table = Table::new(&["scene", "step", "t", "beta", "B"].map(str::to_owned));
+    let mut curves = Vec::new();
+    for ((run, label), look) in runs.iter().zip(labels).zip(looks(runs.len())) {
+        let Some(targets) = target_area(run).filter(|targets| changes(targets)) else {
+            continue;
+        };
+        let [steps, times, areas] =
+            ["step", "t", "B"].map(|column| run.history.known(column).unwrap_or_default());
+        let points = targets.iter().copied().zip(areas.iter().copied());
+        curves.push(Curve {
+            points: points.clone().collect(),
+            look,
+        });
+        for ((step, t), (target, area)) in steps.iter().zip(times).zip(points) {
+            let cells = [*step, *t, target, area].map(Some);
+            table.row(&label.file, cells);
+        }
+    }
+    let plot = Plot {
+        name: Label::symbol("B"),
+        note: Label::default(),
+        curves,
+    };
+    (!plot.curves.is_empty()).then(|| ScalarFigure {
+        file: AREA_OVER_TARGET,
+        what: "Surface area over its target",
+        abscissa: Some(Label::symbol("β")),
+        plots: vec![plot],
+        table,
+    })
+}
+
+/// Whether not all values are the same.
+fn changes(values: &[f64]) -> bool {
+    values.windows(2).any(|pair| pair[0] != pair[1])
 }
 
 fn figure(
@@ -115,6 +147,7 @@ fn figure(
     Some(ScalarFigure {
         file,
         what,
+        abscissa: None,
         table: table(&scalars, runs, labels),
         plots: scalars
             .into_iter()
@@ -157,8 +190,7 @@ fn volume_and_area(runs: &[RunData]) -> Vec<Scalar> {
         values.iter_mut().for_each(|value| *value -= start);
     }
     let mut area = Scalar::new(runs, "B", Label::symbol("B"));
-    let level = |start| Line { start, slope: 0.0 };
-    let targets: Vec<Option<Line>> = runs.iter().map(|run| target_area(run).map(level)).collect();
+    let targets: Vec<Option<Vec<f64>>> = runs.iter().map(target_area).collect();
     if targets.iter().any(Option::is_some) {
         area.note = Label::text("  (dashed: ").and_symbol("β").and(")");
         area.target = Some(("beta".to_owned(), targets));
@@ -166,11 +198,15 @@ fn volume_and_area(runs: &[RunData]) -> Vec<Scalar> {
     vec![drift, area]
 }
 
-/// β = area.target·B(φ⁰), if the run's history begins at φ⁰.
-fn target_area(run: &RunData) -> Option<f64> {
+/// β = area.target·B(φ⁰) in each row, if the run's history begins at φ⁰; no number where there is no target.
+fn target_area(run: &RunData) -> Option<Vec<f64>> {
     let is_whole = run.history.column("step")?.first() == Some(&0.0);
     let start = *run.history.known("B")?.first().filter(|_| is_whole)?;
-    Some(run.scene.area.as_ref()?.target * start)
+    run.scene.area.as_ref()?;
+    let timetable = Timetable::of(&run.scene);
+    let target = |t: &f64| timetable.at(*t).area.map_or(f64::NAN, |area| area.target);
+    let times = run.history.column("t")?;
+    Some(times.iter().map(|t| target(t) * start).collect())
 }
 
 /// Length, waist and greatest width of the vesicle, and how it becomes round where theory says how fast.
@@ -191,9 +227,11 @@ fn amplitude(runs: &[RunData]) -> Scalar {
         let start = amplitude
             .as_ref()
             .and_then(|values| values.first().copied());
-        let line = start.zip(rate).map(|(start, rate)| Line {
-            start,
-            slope: -rate,
+        let times = run.history.column("t").unwrap_or_default();
+        let first = times.first().copied().unwrap_or_default();
+        let line = start.zip(rate).map(|(start, rate)| {
+            let expected = times.iter().map(|t| start - rate * (t - first));
+            expected.collect::<Vec<f64>>()
         });
         lines.push(line);
         values.push(amplitude);
@@ -253,10 +291,13 @@ fn plot(scalar: Scalar, runs: &[RunData]) -> Plot {
             ..look
         };
         let times = run.history.column("t").unwrap_or_default();
-        let ends = [times.first(), times.last()].into_iter().flatten();
-        if let Some(&Some(target)) = targets.get(number) {
+        if let Some(Some(target)) = targets.get(number) {
+            let points = times.iter().copied().zip(target.iter().copied());
             curves.push(Curve {
-                points: ends.map(|t| (*t, target.at(*t))).collect(),
+                points: match changes(target) {
+                    true => points.collect(),
+                    false => points.clone().take(1).chain(points.last()).collect(),
+                },
                 look: aside,
             });
         }
@@ -306,7 +347,8 @@ fn table(scalars: &[Scalar], runs: &[RunData], labels: &[RunLabel]) -> Table {
                         .and_then(|values| values.get(row).copied()),
                 );
                 cells.extend(
-                    (scalar.target.iter()).map(|(_, targets)| Some(targets[number]?.at(*t))),
+                    (scalar.target.iter())
+                        .map(|(_, targets)| targets[number].as_ref()?.get(row).copied()),
                 );
             }
             table.row(&label.file, cells);

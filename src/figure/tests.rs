@@ -10,8 +10,7 @@ use crate::fem::Mesh;
 use crate::geometry::Point;
 use crate::record::Columns;
 use crate::record::{MarkKind, RunMark, ShortNumber};
-use crate::scene::Change;
-use crate::scene::{Anchoring, AnchoringKind, Area, Scene};
+use crate::scene::{Anchoring, AnchoringKind, Area, Assignment, Change, ParameterValue, Scene};
 use crate::scheme::State;
 use crate::simulation::{NamedValue, OutlineMeasure, Report, Vesicle};
 use plotters::style::text_anchor::{HPos, VPos};
@@ -136,7 +135,7 @@ fn drawings(runs: &[RunData], width: u32) -> Vec<(&'static str, Drawing)> {
         let title = Label::text(&labels[0].title);
         drawings.push((
             figure.file,
-            curves::draw(&title, &keys, &figure.plots, &options).expect("it is drawn"),
+            curves::draw(&title, &keys, (&figure.plots, None), &options).expect("it is drawn"),
         ));
     }
     drawings
@@ -293,7 +292,7 @@ fn what_is_logarithmic_leaves_out_the_start() {
     let labels = [RunLabel::new("a", &runs[0].scene, f64::INFINITY)];
     let figure = &scalars::figures(&runs, &labels)[0];
     let title = Label::text("Energies");
-    let drawing = curves::draw(&title, &[], &figure.plots, &options).expect("it is drawn");
+    let drawing = curves::draw(&title, &[], (&figure.plots, None), &options).expect("it is drawn");
     assert_tidy("energies", &drawing);
     let texts: Vec<&str> = drawing.texts.iter().map(|text| &*text.text).collect();
     for text in ["10−6", "10−5", "10−4", "(a) Etotal", "(b) Ebending"] {
@@ -319,6 +318,42 @@ fn the_check_of_text_finds_what_is_wrong() {
     assert!(outcome([30.0, 15.0]).is_err(), "on each other");
     assert!(outcome([380.0, 10.0]).is_err(), "cut off at the right");
     assert!(outcome([100.0, 90.0]).is_err(), "cut off below");
+}
+
+/// Where β changes, its line follows the change, and B is also drawn over it.
+#[test]
+fn the_target_of_the_area_is_that_of_each_time() {
+    let runs = [run("a", "Case 3", 1), {
+        let mut squeezed = run("b", "Squeezed", 1);
+        let change = Change {
+            at: report(500).t,
+            over: 0.0,
+            set: vec![Assignment {
+                key: "area.target".to_owned(),
+                value: ParameterValue::Number(0.5),
+            }],
+        };
+        Arc::make_mut(&mut squeezed.scene).changes.push(change);
+        squeezed
+    }];
+    let labels = RunLabel::of_all(runs.iter().map(|run| (&*run.name, &*run.scene)));
+    let figures = scalars::figures(&runs, &labels);
+    let figure = figures.iter().find(|figure| figure.file == "area-target");
+    let [plot] = &figure.expect("one has a target that changes").plots[..] else {
+        panic!("one plot");
+    };
+    let [curve] = &plot.curves[..] else {
+        panic!("of the run that changes alone");
+    };
+    let (start, area) = curve.points[0];
+    let target = runs[1].scene.area.expect("it has one").target;
+    assert!((start / (target * area) - 1.0).abs() < 1e-12);
+    let at = |row: usize| curve.points[row].0 / area;
+    for (row, expected) in [(499, target), (500, 0.5), (1000, 0.5)] {
+        assert!((at(row) - expected).abs() < 1e-12, "{row}: {}", at(row));
+    }
+    let alone = scalars::figures(&runs[..1], &labels[..1]);
+    assert!(alone.iter().all(|figure| figure.file != "area-target"));
 }
 
 #[test]
