@@ -292,12 +292,12 @@ fn plot(scalar: Scalar, runs: &[RunData]) -> Plot {
         };
         let times = run.history.column("t").unwrap_or_default();
         if let Some(Some(target)) = targets.get(number) {
-            let points = times.iter().copied().zip(target.iter().copied());
+            let mut points: Vec<_> = times.iter().copied().zip(target.iter().copied()).collect();
+            if !changes(target) && points.len() > 2 {
+                points.drain(1..points.len() - 1);
+            }
             curves.push(Curve {
-                points: match changes(target) {
-                    true => points.collect(),
-                    false => points.clone().take(1).chain(points.last()).collect(),
-                },
+                points,
                 look: aside,
             });
         }
