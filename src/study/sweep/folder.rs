@@ -268,6 +268,10 @@ impl SweepFolder {
             return Err(changed(format!("{} there, {} here", old.len(), new.len())));
         }
         clean_all(&folder.path);
+        // A point that is done is not taken again: nobody else would find the lock that its killed owner has left.
+        for point in folder.runs() {
+            PointLock::clear_stale(&folder.lock(point));
+        }
         Ok(folder)
     }
 

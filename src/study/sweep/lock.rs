@@ -144,6 +144,14 @@ impl PointLock {
         }
     }
 
+    /// Takes the lock at `path` away if nobody lives who holds it.
+    pub fn clear_stale(path: &Path) {
+        let own = Holder::own();
+        if path.exists() && living(path, &own).is_none() {
+            remove_stale(path, &own);
+        }
+    }
+
     /// Who holds the lock at `path` at present, if anybody lives who does.
     pub fn holder(path: &Path) -> Option<Holder> {
         // Even the same job may hold it where this is but a look.
@@ -277,6 +285,14 @@ mod tests {
             assert_eq!(matches!(taken, Taken::Held(_)), is_stale, "{holder}");
             drop(taken);
             let _ = fs::remove_file(&path);
+        }
+        for (holder, is_left) in [
+            (holder(&Holder::own().host, dead, None), false),
+            (holder("elsewhere", 1, None), true),
+        ] {
+            left_behind(&path, &holder);
+            PointLock::clear_stale(&path);
+            assert_eq!(path.exists(), is_left, "{holder}");
         }
         left_behind(&path, &holder("elsewhere", 1, None));
         let long_ago = SystemTime::now() - 2 * STALE_AFTER;
