@@ -50,7 +50,7 @@ struct Verdict {
     /// Why it is wrong or undecided.
     reason: Option<String>,
     warnings: Vec<String>,
-    /// Nodes of the mesh; where that was not made, about so many.
+    /// Nodes of the mesh: estimated where the mesh was not made.
     nodes: Option<usize>,
     /// Steps; `null`: they are chosen, and how many was not found out.
     steps: Option<u64>,

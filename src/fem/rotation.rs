@@ -218,7 +218,7 @@ mod tests {
         assert!(off.fold(0.0, f64::max) < 1e-12);
     }
 
-    /// The axis is no part of the wall, but for its ends.
+    /// Only the two ends of the axis belong to the wall.
     #[test]
     fn the_axis_is_no_wall() {
         let mesh = mesh();

@@ -132,7 +132,7 @@ impl RunLabel {
     }
 }
 
-/// So many changes are told one by one.
+/// A title names at most this number of changes; of more it says how many there are.
 const CHANGES: usize = 3;
 
 fn in_file(kind: AnchoringKind) -> &'static str {

@@ -49,8 +49,8 @@ impl Axis {
         }
     }
 
-    /// A logarithmic axis from `low` > 0 to `high`, with ticks at powers of ten, at most so many, and where these are
-    /// fewer than two at 2 and 5 times such as well.
+    /// A logarithmic axis from `low` > 0 to `high`, with at most `most_ticks` ticks at powers of ten; if there are fewer
+    /// than two powers of ten, also at 2 and 5 times a power.
     pub fn logarithmic([low, high]: [f64; 2], most_ticks: usize) -> Axis {
         let orders = decimal_order(low)..=decimal_order(high);
         let is_on = |tick: &f64| (low..=high).contains(tick);
@@ -110,7 +110,7 @@ impl Axis {
     }
 }
 
-/// Round numbers within a range, so many at most, or one more where both ends are such.
+/// At most `most` round numbers within a range, or `most` + 1 if both ends of the range are round.
 pub(crate) fn round_ticks(range: [f64; 2], most: usize) -> Vec<f64> {
     Axis::new(range, most).ticks
 }

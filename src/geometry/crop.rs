@@ -4,8 +4,8 @@ use super::{BoundingBox, Point, Vector};
 
 /// Around what is shown, in parts of its longer side.
 const MARGIN: f64 = 0.05;
-/// The sides of what is shown lie on lines that divide the domain into so many parts: it changes in steps, and
-/// seldom.
+/// The sides of the part that is shown lie on a grid of this number of lines across the domain, so that the part changes
+/// in steps and seldom.
 const PARTS: f64 = 40.0;
 
 /// The part of a domain that holds something with a margin. A larger part for a larger thing; the same for things

@@ -103,8 +103,8 @@ impl Effects {
         }
     }
 
-    /// Makes those anew whose parameters are others in the scene of `context` than they were in `before`; in the order of
-    /// their energies, as if the scene had them from the start.
+    /// Makes each effect again whose parameters differ between `before` and the scene of `context`. The effects keep the
+    /// order that a scene with these parameters would have from the start.
     pub fn change(&mut self, before: &Scene, context: &EffectContext<'_>) {
         let EffectContext { scene, space, .. } = context;
         if scene.membrane != before.membrane {

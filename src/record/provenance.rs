@@ -73,7 +73,7 @@ pub struct Session {
     pub command: Vec<String>,
     /// The computer's name; `null` with `--no-host` and where VESICA_NO_HOST is set.
     pub host: Option<String>,
-    /// The name of the processor's model.
+    /// The model of the processor; `None` where the system does not report it.
     pub processor: Option<String>,
     /// The program.
     pub program: Build,
