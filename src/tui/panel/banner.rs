@@ -79,9 +79,9 @@ fn lines(app: &App, words: &Words, width: u16) -> Vec<String> {
 fn cut_between_words(text: &str, width: usize) -> String {
     const MORE: &str = " ..";
     let ends = text.match_indices(' ').map(|(end, _)| end);
-    let words = ends.chain([text.len()]).map(|end| &text[..end]);
+    let mut words = ends.chain([text.len()]).map(|end| &text[..end]);
     let fits = |words: &&str| words.chars().count() + MORE.len() <= width;
-    match words.filter(fits).last() {
+    match words.rfind(fits) {
         Some(words) => format!("{words}{MORE}"),
         None => text::shorten(&format!("{text}{MORE}"), width),
     }
