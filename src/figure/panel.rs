@@ -11,11 +11,12 @@ use super::outline::chain;
 use super::sampling::{Frame, sample, sample_each};
 use super::text::Label;
 use super::{Director, FigureError, needs};
-use crate::fem::{Contour, Mesh, Wall, center_and_axis};
+use crate::fem::{Contour, Mesh, Wall};
 use crate::geometry::{BoundingBox, Point, Segment};
 use crate::physics::bending_energy_density;
 use crate::scene::Geometry;
 use crate::scheme::State;
+use crate::simulation::outline_beside;
 use crate::theory::ShapeAtRest;
 use plotters::chart::{ChartBuilder, LabelAreaPosition};
 use plotters::element::PathElement;
@@ -166,8 +167,7 @@ pub(super) fn draw(
         }
     }
     if let Some(theory) = theory {
-        let (center, axis) = center_and_axis(mesh, &state.phi);
-        let outline = theory.outline(center, axis);
+        let outline = outline_beside(theory, mesh, &state.phi);
         let is_shown = |at: &Point| at >= &bounds.lower && at <= &bounds.upper;
         let [dash, space] = THEORY_DASHES.map(|length| units(length * style.size).max(1));
         let shown = outline
@@ -238,6 +238,52 @@ fn field_image(
     Ok(Image { place, size, cells })
 }
 
+/// Steps of the director's lattice along the longer side of a picture: as many as can be told apart, with their heads.
+fn lattice(place: Rectangle, size: f64) -> f64 {
+    let longer = place.width().max(place.height());
+    (longer / (LATTICE * size)).clamp(10.0, 34.0)
+}
+
+/// Between the arrow of a unit vector and its words, in sizes of the text.
+const UNIT_GAP: f64 = 0.4;
+
+/// Draws what the length of the director's arrows, or strokes, means, below pictures of this size whose lower side is at
+/// `bottom`, in the line of the axes' names, up to `right`; nothing where no director is drawn.
+///
+/// # Errors
+/// Those of plotters.
+pub(super) fn draw_unit<'a>(
+    page: &Page,
+    picture: Rectangle,
+    [right, bottom]: [f64; 2],
+    mut states: impl Iterator<Item = &'a State>,
+    style: &Style,
+) -> Result<(), FigureError> {
+    if style.director == Director::Off || states.all(|state| state.director.is_none()) {
+        return Ok(());
+    }
+    let size = style.size;
+    let words = Label::text("|").and_symbol("d").and("| = 1");
+    let longer = picture.width().max(picture.height());
+    let length = ARROW * longer / lattice(picture, size);
+    let top = bottom + lower_room(size) - super::text::line_height(size);
+    let left = right - words.width(size);
+    let corner = [left - UNIT_GAP * size - length, top];
+    let room = Rectangle::new(corner, [length, size]).on_pixels();
+    let mut chart = ChartBuilder::on(&part(page, room)).build_cartesian_2d(0.0..1.0, 0.0..1.0)?;
+    let ends = [(0.0, 0.5), (1.0, 0.5)];
+    let line = |width: f64| stroke(BLACK, width * line_weight(size));
+    match style.director {
+        Director::Arrows => {
+            chart.draw_series(once(arrow(ends, line(0.75))))?;
+        }
+        _ => {
+            chart.draw_series(once(PathElement::new(ends, line(1.0))))?;
+        }
+    }
+    write_label(page, &words, size, [left, top], (HPos::Left, VPos::Top))
+}
+
 /// Where the director begins and ends inside the vesicle, on a lattice.
 fn director_ends(
     place: Rectangle,
@@ -245,9 +291,8 @@ fn director_ends(
     (phi, director): (&[f64], &[Vec<f64>; 2]),
     size: f64,
 ) -> impl Iterator<Item = [(f64, f64); 2]> {
-    // As many as can be told apart, with their heads.
     let longer = place.width().max(place.height());
-    let along = (longer / (LATTICE * size)).clamp(10.0, 34.0);
+    let along = lattice(place, size);
     let cells = [place.width(), place.height()].map(|side| (along * side / longer).ceil() as usize);
     let spacing = frame.sides[0].max(frame.sides[1]) / along;
     let [x, y] = director;

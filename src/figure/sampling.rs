@@ -4,6 +4,8 @@ use super::Zoom;
 use crate::fem::{Mesh, extent_of_inside};
 use crate::geometry::BoundingBox;
 use crate::scheme::State;
+use crate::simulation::outline_beside;
+use crate::theory::ShapeAtRest;
 
 /// Points within this of a triangle's edge, in barycentric coordinates, count as inside: no point
 /// may fall between two triangles by rounding.
@@ -27,17 +29,19 @@ impl Frame {
         }
     }
 
-    /// The part of a domain that shows some states, at least of this aspect (width by height) and for a domain as
-    /// a whole a square about it.
+    /// The part of a domain that shows some states, each with its shape at rest if that is drawn, at least of this aspect
+    /// (width by height); for a domain as a whole a square about it.
     pub fn around<'a>(
         domain: &BoundingBox,
-        states: impl IntoIterator<Item = (&'a Mesh, &'a State)>,
+        states: impl IntoIterator<Item = (&'a Mesh, &'a State, Option<&'a ShapeAtRest>)>,
         zoom: Zoom,
         aspect: f64,
     ) -> Self {
-        let extents = states
-            .into_iter()
-            .filter_map(|(mesh, state)| extent_of_inside(mesh, &state.phi));
+        let extents = states.into_iter().filter_map(|(mesh, state, theory)| {
+            let inside = extent_of_inside(mesh, &state.phi)?;
+            let outline = theory.map(|shape| outline_beside(shape, mesh, &state.phi));
+            Some(inside.union(&BoundingBox::around(outline.into_iter().flatten())))
+        });
         let vesicle = extents.reduce(|one, other| one.union(&other));
         if zoom == Zoom::Domain || vesicle.is_none() {
             return Self::square(domain);
@@ -137,6 +141,31 @@ mod tests {
 
     fn whole(mesh: &Mesh) -> (&Mesh, Frame) {
         (mesh, Frame::square(&mesh.bounding_box()))
+    }
+
+    /// A thin vesicle, and the circle of a larger area.
+    #[test]
+    fn a_frame_holds_the_shape_at_rest_too() {
+        let mesh = Mesh::structured(40, 0.0, 0).expect("a fair mesh");
+        let inside =
+            |at: &crate::geometry::Point| 0.1 - (at.x - 0.5).abs().max(0.3 * (at.y - 0.5).abs());
+        let phi: Vec<f64> = mesh.nodes().iter().map(inside).collect();
+        let zeros = vec![0.0; phi.len()];
+        let state = State {
+            phi,
+            omega: zeros.clone(),
+            mu: zeros,
+            director: None,
+        };
+        let circle = ShapeAtRest::new(0.2, None).expect("a circle");
+        let domain = mesh.bounding_box();
+        let frame = |theory| Frame::around(&domain, [(&mesh, &state, theory)], Zoom::Fit, 0.1);
+        let [without, with] = [None, Some(&circle)].map(|theory| frame(theory).sides[0]);
+        let diameter = 2.0 * (0.2 / std::f64::consts::PI).sqrt();
+        assert!(
+            without < 0.4 && with > diameter,
+            "{without} {with} {diameter}"
+        );
     }
 
     #[test]

@@ -7,6 +7,7 @@ use super::panel::{self, Axes, Style};
 use super::sampling::Frame;
 use super::text::Label;
 use super::{FigureError, FigureOptions, TEXT_SIZES_A_WIDTH, text_size};
+use crate::fem::Mesh;
 use crate::scene::Geometry;
 use crate::theory::ShapeAtRest;
 use plotters::style::text_anchor::{HPos, VPos};
@@ -44,12 +45,16 @@ pub(super) fn draw(strips: &[Strip], options: &FigureOptions) -> Result<Drawing,
         options.colours,
     );
     let size = text_size(options.width, TEXT_SIZES_A_WIDTH);
-    let shown = || states().map(|snapshot| (&*snapshot.mesh, &*snapshot.state));
-    let domains = shown().map(|(mesh, _)| mesh.section_box());
+    let meshes = || states().map(|snapshot| &*snapshot.mesh);
+    let domains = meshes().map(Mesh::section_box);
     let Some(domain) = domains.reduce(|one, other| one.union(&other)) else {
         return Drawing::compose(options.width, |_| Ok(1.0));
     };
-    let frame = Frame::around(&domain, shown(), options.zoom, LEAST_ASPECT);
+    let shown = strips.iter().flat_map(|strip| {
+        let states = strip.snapshots.iter();
+        states.map(|snapshot| (&*snapshot.mesh, &*snapshot.state, strip.theory))
+    });
+    let frame = Frame::around(&domain, shown, options.zoom, LEAST_ASPECT);
     let style = Style {
         scale: &scale,
         field: Field::Phase,
@@ -69,9 +74,7 @@ pub(super) fn draw(strips: &[Strip], options: &FigureOptions) -> Result<Drawing,
     let most = counts.fold(1, usize::max);
     // The numbers of the axes do not depend on a picture's exact size.
     let guess = (width - 12.0 * size) / most.clamp(1, 5) as f64 - gap;
-    let geometry = shown()
-        .next()
-        .map_or(Geometry::Planar, |(mesh, _)| mesh.geometry());
+    let geometry = meshes().next().map_or(Geometry::Planar, Mesh::geometry);
     let axes = Axes::new(geometry, frame, [guess, guess / frame.aspect()], size);
     let left = margin + axes.left_room(size);
     let side_of = |columns: usize| (room(left) - gap * (columns as f64 - 1.0)) / columns as f64;
@@ -124,6 +127,11 @@ pub(super) fn draw(strips: &[Strip], options: &FigureOptions) -> Result<Drawing,
                     panel::draw_bar(page, &scale, corner, height.round(), size, &name)?;
                 }
                 top += height;
+                if number + 1 == strips.len() && is_last {
+                    let picture = Rectangle::new([left, top - height], [side, height]);
+                    let states = states().map(|snapshot| &*snapshot.state);
+                    panel::draw_unit(page, picture, [width - margin, top], states, &style)?;
+                }
                 top += match numbers_below {
                     true => panel::lower_room(size) + if is_last { 0.0 } else { 0.5 * size },
                     false => 0.5 * size,

@@ -19,7 +19,7 @@ pub(super) fn draw(
 ) -> Result<Drawing, FigureError> {
     let size = text_size(options.width, VIEW_TEXT_SIZES_A_WIDTH);
     let scale = panel::scale(std::iter::once(view.state), view.field, options.colours);
-    let shown = [(view.mesh, view.state)];
+    let shown = [(view.mesh, view.state, view.theory)];
     let frame = Frame::around(&view.mesh.section_box(), shown, options.zoom, 1.0);
     let style = Style {
         scale: &scale,
@@ -62,6 +62,8 @@ pub(super) fn draw(
         panel::draw_axes(page, place, &axes, size, [true; 2])?;
         let corner = [place.right + gap, place.top];
         panel::draw_bar(page, &scale, corner, place.height(), size, &name)?;
+        let end = [width - margin, place.bottom];
+        panel::draw_unit(page, place, end, std::iter::once(view.state), &style)?;
         Ok(place.bottom + panel::lower_room(size) + margin)
     })
 }

@@ -52,7 +52,7 @@ pub use partial_step::StepProgress;
 pub use presence::{NoVesicle, Part, check_outlines};
 pub use report::{Costs, Report};
 pub use schedule::{Schedule, step_count};
-pub use shape_at_rest::{NoShapeAtRest, enclosed_area, shape_at_rest};
+pub use shape_at_rest::{NoShapeAtRest, enclosed_area, outline_beside, shape_at_rest};
 pub use step_effort::{StepEffort, Tried};
 pub use threads::{cores, threads_that_pay};
 pub use warnings::warnings;

@@ -1,6 +1,7 @@
 //! The shape at rest that the sharp-interface theory foresees for a scene.
 
-use crate::fem::{Mesh, Pieces};
+use crate::fem::{Mesh, Pieces, center_and_axis};
+use crate::geometry::Point;
 use crate::scene::{Geometry, ScalarField, Scene};
 use crate::theory::{AreaPenalty, ElasticaError, ShapeAtRest};
 use std::f64::consts::PI;
@@ -59,6 +60,12 @@ pub fn shape_at_rest(
         enclosed_area(mesh, phase_integral),
         penalty,
     )?)
+}
+
+/// The curve of a shape at rest beside the vesicle of a state: about its centre and along it.
+pub fn outline_beside(shape: &ShapeAtRest, mesh: &Mesh, phi: &[f64]) -> Vec<Point> {
+    let (center, axis) = center_and_axis(mesh, phi);
+    shape.outline(center, axis)
 }
 
 /// (|Ω| + ∫φ)/2: the area inside of a membrane where φ jumps from −1 to 1; by rotation that of the great circle of the sphere

@@ -62,7 +62,7 @@ fn key_latency_under_load() {
             let begun = Instant::now();
             let opened = number % 2 == 0;
             app.type_keys(if opened { "?" } else { "\r" });
-            app.wait("an answer", |seen| seen.shows("show all keys") == opened);
+            app.wait("an answer", |seen| seen.shows("the keys follow") == opened);
             let waited = begun.elapsed();
             // Not in step with the frames.
             std::thread::sleep(Duration::from_millis(37 + 7 * (number as u64 % 9)));

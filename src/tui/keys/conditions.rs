@@ -147,7 +147,7 @@ pub(super) fn with_opened_scenes(app: &App) -> Result<(), &'static str> {
 
 pub(super) fn pause_or_resume(app: &App) -> &'static str {
     match app.active_run() {
-        Some(run) if app.screen == Screen::Run && run.is_done() => "go on",
+        Some(run) if app.screen == Screen::Run && run.is_done() => "go on to 2T",
         _ if app.is_going() => "pause",
         _ => "resume",
     }

@@ -2,6 +2,7 @@
 //! from [`BINDINGS`].
 
 mod conditions;
+mod footer;
 mod table;
 
 use std::fmt::Write as _;
@@ -11,6 +12,7 @@ use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
 use super::state::{App, Overlay};
 
 pub use conditions::other_form;
+pub use footer::Footer;
 pub use table::BINDINGS;
 
 /// What a key does.
@@ -46,6 +48,8 @@ pub enum Action {
     Gallery,
     /// The same with the scenes that were opened.
     GalleryOfOpened,
+    /// Look at the chosen run of the gallery alone.
+    LookAt,
     /// This many stored pictures back.
     Older(usize),
     /// This many stored pictures on.
@@ -215,11 +219,6 @@ pub fn bindings(place: Place) -> impl Iterator<Item = &'static Binding> {
     BINDINGS
         .iter()
         .filter(move |binding| binding.place == place)
-}
-
-/// What the footer names: the bindings that do something at present.
-pub fn footer(app: &App) -> impl Iterator<Item = &'static Binding> {
-    bindings(Place::of(app)).filter(|binding| (binding.when)(app).is_ok())
 }
 
 /// What the help and the guide name: all that keys do when nothing lies over the screen.

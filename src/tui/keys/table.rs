@@ -365,8 +365,8 @@ pub static BINDINGS: &[Binding] = &[
     Binding {
         place: Place::Main,
         keys: &[
-            named(KeyCode::Enter, Action::Gallery),
-            named(KeyCode::Esc, Action::Gallery),
+            named(KeyCode::Enter, Action::LookAt),
+            named(KeyCode::Esc, Action::LookAt),
         ],
         label: "Enter Esc",
         plain_label: "Enter Esc",

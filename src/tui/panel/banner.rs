@@ -69,11 +69,22 @@ fn lines(app: &App, words: &Words, width: u16) -> Vec<String> {
     if lines.len() > room {
         lines.truncate(room);
         if let Some(last) = lines.last_mut() {
-            let cut = text::shorten(&format!("{last} .."), width.saturating_sub(more.len()));
-            *last = cut + &more;
+            *last = cut_between_words(last, width.saturating_sub(more.len())) + &more;
         }
     }
     lines
+}
+
+/// The beginning of a text that goes on, in so many columns.
+fn cut_between_words(text: &str, width: usize) -> String {
+    const MORE: &str = " ..";
+    let ends = text.match_indices(' ').map(|(end, _)| end);
+    let mut words = ends.chain([text.len()]).map(|end| &text[..end]);
+    let fits = |words: &&str| words.chars().count() + MORE.len() <= width;
+    match words.rfind(fits) {
+        Some(words) => format!("{words}{MORE}"),
+        None => text::shorten(&format!("{text}{MORE}"), width),
+    }
 }
 
 /// What is said first: what is wrong, then what the last key did, then what was saved, then what is

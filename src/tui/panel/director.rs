@@ -1,5 +1,6 @@
 //! The director as lines that run along it, evenly spaced, drawn with the parts of the cells: over several cells a
-//! tilt of a few degrees is seen.
+//! tilt of a few degrees is seen. Where |d| is less than [`WHOLE`] a line has gaps: of each [`PERIOD`] of it the share
+//! |d| is drawn.
 //!
 //! Lines are placed one after the other, the first through the middle, each further one beside one that is there
 //! (Jobard and Lefer, 1997). So from frame to frame they stay where they are, as far as the director does.
@@ -19,6 +20,12 @@ const NEAREST: f64 = 0.6;
 const STEP: f64 = 0.25;
 /// Shorter lines are left out, in spacings: they have no direction to see.
 const SHORTEST: f64 = 1.0;
+/// A line is whole where the director is at least so long.
+pub const WHOLE: f64 = 0.9;
+/// Where it is shorter than this nothing is drawn: it has no direction to see.
+const SHORTEST_DIRECTOR: f64 = 0.05;
+/// From one dash of a line to the next, in widths of a cell.
+const PERIOD: f64 = 4.0;
 /// A line ends after so many steps.
 const MOST_STEPS: usize = 8000;
 
@@ -64,24 +71,27 @@ fn square(one: Place, other: Place) -> f64 {
 }
 
 /// The samples that the lines go through. A line goes through samples for which `is_free` holds and where |d| is at
-/// least `shortest`.
+/// least [`SHORTEST_DIRECTOR`].
 pub fn lines(
     grid: Grid,
     raster: &Raster,
     director: &[Vec<f64>; 2],
-    shortest: f64,
     is_free: impl Fn(usize, usize) -> bool,
 ) -> Vec<bool> {
     let rows = grid.size[1] / grid.a_cell[1].max(1);
     let spacing = SPACING[usize::from(rows >= MANY_ROWS)];
     let [dx, dy] = director;
-    // The unit vector along the director, where a line may go.
-    let direction = |place: Place| {
+    // The director where a line may go, and its length.
+    let director = |place: Place| {
         let [x, y] = grid.sample(place)?;
         let (dx, dy) = raster.at_across(dx, x, y).zip(raster.at(dy, x, y))?;
         let length = dx.hypot(dy);
-        (length >= shortest && length.is_finite() && is_free(x, y))
-            .then(|| [dx / length, -dy / length])
+        let is_seen = length >= SHORTEST_DIRECTOR && length.is_finite() && is_free(x, y);
+        is_seen.then_some(([dx, -dy], length))
+    };
+    let direction = |place: Place| {
+        let (along, length) = director(place)?;
+        Some(along.map(|part| part / length))
     };
     let mut taken = Taken::new(grid, spacing);
     let mut drawn = vec![false; grid.size[0] * grid.size[1]];
@@ -92,7 +102,7 @@ pub fn lines(
             if taken.is_beside_a_line(seed) {
                 continue;
             }
-            let line = trace(seed, direction, |place| taken.is_near_a_line(place));
+            let (line, middle) = trace(seed, direction, |place| taken.is_near_a_line(place));
             if (line.len() as f64) * STEP < SHORTEST * spacing {
                 continue;
             }
@@ -105,12 +115,29 @@ pub fn lines(
                 }
             }
             taken.take(&line);
-            for [x, y] in thin(line.iter().filter_map(|place| grid.sample(*place))) {
-                drawn[y * grid.size[0] + x] = true;
+            let is_drawn = |index: usize| {
+                let length = director(line[index]).map_or(0.0, |(_, length)| length);
+                is_in_dash(STEP * index.abs_diff(middle) as f64, length)
+            };
+            let places: Vec<usize> = (0..line.len()).collect();
+            for dash in places.chunk_by(|one, next| is_drawn(*one) == is_drawn(*next)) {
+                if is_drawn(dash[0]) {
+                    for [x, y] in thin(dash.iter().filter_map(|index| grid.sample(line[*index]))) {
+                        drawn[y * grid.size[0] + x] = true;
+                    }
+                }
             }
         }
     }
     drawn
+}
+
+/// Whether a line is drawn so far from its middle, where the director has this length: a dash is centred there.
+fn is_in_dash(distance: f64, length: f64) -> bool {
+    let from_middle = (distance / PERIOD).fract();
+    let from_middle = PERIOD * from_middle.min(1.0 - from_middle);
+    // A dash looks longer than it is, by the half of a sample at either end.
+    length >= WHOLE || 2.0 * from_middle <= (length * PERIOD - 0.5).max(0.0)
 }
 
 /// A place in each cell, those in the middle of the grid first.
@@ -127,15 +154,16 @@ fn places_from_the_middle(grid: Grid) -> Vec<Place> {
     places
 }
 
-/// The places of the line through a place, from one end to the other.
+/// The places of the line through a place, from one end to the other, and which of them that place is.
 fn trace(
     seed: Place,
     direction: impl Fn(Place) -> Option<[f64; 2]>,
     is_near_another: impl Fn(Place) -> bool,
-) -> Vec<Place> {
+) -> (Vec<Place>, usize) {
     let mut line = VecDeque::new();
+    let mut behind = 0;
     let Some(first) = direction(seed) else {
-        return Vec::new();
+        return (Vec::new(), 0);
     };
     line.push_back(seed);
     // d and −d are the same line.
@@ -165,10 +193,11 @@ fn trace(
                 line.push_back(place);
             } else {
                 line.push_front(place);
+                behind += 1;
             }
         }
     }
-    line.into()
+    (line.into(), behind)
 }
 
 /// The samples of a line, one in each step of it: without repetitions, without those at its corners, and without those
@@ -267,7 +296,7 @@ mod tests {
         let raster = Raster::new(&mesh, mesh.bounding_box(), grid.size[0], grid.size[1]);
         let values: Vec<[f64; 2]> = mesh.nodes().iter().map(director).collect();
         let director = [0, 1].map(|axis| values.iter().map(|d| d[axis]).collect());
-        lines(grid, &raster, &director, 0.5, |_, _| true)
+        lines(grid, &raster, &director, |_, _| true)
     }
 
     fn at_angle(degrees: f64, a_cell: [usize; 2]) -> Vec<bool> {
@@ -343,12 +372,25 @@ mod tests {
         assert_eq!(thin(line.into_iter()), expected);
     }
 
+    /// The share of a line that is drawn is |d|: whole at 0.9 and above, nothing below 0.05.
     #[test]
-    fn where_the_director_is_short_there_is_no_line() {
-        let partly = drawn(DOTS, |at| [0.0, if at.x < 0.5 { 1.0 } else { 0.3 }]);
-        assert!(count(&partly) > 300);
-        let right = (0..partly.len()).filter(|number| number % 80 >= 42 && partly[*number]);
-        assert_eq!(right.count(), 0);
+    fn the_shorter_the_director_the_more_of_a_line_is_left_out() {
+        for parts in [QUADRANTS, DOTS] {
+            for angle in [90.0, 0.0] {
+                let (sine, cosine) = f64::to_radians(angle).sin_cos();
+                let at = |length: f64| {
+                    let drawn = drawn(parts, |_| [length * cosine, length * sine]);
+                    count(&drawn) as f64
+                };
+                let whole = at(1.0);
+                assert_eq!((whole, 0.0), (at(0.95), at(0.04)), "{parts:?} {angle}");
+                for length in [0.25, 0.5, 0.75] {
+                    let share = at(length) / whole;
+                    // A sample is a quarter of a period at most.
+                    assert!((share - length).abs() < 0.2, "{angle}: {share} of {length}");
+                }
+            }
+        }
         for d in [[0.0, 0.0], [f64::NAN, 1.0], [f64::INFINITY, 1.0]] {
             assert_eq!(count(&drawn(DOTS, |_| d)), 0);
         }

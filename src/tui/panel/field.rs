@@ -6,18 +6,21 @@ use ratatui::style::Style;
 use ratatui::text::{Line, Span};
 
 use super::Look;
+use super::director::WHOLE;
 use super::external_field;
 use super::plot::{Plot, level, ramp_glyph, ramp_style};
 use super::shown::Shown;
 use super::{text, theory};
 use crate::figure::round_ticks;
-use crate::geometry::BoundingBox;
+use crate::geometry::{BoundingBox, Point};
+use crate::scene::Geometry;
+use crate::simulation::outline_beside;
 use crate::tui::canvas::Canvas;
 use crate::tui::field_image;
 use crate::tui::layout::{Step, centred};
 use crate::tui::numbers::brief;
 use crate::tui::state::{Director, Field, Run, View, Zoom};
-use crate::tui::theme::Theme;
+use crate::tui::theme::{Role, Theme};
 use crate::tui::window::Window;
 
 /// Columns left of the frame, for the numbers of the y axis.
@@ -56,7 +59,12 @@ pub fn draw(
     let title = title(view, theme);
     // The title has marks and gaps around it, and so have the notes.
     let room = usize::from(area.width).saturating_sub(title.width() + 7);
-    let notes = notes(shown, view, theme, room);
+    let shape = (shown.run.filter(|_| view.theory)).and_then(Run::shape_at_rest);
+    let outline = match (shape, shown.picture) {
+        (Some(Ok(shape)), Some(now)) => outline_beside(shape, &now.mesh, &now.state.phi),
+        _ => Vec::new(),
+    };
+    let notes = notes(shown, view, !outline.is_empty(), theme, room);
     let area = text::title(buffer, area, theme, focused, title, notes);
     let (Some(setting), Some(picture)) = (shown.setting, shown.picture) else {
         let words = match shown.run {
@@ -73,7 +81,7 @@ pub fn draw(
     );
     let domain = canvas.region(&picture.mesh);
     let vesicle = shown.run.and_then(|run| run.past.vesicle());
-    let window = Window::new(domain, vesicle, view.zoom, room);
+    let window = window(domain, vesicle, &outline, view.zoom, room);
     let Window { columns, rows, .. } = window;
     if columns < 2 || rows < 1 {
         return;
@@ -94,12 +102,12 @@ pub fn draw(
         view,
     };
     let (cells, range) = plot.draw(theme, canvas, frame, buffer);
-    if view.theory
-        && let Some(Ok(shape)) = shown.run.and_then(Run::shape_at_rest)
-    {
-        theory::draw(shape, picture, window.region, cells, theme, buffer);
-    }
-    axes(window.region, numbers(step), frame, theme, buffer);
+    theory::draw(&outline, window.region, cells, theme, buffer);
+    let names = match picture.mesh.geometry() {
+        Geometry::Planar => ["x", "y"],
+        Geometry::Axisymmetric => ["r", "z"],
+    };
+    axes(window.region, names, numbers(step), frame, theme, buffer);
     external_field::draw(shown, frame, theme, buffer);
     let bar = Rect {
         x: frame.right() + 1,
@@ -114,6 +122,18 @@ pub fn draw(
     }
 }
 
+/// The part of the domain that is shown: an outline that is drawn is seen whole where the vesicle is.
+fn window(
+    domain: BoundingBox,
+    vesicle: Option<BoundingBox>,
+    outline: &[Point],
+    zoom: Zoom,
+    room: (u16, u16),
+) -> Window {
+    let seen = vesicle.map(|it| it.union(&BoundingBox::around(outline)));
+    Window::new(domain, seen, zoom, room)
+}
+
 /// What is shown.
 fn title<'a>(view: View, theme: &Theme) -> Line<'a> {
     let (symbol, words) = field_image::names(view.field, theme);
@@ -125,16 +145,31 @@ fn title<'a>(view: View, theme: &Theme) -> Line<'a> {
 }
 
 /// How it is shown: as much of it as has room.
-fn notes<'a>(shown: &Shown<'_>, view: View, theme: &Theme, room: usize) -> Line<'a> {
+fn notes<'a>(
+    shown: &Shown<'_>,
+    view: View,
+    has_outline: bool,
+    theme: &Theme,
+    room: usize,
+) -> Line<'a> {
     let line = Style::default().fg(theme.contour(theme.map(view.colour_map)));
     let mut parts = vec![vec![
         Span::styled(theme.glyphs().contour, line),
         Span::styled(theme.word(" φ = 0", " phi = 0"), theme.muted()),
     ]];
+    if has_outline {
+        parts.push(vec![
+            Span::styled(theme.glyphs().theory, theme.style(Role::Good)),
+            Span::styled(" theory at rest", theme.muted()),
+        ]);
+    }
     let short = theme.word("½", "1/2");
     let director = match view.director {
         _ if shown.scene().nematic.is_none() => "no director".to_owned(),
-        Director::Strokes if theme.parts().is_some() => format!("lines along d, |d| > {short}"),
+        Director::Strokes if theme.parts().is_some() => match room {
+            0..50 => format!("dashed |d| < {WHOLE}"),
+            _ => format!("lines along d, dashed where |d| < {WHOLE}"),
+        },
         Director::Arrows | Director::Strokes => {
             let word = match view.director {
                 Director::Arrows => "arrows",
@@ -189,10 +224,25 @@ fn coordinate(value: f64, span: f64) -> String {
     }
 }
 
-/// Ticks on the frame and their numbers.
-fn axes(region: BoundingBox, most: usize, frame: Rect, theme: &Theme, buffer: &mut Buffer) {
+/// Ticks on the frame and their numbers; the axes' names stand beyond its lower right and upper left corners.
+fn axes(
+    region: BoundingBox,
+    names: [&'static str; 2],
+    most: usize,
+    frame: Rect,
+    theme: &Theme,
+    buffer: &mut Buffer,
+) {
     let glyphs = theme.glyphs();
     let (left, bottom) = (frame.x, frame.bottom() - 1);
+    let corners = [
+        (frame.right(), bottom + 1),
+        (left.saturating_sub(2), frame.y),
+    ];
+    for (name, (x, y)) in names.into_iter().zip(corners) {
+        let place = Rect::new(x, y, 1, 1);
+        text::line(buffer, place, 0, Span::styled(name, theme.muted()));
+    }
     let inner = [frame.width, frame.height].map(|cells| f64::from(cells - 2));
     for axis in [0, 1] {
         let (start, span) = (region.lower[axis], region.extent()[axis]);
@@ -274,7 +324,36 @@ fn colour_bar(range: [f64; 2], view: View, theme: &Theme, area: Rect, buffer: &m
 
 #[cfg(test)]
 mod tests {
-    use super::coordinate;
+    use super::*;
+
+    /// A high vesicle, and a round outline that is wider: seen whole by the width of its room too, and no part more while
+    /// it moves less than a step.
+    #[test]
+    fn the_outline_of_theory_is_seen_whole() {
+        let rectangle = |lower: [f64; 2], upper: [f64; 2]| BoundingBox {
+            lower: lower.into(),
+            upper: upper.into(),
+        };
+        let domain = rectangle([0.0, 0.0], [1.0, 1.0]);
+        let vesicle = rectangle([0.38, 0.18], [0.62, 0.82]);
+        let circle = |x: f64| {
+            let angles =
+                (0..60).map(|number| f64::from(number) * 0.1 * std::f64::consts::FRAC_PI_3);
+            angles.map(move |angle| Point::new(x + 0.21 * angle.cos(), 0.5 + 0.21 * angle.sin()))
+        };
+        let region =
+            |outline: &[Point], zoom| window(domain, Some(vesicle), outline, zoom, (17, 17)).region;
+        let outline: Vec<Point> = circle(0.5).collect();
+        let holds = |region: BoundingBox| {
+            let around = BoundingBox::around(&outline);
+            region.union(&around) == region
+        };
+        assert!(holds(region(&outline, Zoom::Fit)));
+        assert!(!holds(region(&[], Zoom::Fit)));
+        let moved: Vec<Point> = circle(0.503).collect();
+        assert_eq!(region(&outline, Zoom::Fit), region(&moved, Zoom::Fit));
+        assert_eq!(region(&outline, Zoom::Domain), domain);
+    }
 
     #[test]
     fn coordinates_of_a_small_domain_do_not_all_read_0() {

@@ -10,7 +10,7 @@ use super::text;
 use super::{chart, external_field};
 use crate::geometry::{BoundingBox, Point};
 use crate::tui::canvas::Canvas;
-use crate::tui::layout::{take_left, take_top};
+use crate::tui::layout::{centred, take_left, take_top};
 use crate::tui::numbers::{percent, significant};
 use crate::tui::state::{App, Slot, View};
 use crate::tui::theme::{Role, Theme};
@@ -134,12 +134,20 @@ fn draw_tile(
 ) {
     let (word, role) = shown.status();
     let mut title = Line::from(Span::styled(shown.slot.name.as_str(), theme.strong()));
-    if let Some(kind) = shown.anchoring {
-        title.push_span(Span::raw(format!(" {}", kind.name())));
+    let anchoring = shown
+        .anchoring
+        .map_or(String::new(), |kind| format!(" {}", kind.name()));
+    // With the marks and gaps around it.
+    let fits = |width: usize| width <= usize::from(area.width);
+    if fits(title.width() + anchoring.len() + 3) {
+        title.push_span(Span::raw(anchoring));
     }
+    let has_state = fits(title.width() + word.len() + 7);
     let state = Line::styled(word, theme.style(role));
-    let area = text::title(buffer, area, theme, focused, title, state);
-    let scalars = scalars(shown, theme);
+    // Where there is no room for it in the title, the state stands beside the time.
+    let beside_time = Some(&state).filter(|_| !has_state);
+    let mut scalars = scalars(shown, beside_time, false, theme);
+    let area = text::title(buffer, area, theme, focused, title, state.clone());
     let beside = scalars.iter().map(Line::width).max().unwrap_or(0) as u16 + 2;
     // Beside the picture if it does not become smaller by that.
     let rooms = [(beside + 2, 2), (2, BELOW)].map(|(columns, rows)| {
@@ -150,8 +158,17 @@ fn draw_tile(
     });
     let [with, without] = rooms.map(|room| view.size(room));
     let below = without > with;
+    if !scalars.iter().all(|line| fits(line.width())) {
+        scalars = self::scalars(shown, beside_time, true, theme);
+    }
     let Some((setting, picture)) = shown.setting.zip(shown.picture) else {
-        return;
+        let words = match shown.run {
+            None => "not yet set up",
+            Some(run) if run.is_over() => "not set up",
+            Some(_) => "setting up",
+        };
+        let area = centred(area, words.len() as u16, 1);
+        return text::line(buffer, area, 0, Span::styled(words, theme.muted()));
     };
     let domain = canvas.region(&picture.mesh);
     let window = view.window(domain, rooms[usize::from(below)]);
@@ -218,8 +235,13 @@ fn energy_curve(
     chart::draw(series, &curves, colour, theme, area, buffer);
 }
 
-/// The scalars of a run, the most telling first.
-fn scalars<'a>(shown: &Shown<'_>, theme: &Theme) -> Vec<Line<'a>> {
+/// The scalars of a run, the most telling first; in short words where there is little room.
+fn scalars<'a>(
+    shown: &Shown<'_>,
+    state: Option<&Line<'a>>,
+    is_short: bool,
+    theme: &Theme,
+) -> Vec<Line<'a>> {
     let Some(report) = shown.report else {
         return Vec::new();
     };
@@ -230,13 +252,25 @@ fn scalars<'a>(shown: &Shown<'_>, theme: &Theme) -> Vec<Line<'a>> {
             Span::styled(note, theme.muted()),
         ])
     };
-    let mut lines = vec![entry("t", format!("{:.3e}", report.t), String::new())];
+    let mut time = entry("t", format!("{:.3e}", report.t), String::new());
+    if let Some(state) = state {
+        time.push_span(Span::raw(" "));
+        time.extend(
+            state
+                .iter()
+                .map(|span| span.clone().patch_style(state.style)),
+        );
+    }
+    let mut lines = vec![time];
     let energy = report.total_energy;
     let change = shown
         .energy_at_start()
         .map(|start| percent(energy - start, start));
     let change = change.map_or(String::new(), |change| format!(" {change}"));
-    lines.push(entry("total energy", significant(energy, 5), change));
+    lines.push(match is_short {
+        false => entry("total energy", significant(energy, 5), change),
+        true => entry("energy", significant(energy, 5), String::new()),
+    });
     if let Some(words) = shown.vesicles() {
         lines.push(Line::styled(format!(" {words}"), theme.muted()));
     }

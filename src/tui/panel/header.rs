@@ -46,6 +46,7 @@ fn scene<'a>(shown: &'a Shown<'_>, theme: &Theme, room: u16) -> Line<'a> {
 fn scene_parts<'a>(shown: &'a Shown<'_>, theme: &Theme, with_all_words: bool) -> Line<'a> {
     let dot = || Span::styled(format!(" {} ", theme.glyphs().dot), theme.muted());
     let muted = |words: &'static str| Span::styled(words, theme.muted());
+    let error_of = theme.word(" error of φ ", " error of phi ");
     let mut spans = vec![
         Span::styled(" vesica ", theme.style(Role::Accent)),
         Span::styled(shown.slot.name.as_str(), theme.strong()),
@@ -53,8 +54,14 @@ fn scene_parts<'a>(shown: &'a Shown<'_>, theme: &Theme, with_all_words: bool) ->
     let figures = shown.slot.figures();
     let title = shown.scene().name.trim();
     if let Some(figures) = figures {
-        spans.push(muted(if with_all_words { " error of φ " } else { " " }));
-        spans.push(Span::raw(accuracy(figures, with_all_words)));
+        spans.push(Span::styled(
+            if with_all_words { error_of } else { " error " },
+            theme.muted(),
+        ));
+        spans.push(Span::raw(match with_all_words {
+            true => accuracy(figures),
+            false => error(figures),
+        }));
     } else if !title.is_empty() && title != shown.slot.name {
         spans.push(dot());
         spans.push(Span::raw(title));
@@ -71,24 +78,22 @@ fn scene_parts<'a>(shown: &'a Shown<'_>, theme: &Theme, with_all_words: bool) ->
         spans.push(dot());
         let key = keys::label(Action::OtherForm);
         spans.push(Span::styled(key, theme.style(Role::Accent)));
-        let word = if with_all_words { word } else { &other.name };
         spans.push(Span::styled(format!(" {word}"), theme.muted()));
-        if let Some(figures) = other.figures() {
-            spans.push(muted(if with_all_words { ": error " } else { " " }));
-            spans.push(Span::raw(accuracy(figures, with_all_words)));
+        if let Some(figures) = other.figures().filter(|_| with_all_words) {
+            spans.push(muted(": error "));
+            spans.push(Span::raw(accuracy(figures)));
         }
     }
     Line::from(spans)
 }
 
 /// An error of φ and a time.
-fn accuracy(figures: PresetFigures, with_all_words: bool) -> String {
-    let between = if with_all_words { "in " } else { "" };
-    format!(
-        "{:.1e} {between}{} s",
-        figures.error,
-        brief(figures.seconds, 2)
-    )
+fn accuracy(figures: PresetFigures) -> String {
+    format!("{} in {} s", error(figures), brief(figures.seconds, 2))
+}
+
+fn error(figures: PresetFigures) -> String {
+    format!("{:.1e}", figures.error)
 }
 
 /// How far it is: parts that there is no room for are left out, the least important first.

@@ -59,7 +59,7 @@ fn lines<'a>(theme: &Theme, width: usize) -> Vec<Line<'a>> {
 const UNSEEN: [&str; 4] = ["step", "t", "dt", "wall"];
 
 /// What the picture shows.
-const PICTURE: [(&str, &str); 2] = [
+const PICTURE: [(&str, &str); 3] = [
     (
         "φ",
         "the phase: 1 inside the vesicle, -1 outside, 0 on its membrane",
@@ -67,6 +67,10 @@ const PICTURE: [(&str, &str); 2] = [
     (
         "d",
         "the director, inside the vesicle: where the molecules point",
+    ),
+    (
+        "|d|",
+        "its length: a line along d is whole where |d| is 0.9 or more; where it is less, dashes cover the share |d|",
     ),
 ];
 

@@ -20,7 +20,7 @@ use crate::tui::glyphs::{Glyphs, Parts};
 use crate::tui::state::{Director, Field, View};
 use crate::tui::theme::{ColorTier, Role, Theme};
 
-/// Where the director is shorter there is no line, and a dot in place of an arrow.
+/// Where the director is shorter there is a dot in place of an arrow.
 pub const SHORT: f64 = 0.5;
 /// A longer one is bold.
 const LONG: f64 = 1.15;
@@ -99,7 +99,7 @@ impl Plot<'_> {
             let is_free = |x: usize, y: usize| {
                 samples.is_inside(x, y) && !samples.has_contour([x / a_cell[0], y / a_cell[1]])
             };
-            samples.lines = lines(grid, &raster, director, SHORT, is_free);
+            samples.lines = lines(grid, &raster, director, is_free);
         }
         for row in 0..area.height {
             for column in 0..area.width {
@@ -113,7 +113,7 @@ impl Plot<'_> {
             self.directions(&samples, (&raster, director), theme, area, buffer);
         }
         if self.mesh.geometry() == Geometry::Axisymmetric {
-            mark_axis(self.region, theme, area, buffer);
+            mark_axis(self.region, &samples, theme, area, buffer);
         }
         (cells, samples.image.range)
     }
@@ -229,7 +229,13 @@ impl Plot<'_> {
 }
 
 /// Marks the axis of rotation, in every other row of cells that has nothing else but the field.
-fn mark_axis(region: BoundingBox, theme: &Theme, area: Rect, buffer: &mut Buffer) {
+fn mark_axis(
+    region: BoundingBox,
+    samples: &Samples,
+    theme: &Theme,
+    area: Rect,
+    buffer: &mut Buffer,
+) {
     let share = -region.lower.x / region.extent().x;
     if !(0.0..1.0).contains(&share) {
         return;
@@ -238,6 +244,7 @@ fn mark_axis(region: BoundingBox, theme: &Theme, area: Rect, buffer: &mut Buffer
     for row in (area.y..area.bottom()).step_by(2) {
         let half = theme.glyphs().upper_half.unwrap_or(" ");
         if let Some(cell) = buffer.cell_mut((column, row))
+            && !samples.has_contour([usize::from(column - area.x), usize::from(row - area.y)])
             && (!theme.paints() || [half, " "].contains(&cell.symbol()))
         {
             cell.set_symbol(theme.glyphs().bar);

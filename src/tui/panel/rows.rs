@@ -7,7 +7,7 @@ use ratatui::text::{Line, Span};
 
 use super::text;
 use crate::tui::curve;
-use crate::tui::numbers::{percent, signed, significant};
+use crate::tui::numbers::{brief, percent, signed, significant};
 use crate::tui::series::Series;
 use crate::tui::theme::Theme;
 
@@ -121,7 +121,12 @@ pub fn numbers<'a>(row: &Row<'_>, widths: Widths, theme: &Theme) -> Line<'a> {
         .map_or_else(Style::default, |colour| Style::default().fg(colour));
     let value = row.value.map_or_else(
         || theme.word("–", "-").to_owned(),
-        |value| significant(value, row.digits.unwrap_or(widths.digits)),
+        |value| {
+            let text = significant(value, row.digits.unwrap_or(widths.digits));
+            // What is nearly nothing has a long exponent.
+            let fits = text.chars().count() < widths.value;
+            if fits { text } else { brief(value, 2) }
+        },
     );
     let mut spans = vec![
         Span::styled(format!(" {:<1$}", row.name, widths.name - 1), name),

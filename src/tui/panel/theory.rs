@@ -4,25 +4,20 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::Modifier;
 
-use crate::fem::center_and_axis;
 use crate::geometry::{BoundingBox, Point};
-use crate::simulation::RunSnapshot;
-use crate::theory::ShapeAtRest;
 use crate::tui::theme::{Role, Theme};
 
-/// Draws the outline about the centre of the vesicle and along it, on the cells that show the region.
+/// Draws the outline on the cells that show the region.
 pub fn draw(
-    shape: &ShapeAtRest,
-    picture: &RunSnapshot,
+    outline: &[Point],
     region: BoundingBox,
     cells: Rect,
     theme: &Theme,
     buffer: &mut Buffer,
 ) {
-    let (center, axis) = center_and_axis(&picture.mesh, &picture.state.phi);
     let style = theme.style(Role::Good).add_modifier(Modifier::BOLD);
-    for point in shape.outline(center, axis) {
-        let Some(position) = cell_of(point, region, cells) else {
+    for point in outline {
+        let Some(position) = cell_of(*point, region, cells) else {
             continue;
         };
         if let Some(cell) = buffer.cell_mut(position) {

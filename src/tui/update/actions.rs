@@ -30,6 +30,7 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
         Action::TakeBack => knobs::take_back(app, effects),
         Action::Gallery => gallery(app, false),
         Action::GalleryOfOpened => gallery(app, true),
+        Action::LookAt => look_at(app, app.active),
         Action::Older(pictures) => scrub(app, |index, _| index.saturating_sub(pictures)),
         Action::Newer(pictures) => scrub(app, |index, _| index.saturating_add(pictures)),
         Action::Oldest => scrub(app, |_, _| 0),

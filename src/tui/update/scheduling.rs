@@ -49,22 +49,42 @@ pub(super) fn direct(app: &mut App, effects: &mut Vec<Effect>) {
 
 /// As many of the cases compute as there are cores: those that are furthest behind the clock, each
 /// until it has come up to it. When all have, the clock moves on.
+///
+/// A run that is set up cannot be paused. If there are two cores, one is left to what is there already, so that it moves
+/// while the others are set up.
 fn direct_gallery(app: &mut App, effects: &mut Vec<Effect>) {
     let cases = app.gallery();
     let clock = clock(app, &app.slots[cases.clone()], app.clock);
     app.clock = Some(clock);
+    let slots = &app.slots[cases.clone()];
+    let least = least_in_step(slots, clock);
+    let are_all_under_way = slots.iter().filter(|slot| wants(slot)).all(is_under_way);
+    let some_in_step = slots
+        .iter()
+        .any(|slot| wants(slot) && is_in_step(slot, least));
+    let cores = app.cores.max(1);
+    // A run that computes keeps its turn: to change places at every step would cost pauses.
+    let computes = |slot: &Slot| {
+        let run = slot.run.as_ref();
+        is_busy(slot) && run.is_some_and(|run| run.control.going)
+    };
+    let class = |slot: &Slot| match (is_under_way(slot), is_in_step(slot, least)) {
+        (false, _) if computes(slot) => 0,
+        (_, true) if !are_all_under_way && cores > 1 => 1,
+        (false, _) => 2,
+        // They catch up.
+        (_, false) => 3,
+        (_, true) => 4,
+    };
     let behind = |slot: &Slot| wants(slot) && is_behind(slot, clock);
     let mut turns: Vec<usize> = cases
         .clone()
         .filter(|index| behind(&app.slots[*index]))
         .collect();
-    // A run that computes keeps its turn: to change places at every step would cost pauses.
     turns.sort_by(|first, second| {
         let [first, second] = [first, second].map(|index| {
-            let run = app.slots[*index].run.as_ref();
-            let computes = run.is_some_and(|run| run.control.going && run.control.is_busy());
-            // All are to be seen before any of them goes on.
-            ((is_set_up(&app.slots[*index]), !computes), time(run))
+            let slot = &app.slots[*index];
+            ((class(slot), !computes(slot)), time(slot.run.as_ref()))
         });
         let times = first.1.total_cmp(&second.1);
         first.0.cmp(&second.0).then(times)
@@ -73,19 +93,31 @@ fn direct_gallery(app: &mut App, effects: &mut Vec<Effect>) {
         .slots
         .iter()
         .enumerate()
-        .filter(|(index, slot)| {
-            let run = slot.run.as_ref();
-            !turns.contains(index) && run.is_some_and(|run| run.control.is_busy())
-        })
+        .filter(|(index, slot)| !turns.contains(index) && is_busy(slot))
         .count();
-    let mut free = app.cores.max(1).saturating_sub(others);
+    let mut free = cores.saturating_sub(others);
+    let mut free_for_set_up = match some_in_step {
+        true => (cores - 1).max(1),
+        false => cores,
+    };
+    // A run that is about to pause, or has lost its turn, has its core until it is paused.
+    let mut held = app.slots.iter().filter(|slot| is_busy(slot)).count();
     let mut turn = vec![false; cases.end];
     for index in turns {
-        // A run that is about to pause has its core until it is paused.
-        let run = app.slots[index].run.as_ref();
-        let leaving = run.is_some_and(|run| !run.control.going && run.control.is_busy());
-        turn[index] = free > 0 && !leaving;
-        free = free.saturating_sub(usize::from(turn[index] || leaving));
+        let slot = &app.slots[index];
+        let is_set_up = is_under_way(slot);
+        let room = match is_set_up {
+            true => free,
+            false => free.min(free_for_set_up),
+        };
+        let leaving = is_busy(slot) && !computes(slot);
+        turn[index] = room > 0 && !leaving && (computes(slot) || held < cores);
+        held += usize::from(turn[index] && !computes(slot));
+        let taken = usize::from(room > 0 || leaving);
+        free = free.saturating_sub(taken);
+        if !is_set_up {
+            free_for_set_up = free_for_set_up.saturating_sub(taken);
+        }
     }
     for index in cases {
         let slot = &app.slots[index];
@@ -98,7 +130,7 @@ fn direct_gallery(app: &mut App, effects: &mut Vec<Effect>) {
 }
 
 /// The common clock: unchanged until every run that is in step has reached it, then its next tick after the last of
-/// them. While runs are still set up, or catch up, it moves tick by tick over what the others have computed.
+/// them; not far ahead of those that are set up, or catch up.
 fn clock(app: &App, slots: &[Slot], present: Option<f64>) -> f64 {
     let wanted = || slots.iter().filter(|slot| wants(slot));
     // At first all come up to where the last one is.
@@ -108,27 +140,29 @@ fn clock(app: &App, slots: &[Slot], present: Option<f64>) -> f64 {
     });
     let tick = tick(slots);
     let Some(last) = last_in_step(slots, present) else {
-        return present;
+        // Their first steps.
+        return present.max(tick);
     };
+    let least = least_in_step(slots, present);
     let (in_step, late): (Vec<&Slot>, Vec<&Slot>) =
-        wanted().partition(|slot| is_in_step(slot, present, tick));
+        wanted().partition(|slot| is_in_step(slot, least));
     let is_to_stay = in_step.iter().any(|slot| is_behind(slot, present));
     if is_to_stay || !pacing::lets_clock_pass(app, last) {
         return present;
     }
     let next = ((last / tick + ROUNDING).floor() + 1.0) * tick;
-    // The cores are for those that are late: until they have come, only the stored past is shown.
-    let computed = in_step.iter().map(|slot| time(slot.run.as_ref()));
     let left_behind = late
         .iter()
         .map(|slot| time(slot.run.as_ref()) + AHEAD * CLOCK_PARTS * tick);
-    match late.is_empty() {
-        true => next,
-        false => computed
-            .chain(left_behind)
-            .fold(next, f64::min)
-            .max(present),
-    }
+    let next = left_behind.fold(next, f64::min);
+    // Without a brake the cores are for those that catch up: until they have come, only the stored past is shown.
+    let is_past_shown = !late.is_empty() && !app.brake.on && late.into_iter().all(is_under_way);
+    let computed = in_step.iter().map(|slot| time(slot.run.as_ref()));
+    let next = match is_past_shown {
+        true => computed.fold(next, f64::min),
+        false => next,
+    };
+    next.max(present)
 }
 
 /// How far the common clock moves at least.
@@ -137,21 +171,34 @@ fn tick(slots: &[Slot]) -> f64 {
     ends.fold(0.0, f64::max) / CLOCK_PARTS
 }
 
-/// Whether a run is set up and where the others are: not further behind the clock than that moves at once.
-fn is_in_step(slot: &Slot, clock: f64, tick: f64) -> bool {
-    is_set_up(slot) && time(slot.run.as_ref()) >= clock - (1.0 + ROUNDING) * tick
+/// The least time of a run in step: not further behind the clock than that moves at once. As long as some are not under
+/// way, that of the run which is furthest: it does not wait for those that come one after the other.
+fn least_in_step(slots: &[Slot], clock: f64) -> f64 {
+    let wanted = || slots.iter().filter(|slot| wants(slot));
+    if wanted().all(is_under_way) {
+        return clock - (1.0 + ROUNDING) * tick(slots);
+    }
+    let under_way = wanted().filter(|slot| is_under_way(slot));
+    let times = under_way.map(|slot| time(slot.run.as_ref()));
+    times.fold(f64::NEG_INFINITY, f64::max)
 }
 
-fn is_set_up(slot: &Slot) -> bool {
+/// Whether a run is under way and where the others are.
+fn is_in_step(slot: &Slot, least: f64) -> bool {
+    is_under_way(slot) && time(slot.run.as_ref()) >= least
+}
+
+/// Whether a run is set up and has taken its first step, which takes several times as long as the next ones.
+fn is_under_way(slot: &Slot) -> bool {
     let run = slot.run.as_ref();
-    run.is_some_and(|run| run.control.stand != WorkerState::SettingUp && run.setting.is_some())
+    run.is_some_and(|run| run.control.stand != WorkerState::SettingUp && run.report.step > 0)
 }
 
 /// The time that all runs have reached that compute and are in step: not beyond the clock while there are others.
 fn last_in_step(slots: &[Slot], clock: f64) -> Option<f64> {
-    let tick = tick(slots);
+    let least = least_in_step(slots, clock);
     let (in_step, late): (Vec<&Slot>, Vec<&Slot>) =
-        (slots.iter().filter(|slot| wants(slot))).partition(|slot| is_in_step(slot, clock, tick));
+        (slots.iter().filter(|slot| wants(slot))).partition(|slot| is_in_step(slot, least));
     let times = in_step.into_iter().map(|slot| time(slot.run.as_ref()));
     let last = times.reduce(f64::min)?;
     Some(match late.is_empty() {
@@ -174,6 +221,12 @@ pub fn common_time(app: &App) -> Option<f64> {
 fn is_behind(slot: &Slot, clock: f64) -> bool {
     let run = slot.run.as_ref();
     run.is_none_or(|run| run.control.stand == WorkerState::SettingUp || run.report.t < clock)
+}
+
+/// Whether a run has a core.
+fn is_busy(slot: &Slot) -> bool {
+    let run = slot.run.as_ref();
+    run.is_some_and(|run| run.control.is_busy())
 }
 
 /// The time that a run has reached.

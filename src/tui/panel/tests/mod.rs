@@ -1,6 +1,7 @@
 //! The whole screen and its panels: snapshots, sizes, characters, bytes.
 
 mod bytes;
+mod footer;
 mod made_up;
 mod screens;
 
