@@ -70,7 +70,7 @@ const PICTURE: [(&str, &str); 3] = [
     ),
     (
         "|d|",
-        "its length: a line along d is whole where |d| is 0.9 or more; where it is less, dashes cover the share |d|",
+        "its length: a line along d is whole where |d| is 0.6 or more; where it is less, dashes cover the share |d|",
     ),
 ];
 
