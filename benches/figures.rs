@@ -7,13 +7,9 @@
 use criterion::{Criterion, SamplingMode, criterion_group, criterion_main};
 use std::sync::Arc;
 use std::time::Duration;
-use vesica::fem::Mesh;
-use vesica::figure::{
-    Existing, Field, FigureOptions, RunData, Snapshot, View, save_set, save_view,
-};
-use vesica::record::Columns;
-use vesica::scene::{Scene, find_preset};
-use vesica::simulation::{Report, Simulation};
+use vesica::internal::figure::{Existing, RunData, Snapshot, save_set};
+use vesica::internal::record::Columns;
+use vesica::{Field, FigureOptions, Mesh, Report, Scene, Simulation, View, find_preset, save_view};
 
 fn run(name: &str) -> RunData {
     let text = find_preset(name).expect("it is built in");

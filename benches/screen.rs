@@ -9,13 +9,10 @@ use std::sync::Arc;
 use criterion::{Criterion, criterion_group, criterion_main};
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
-use vesica::fem::{Mesh, Raster};
-use vesica::scene::{Scene, find_preset};
-use vesica::simulation::{RunId, RunSnapshot, Setting, Simulation};
-use vesica::tui::canvas::Canvas;
-use vesica::tui::panel::draw;
-use vesica::tui::state::{App, Run, Screen, Slot, Status};
-use vesica::tui::theme::{ColorTier, Theme};
+use vesica::internal::fem::Raster;
+use vesica::internal::simulation::{RunId, RunSnapshot, Setting};
+use vesica::internal::tui::{App, Canvas, ColorTier, Run, Screen, Slot, Status, Theme, draw};
+use vesica::{Mesh, Scene, Simulation, find_preset};
 
 fn slot(name: &str) -> Slot {
     let text = find_preset(name).expect("it is built in");

@@ -16,11 +16,8 @@ use criterion::{
     BenchmarkGroup, BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group,
     criterion_main,
 };
-use vesica::fem::{Mesh, Patch};
-use vesica::physics::{Effect, PatchFields, Room};
-use vesica::scene::{Scene, find_preset};
-use vesica::scheme::bench_support::Phases;
-use vesica::scheme::{Scheme, initial_fields};
+use vesica::internal::scheme::bench_support::Phases;
+use vesica::{Effect, Mesh, Patch, PatchFields, Room, Scene, Scheme, find_preset, initial_fields};
 
 /// Cells along a side of the mesh: half the paper's, the paper's, twice the paper's.
 const CELLS: [usize; 3] = [60, 120, 240];

@@ -3,14 +3,10 @@
 //!
 //!     cargo run --release --example own_effect
 
-use vesica::fem::{Mesh, Patch};
-use vesica::geometry::{SymmetricTensor, Vector};
-use vesica::physics::{
-    DirectorCoupling, Effect, Kept, LedgerTerms, MembraneForce, MembraneJacobian, PatchFields,
-    PatchStep, Room,
+use vesica::{
+    DirectorCoupling, Effect, Iteration, Kept, LedgerTerms, MembraneForce, MembraneJacobian, Mesh,
+    Patch, PatchFields, PatchStep, Room, Scene, Scheme, SymmetricTensor, Vector, initial_fields,
 };
-use vesica::scene::{Iteration, Scene};
-use vesica::scheme::{Scheme, initial_fields};
 
 /// A line tension.
 #[derive(Debug)]

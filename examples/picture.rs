@@ -4,9 +4,7 @@
 
 use std::path::Path;
 
-use vesica::figure::{Field, FigureOptions, View, save_view};
-use vesica::scene::{Scene, find_preset};
-use vesica::simulation::Simulation;
+use vesica::{Field, FigureOptions, Scene, Simulation, View, find_preset, save_view};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());

@@ -2,8 +2,7 @@
 //!
 //!     cargo run --release --example run
 
-use vesica::scene::{Scene, find_preset};
-use vesica::simulation::Simulation;
+use vesica::{Scene, Simulation, find_preset};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let text = find_preset("case3")?;

@@ -4,11 +4,10 @@
 //! 10.1016/j.rinam.2020.100102), called *the paper* throughout. Equation numbers are the paper's; all quantities are
 //! dimensionless.
 //!
-//! A run is a [`scene::Scene`] and a [`simulation::Simulation`]:
+//! A run is a [`Scene`] and a [`Simulation`]:
 //!
 //! ```
-//! use vesica::scene::Scene;
-//! use vesica::simulation::Simulation;
+//! use vesica::{Scene, Simulation};
 //!
 //! let text = "mesh.cells = 24\nmembrane.interface_width = 0.04\n[area]\ntarget = 1.1";
 //! let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
@@ -23,46 +22,114 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! The interface is what the examples of the package use, of [`scene`], [`simulation`], [`scheme`], [`physics`], [`fem`],
-//! [`geometry`] and [`figure`]: it changes by the rules of semantic versioning. The rest is public for the program, its
-//! tests and its benchmarks, and may change in any version.
+//! What stands on this page is the interface: what the examples of the package use, and what that returns. It changes by
+//! the rules of semantic versioning. Everything else is private.
 //!
-//! Modules import downward only, in this order:
-//!
-//! | module | what is in it |
+//! | for | see |
 //! | --- | --- |
-//! | `cli` | the program's subcommands |
-//! | `tui` | the terminal app |
-//! | [`figure`] | the pictures of a report |
-//! | [`study`] | runs about runs: accuracy against time, the cost of each effect, sweeps |
-//! | [`record`] | the files that a run leaves and resumes from |
-//! | [`simulation`] | a run in time, and its background worker |
-//! | [`scheme`] | one time step: the director, the membrane, the energy law |
-//! | [`physics`] | the energies: potentials, and one file an effect |
-//! | [`fem`] | meshes, P1 elements, quadrature, assembly, projections |
-//! | [`linalg`] | sparse matrices and factors, Krylov methods, cosine transforms |
-//! | [`scene`] | what to simulate: TOML, presets, every check of a value |
-//! | [`theory`] | the sharp-interface theory: shapes at rest, relaxation |
-//! | [`geometry`] | points, vectors and symmetric tensors (nalgebra), segments, distances |
+//! | a run | [`Scene`], [`find_preset`], [`Simulation`], [`Report`] (`examples/run.rs`) |
+//! | its fields | [`State`], [`Mesh`], [`Point`], [`Vector`] |
+//! | a picture of it | [`View`], [`Field`], [`FigureOptions`], [`save_view`] (`examples/picture.rs`) |
+//! | single steps | [`initial_fields`], [`Scheme`], [`StepReport`] |
+//! | an effect of one's own | [`Effect`], [`Patch`], [`PatchFields`], [`PatchStep`] and what it fills in (`examples/own_effect.rs`) |
 
 #![warn(missing_docs)]
 
-#[doc(hidden)]
-pub mod cli;
-pub mod fem;
-pub mod figure;
-pub mod geometry;
-pub mod linalg;
-pub mod physics;
-pub mod record;
-pub mod scene;
-pub mod scheme;
+// Imports run downward only, in this order.
+mod cli;
+mod tui;
+
+mod figure;
+mod study;
+
+mod record;
+mod simulation;
+
+mod scheme;
+
+mod physics;
+
+mod fem;
+mod linalg;
+
+mod scene;
+mod theory;
+
+mod geometry;
+
 mod signals;
-pub mod simulation;
-pub mod study;
-pub mod theory;
+
+pub use fem::{FemError, Mesh, Patch};
+pub use figure::{Field, FigureError, FigureOptions, View, save_view};
+pub use geometry::{Point, SymmetricTensor, Vector};
+pub use physics::{
+    DirectorCoupling, DirectorForm, Effect, Interval, Kept, LedgerTerms, MembraneForce,
+    MembraneJacobian, NamedValue, PatchFields, PatchStep, Room,
+};
+pub use scene::{Iteration, Scene, SceneError, UnknownPreset, find_preset};
+pub use scheme::{InitialError, Scheme, State, StepError, StepReport, initial_fields};
+pub use simulation::{Report, Simulation, SimulationError};
+
+/// What the program, the benchmarks and the tests in `tests/` use beyond the interface. They are crates of their own, so it
+/// must be public; it may change in any version.
 #[doc(hidden)]
-pub mod tui;
+pub mod internal {
+    pub use crate::cli::main;
+    pub use crate::study::CountingAllocator;
+
+    pub mod fem {
+        pub use crate::fem::{
+            Contour, LoadEntries, Locator, MatrixEntries, QuadratureRule, Raster, Space, long_axis,
+            ritz_projection,
+        };
+    }
+    pub mod figure {
+        pub use crate::figure::{Existing, RunData, Snapshot, save_set};
+    }
+    pub mod geometry {
+        pub use crate::geometry::length;
+    }
+    pub mod linalg {
+        pub use crate::linalg::{ConjugateGradients, LinearOperator, SparseMatrix};
+    }
+    pub mod physics {
+        pub use crate::physics::{
+            Anchoring, Area, Bending, DirectorFields, Effects, Field, Nematic, Noise, potentials,
+            surface_area,
+        };
+    }
+    pub mod record {
+        pub use crate::record::{
+            Columns, Ending, Found, IfOccupied, KeptRuns, RecorderBuilder, Resumption, RunFolder,
+            Settings, read_fields, read_run,
+        };
+    }
+    pub mod scene {
+        pub use crate::scene::{
+            AnchoringKind, Boundary, Change, Curve, Expression, Field, Geometry, InitialDirector,
+            Nematic, NodalValues, Noise, ScalarField, Shape, TableInfo, TimeScheme, Triangulation,
+            preset, preset_names, tables, write_mesh,
+        };
+    }
+    pub mod scheme {
+        pub use crate::scheme::{SchemeCheckpoint, bench_support};
+    }
+    pub mod simulation {
+        pub use crate::simulation::{
+            Event, EventKind, OutlineMeasure, RunId, RunSnapshot, Schedule, Setting,
+            SimulationCheckpoint, StepProgress, Worker, enclosed_area, memory_needed, node_count,
+        };
+    }
+    pub mod theory {
+        pub use crate::theory::RoundVesicle;
+    }
+    pub mod tui {
+        pub use crate::tui::canvas::Canvas;
+        pub use crate::tui::panel::draw;
+        pub use crate::tui::state::{App, Run, Screen, Slot, Status};
+        pub use crate::tui::theme::{ColorTier, Theme};
+    }
+}
 
 /// The guide's example of an effect is built with the tests; this one follows it through the program.
 #[cfg(test)]

@@ -7,8 +7,8 @@ use std::process::ExitCode;
 
 /// Counts what each thread holds, for `vesica effects`.
 #[global_allocator]
-static ALLOCATOR: vesica::study::CountingAllocator = vesica::study::CountingAllocator;
+static ALLOCATOR: vesica::internal::CountingAllocator = vesica::internal::CountingAllocator;
 
 fn main() -> ExitCode {
-    vesica::cli::main()
+    vesica::internal::main()
 }

@@ -10,9 +10,8 @@ use std::cell::Cell;
 mod own_effect;
 
 use common::{SMALL, scene, scheme};
-use vesica::fem::Patch;
-use vesica::physics::{Effect, PatchFields, Room};
-use vesica::scheme::{Scheme, SchemeCheckpoint};
+use vesica::internal::scheme::SchemeCheckpoint;
+use vesica::{Effect, Patch, PatchFields, Room, Scheme};
 
 /// The system's allocator, which counts what each thread asks of it.
 struct Counting;
@@ -151,13 +150,13 @@ fn a_graded_mesh_is_made_in_the_memory_of_its_nodes() {
     MOST.with(|most| most.set(before));
     let nodes = common::mesh(&scene).nodes().len();
     let bytes = (MOST.with(Cell::get) - before) as f64;
-    let expected = vesica::simulation::node_count(&scene);
+    let expected = vesica::internal::simulation::node_count(&scene);
     assert!(
         (expected / nodes as f64 - 1.0).abs() < 0.1,
         "{expected} {nodes}"
     );
     assert!(bytes / (nodes as f64) < 1500.0, "{bytes} for {nodes} nodes");
-    let foreseen = vesica::simulation::memory_needed(&scene) as f64;
+    let foreseen = vesica::internal::simulation::memory_needed(&scene) as f64;
     assert!(bytes < foreseen, "{bytes} {foreseen}");
 }
 
@@ -186,7 +185,7 @@ impl Effect for Anywhere {
 /// printed.
 #[test]
 fn a_region_holds_less_than_the_whole_mesh_with_lumped_quadrature() {
-    let case3 = vesica::scene::find_preset("case3").expect("it is built in");
+    let case3 = vesica::find_preset("case3").expect("it is built in");
     let held = |everywhere: bool| {
         let scene = scene(case3, &["solver.quadrature=lumped", "mesh.cells=60"]);
         let before = HELD.with(Cell::get);
@@ -209,7 +208,7 @@ fn a_region_holds_less_than_the_whole_mesh_with_lumped_quadrature() {
 #[test]
 fn only_a_step_with_a_new_region_allocates() {
     const STEPS: usize = 60;
-    let case3 = vesica::scene::find_preset("case3").expect("it is built in");
+    let case3 = vesica::find_preset("case3").expect("it is built in");
     let settings = ["solver.quadrature=lumped", "mesh.cells=60"];
     let scene = scene(case3, &settings);
     let mut scheme = scheme(&scene);

@@ -15,7 +15,7 @@ use crate::study::{
     chart, price_words, study,
 };
 use clap_complete::ArgValueCompleter;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressStyle};
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -98,7 +98,7 @@ pub(super) fn accuracy(arguments: &Arguments) -> Result<(), CliError> {
             .collect::<Result<_, _>>()?,
         against: arguments.against.as_ref().map(read).transpose()?,
     };
-    let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::stderr());
+    let bar = ProgressBar::with_draw_target(Some(1000), output::progress_target());
     // The template is right; if it ever were not, the plain bar serves.
     if let Ok(style) = ProgressStyle::with_template("{bar:24} {percent:>3} %  {elapsed}  {msg}") {
         bar.set_style(style);
@@ -157,7 +157,7 @@ pub(super) fn accuracy(arguments: &Arguments) -> Result<(), CliError> {
     let options = FigureOptions::default();
     let files = save_study(&result, &name, &command, &options, &arguments.out)?;
     for file in files.iter().filter(|_| !arguments.json) {
-        output::line(file.display())?;
+        output::summary(file.display())?;
     }
     match ended {
         None => Ok(()),

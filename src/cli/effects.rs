@@ -9,9 +9,8 @@ use crate::record::load_scene;
 use crate::simulation::node_count;
 use crate::study::{Plan, prices, prices_table};
 use clap_complete::ArgValueCompleter;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressStyle};
 use std::ffi::OsString;
-use std::io::IsTerminal;
 
 /// Arguments of `vesica effects`.
 #[derive(Debug, clap::Args)]
@@ -50,12 +49,7 @@ pub(super) fn effects(arguments: &Arguments) -> Result<(), CliError> {
         steps: arguments.steps,
     };
     let signal = EndSignal::listen()?;
-    let target = if std::io::stderr().is_terminal() {
-        ProgressDrawTarget::stderr()
-    } else {
-        ProgressDrawTarget::hidden()
-    };
-    let bar = ProgressBar::with_draw_target(None, target);
+    let bar = ProgressBar::with_draw_target(None, output::progress_target());
     if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len} steps, {eta} left") {
         bar.set_style(style);
     }

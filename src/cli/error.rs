@@ -453,7 +453,7 @@ impl CliError {
             | CliError::AccuracyInterrupted { .. }
             | CliError::VerifyEnded(_)
             | CliError::Differs { .. }
-            | CliError::StudyEnded { .. } => output::note(self),
+            | CliError::StudyEnded { .. } => output::tell(self),
             // It has left a line that says how far it came, and what failed.
             CliError::AppEnded { .. } | CliError::AppFailed { .. } => {}
             _ => output::error(self),

@@ -45,10 +45,6 @@ pub(super) struct Arguments {
     /// Replace the file, if it is there
     #[arg(long)]
     force: bool,
-
-    /// Tell nothing but errors
-    #[arg(long, short)]
-    quiet: bool,
 }
 
 fn url(text: &str) -> Result<String, String> {
@@ -122,15 +118,12 @@ pub(super) fn export(arguments: &Arguments) -> Result<(), CliError> {
         let text = serde_json::to_string_pretty(&description)?;
         pack(file, text.as_bytes(), &packed)
     })?;
-    match arguments.quiet {
-        true => Ok(()),
-        false => output::line(format_args!(
-            "{} files of {}, with a description, in {}",
-            files.len(),
-            run.display(),
-            out.display()
-        )),
-    }
+    output::summary(format_args!(
+        "{} files of {}, with a description, in {}",
+        files.len(),
+        run.display(),
+        out.display()
+    ))
 }
 
 /// Draws the figures of a run into a folder; none where there are no fields.

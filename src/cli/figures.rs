@@ -4,7 +4,7 @@ use super::error::CliError;
 use super::output;
 use super::picture_size::PictureSize;
 use super::progress::Progress;
-use super::run::{Stop, simulate, some_step};
+use super::run::{Events, Stop, simulate, some_step};
 use super::shell::{scenes, settings};
 use super::signals::EndSignal;
 use crate::figure::{
@@ -181,7 +181,7 @@ pub(super) fn figures(arguments: &Arguments) -> Result<(), CliError> {
         .iter()
         .filter(|file| file.extension() == Some(OsStr::new("png")))
         .count();
-    output::line(format_args!(
+    output::summary(format_args!(
         "{pictures} figures, each as PNG, SVG and CSV, in {}",
         folder.display()
     ))?;
@@ -349,7 +349,7 @@ fn compute(jobs: &[Job], signal: &EndSignal) -> Vec<Outcome> {
         _ => processors,
     };
     let at_once = threads.min(jobs.len()).max(1);
-    let bars = MultiProgress::new();
+    let bars = MultiProgress::with_draw_target(output::progress_target());
     let next = AtomicUsize::new(0);
     let outcomes: Vec<Mutex<Option<Outcome>>> = jobs.iter().map(|_| Mutex::new(None)).collect();
     let work = || {
@@ -417,7 +417,13 @@ fn compute_one(
             output::warning(format_args!("{}: {warning}", job.name));
         }
     });
-    let stop = simulate(&mut simulation, &mut recorder, signal, progress, true);
+    let stop = simulate(
+        &mut simulation,
+        &mut recorder,
+        signal,
+        progress,
+        Events::Untold,
+    );
     let finished = recorder.finish(&mut simulation, stop.ending());
     match stop {
         Stop::Failed(error) => Ok(Outcome::Failed(error.to_string())),

@@ -13,7 +13,7 @@ use crate::record::{
 use crate::scene::Scene;
 use crate::simulation::{Schedule, SimulationError, check_memory};
 use crate::study::{ErrorRow, FinerNews, FinerRuns, Sample, error_table, error_words};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressStyle};
 use std::panic::resume_unwind;
 use std::path::Path;
 use std::sync::Arc;
@@ -119,9 +119,8 @@ impl MeasuredRun {
         folder: &Path,
         mut summary: RunSummary,
         signal: &EndSignal,
-        quiet: bool,
     ) -> Result<(), CliError> {
-        let computed = self.wait(quiet);
+        let computed = self.wait();
         let computed = match computed.map_err(|error| CliError::FinerRun {
             words: self.finer.words(),
             error,
@@ -150,22 +149,14 @@ impl MeasuredRun {
             phi_uncertainty: last.map(|row| row.phase.uncertainty),
         });
         summary.write_in(folder).map_err(CliError::Record)?;
-        if quiet {
-            return Ok(());
-        }
-        output::print(&self.words(&rows, &computed.runs))
+        output::summary(self.words(&rows, &computed.runs).trim_end())
     }
 
-    fn wait(&mut self, quiet: bool) -> Result<Option<Computed>, SimulationError> {
+    fn wait(&mut self) -> Result<Option<Computed>, SimulationError> {
         let Some(thread) = self.thread.take() else {
             return Ok(None);
         };
-        let target = match quiet {
-            true => ProgressDrawTarget::hidden(),
-            // Hidden as well where the standard error is not a terminal.
-            false => ProgressDrawTarget::stderr(),
-        };
-        let bar = ProgressBar::with_draw_target(Some(PARTS), target);
+        let bar = ProgressBar::with_draw_target(Some(PARTS), output::progress_target());
         // The template is right; if it ever were not, the plain bar serves.
         if let Ok(style) =
             ProgressStyle::with_template("finer runs  {bar:24} {percent} %  {elapsed}")

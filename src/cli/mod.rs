@@ -52,6 +52,10 @@ struct Arguments {
 
     #[command(flatten)]
     app: app::Arguments,
+
+    /// Of a command: print nothing but its result and errors; no progress, notes and warnings
+    #[arg(long, short, global = true)]
+    quiet: bool,
 }
 
 #[derive(Debug, Subcommand)]
@@ -92,6 +96,9 @@ pub fn main() -> ExitCode {
         Ok(arguments) => arguments,
         Err(error) => return refuse(&error),
     };
+    if arguments.quiet {
+        output::be_quiet();
+    }
     let result = match arguments.command {
         Some(Command::Run(arguments)) => run::run(&arguments),
         Some(Command::Figures(arguments)) => figures::figures(&arguments),

@@ -1,13 +1,37 @@
-//! Lines for people and programs.
+//! Lines for people and programs: results on the standard output; errors, warnings, notes and progress on the standard
+//! error. With `--quiet` only results and errors are left.
 //!
 //! `println!` and `eprintln!` panic when the other side of a pipe is gone; these do not.
 
 use super::CliError;
 use crate::tui::panel::wrap;
+use indicatif::ProgressDrawTarget;
 use rustix::termios::tcgetwinsize;
 use serde::Serialize;
 use std::fmt::Display;
 use std::io::{self, IsTerminal, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Whether the process was called with `--quiet`.
+static QUIET: AtomicBool = AtomicBool::new(false);
+
+/// Has the process print results and errors only, from now on.
+pub(super) fn be_quiet() {
+    QUIET.store(true, Ordering::Relaxed);
+}
+
+fn is_quiet() -> bool {
+    QUIET.load(Ordering::Relaxed)
+}
+
+/// Where bars are drawn: on the standard error where that is a terminal, unless the process is quiet.
+pub(super) fn progress_target() -> ProgressDrawTarget {
+    match is_quiet() {
+        true => ProgressDrawTarget::hidden(),
+        // Hidden as well where the standard error is not a terminal.
+        false => ProgressDrawTarget::stderr(),
+    }
+}
 
 /// Prints text on the standard output as it is. A reader who has seen enough (`| head`) is no
 /// error.
@@ -42,18 +66,36 @@ pub(super) fn json(value: &impl Serialize) -> Result<(), CliError> {
     line(text.map_err(|error| CliError::Output(error.into()))?)
 }
 
-/// Tells an error on the standard error.
-pub(super) fn error(error: impl Display) {
-    note(format_args!("error: {error}"));
+/// Prints on the standard output what became of a command whose result is in files, unless the process is quiet.
+///
+/// # Errors
+/// Those of [`print`].
+pub(super) fn summary(text: impl Display) -> Result<(), CliError> {
+    match is_quiet() {
+        true => Ok(()),
+        false => line(text),
+    }
 }
 
-/// Tells a warning on the standard error.
+/// Tells an error on the standard error.
+pub(super) fn error(error: impl Display) {
+    tell(format_args!("error: {error}"));
+}
+
+/// Tells a warning on the standard error, unless the process is quiet.
 pub(super) fn warning(warning: impl Display) {
     note(format_args!("warning: {warning}"));
 }
 
-/// Prints a line on the standard error, in a terminal broken between words.
+/// Tells what the program does on the standard error, unless the process is quiet.
 pub(super) fn note(text: impl Display) {
+    if !is_quiet() {
+        tell(text);
+    }
+}
+
+/// Prints a line on the standard error, in a terminal broken between words.
+pub(super) fn tell(text: impl Display) {
     let mut text = text.to_string();
     let mut output = io::stderr().lock();
     if output.is_terminal()

@@ -1,8 +1,9 @@
 //! The bar that shows how far a run is.
 
+use super::output;
 use crate::scene::significant;
 use crate::simulation::{Report, Schedule};
-use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use indicatif::{MultiProgress, ProgressBar, ProgressState, ProgressStyle};
 use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -25,19 +26,11 @@ pub(super) struct Progress {
 const PARTS: u64 = 1000;
 
 impl Progress {
-    /// A bar for a run of this schedule; none if `quiet`.
-    pub fn new(schedule: &Schedule, quiet: bool) -> Progress {
-        let target = if quiet {
-            ProgressDrawTarget::hidden()
-        } else {
-            // Hidden as well where the standard error is not a terminal.
-            ProgressDrawTarget::stderr()
-        };
+    /// A bar for a run of this schedule.
+    pub fn new(schedule: &Schedule) -> Progress {
         let length = schedule.steps.unwrap_or(PARTS);
-        Progress::with(
-            schedule,
-            ProgressBar::with_draw_target(Some(length), target),
-        )
+        let bar = ProgressBar::with_draw_target(Some(length), output::progress_target());
+        Progress::with(schedule, bar)
     }
 
     /// A bar among others, for the run of this name.

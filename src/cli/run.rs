@@ -22,7 +22,6 @@ use crate::simulation::{
 };
 use clap_complete::ArgValueCompleter;
 use std::ffi::{OsStr, OsString};
-use std::fmt;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -93,10 +92,6 @@ pub(super) struct Arguments {
     /// begin it
     #[arg(long)]
     resume: bool,
-
-    /// Tell nothing but errors
-    #[arg(long, short)]
-    quiet: bool,
 }
 
 impl Arguments {
@@ -144,7 +139,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
     let settings = arguments.settings(Settings::default());
     let preparation = RecorderBuilder::begin(folder, &scene, settings)?;
     let begun = Instant::now();
-    let simulation = match set_up(&scene, &signal, arguments.quiet)? {
+    let simulation = match set_up(&scene, &signal)? {
         Outcome::Ready(simulation) => arguments.with_threads(*simulation),
         Outcome::Signal(signal) => {
             let folder = preparation.folder().to_owned();
@@ -158,9 +153,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), CliError> {
         }
     };
     let recorder = preparation.start(&simulation, begun.elapsed())?;
-    if !arguments.quiet {
-        simulation.warnings().iter().for_each(output::warning);
-    }
+    simulation.warnings().iter().for_each(output::warning);
     record(simulation, recorder, &signal, arguments)
 }
 
@@ -171,11 +164,6 @@ fn reopen(
     resumption: Resumption,
     signal: &EndSignal,
 ) -> Result<(), CliError> {
-    let tell = |text: fmt::Arguments<'_>| {
-        if !arguments.quiet {
-            output::note(text);
-        }
-    };
     let settings = arguments.settings(resumption.settings());
     let schedule = Schedule::new(&scene.time, settings.every, settings.snapshots);
     let (step, t) = (resumption.step(), resumption.t());
@@ -190,12 +178,12 @@ fn reopen(
         Some(Status::Running) => {
             // It stays so if the run cannot be set up, or another signal comes.
             resumption.end_killed()?;
-            tell(format_args!(
+            output::note(format_args!(
                 "the run in {folder} was killed: its run.json says \"running\", but no process has the \
                  folder"
             ));
         }
-        None => tell(format_args!(
+        None => output::note(format_args!(
             "how the run in {folder} ended is not known: its run.json cannot be read, and is rewritten"
         )),
         Some(_) => {}
@@ -222,10 +210,10 @@ fn reopen(
         };
         let t = ShortNumber(t);
         match is_at_rest {
-            true => tell(format_args!(
+            true => output::note(format_args!(
                 "the run in {folder} is at rest since step {step}, t = {t}: {left}"
             )),
-            false => tell(format_args!(
+            false => output::note(format_args!(
                 "the run in {folder} is at step {step} already, t = {t}, and the end is {end}: {left} (a later \
                  end: --until T or --steps N)"
             )),
@@ -241,7 +229,7 @@ fn reopen(
         .map(|loaded| loaded.scene)
         .filter(|own| same_run(own, scene));
     let scene = own.as_ref().unwrap_or(scene);
-    let mut simulation = match set_up(scene, signal, arguments.quiet)? {
+    let mut simulation = match set_up(scene, signal)? {
         Outcome::Ready(simulation) => arguments.with_threads(*simulation),
         Outcome::Signal(signal) => return Err(ended_in_set_up(signal, path)),
         Outcome::Failed(error) => return Err(CliError::SetUp(error)),
@@ -253,7 +241,7 @@ fn reopen(
         return Ok(());
     }
     let report = simulation.report();
-    tell(format_args!(
+    output::note(format_args!(
         "the run in {folder} goes on from step {}, t = {}, to {end}",
         report.step,
         ShortNumber(report.t)
@@ -275,7 +263,6 @@ fn record(
     signal: &EndSignal,
     arguments: &Arguments,
 ) -> Result<(), CliError> {
-    let quiet = arguments.quiet;
     let path = recorder.folder().to_owned();
     simulation.follow(recorder.schedule());
     let measured = arguments
@@ -283,8 +270,14 @@ fn record(
         .map(|factor| MeasuredRun::begin(simulation.scene(), recorder.schedule(), factor, signal));
     let measured = measured.transpose()?;
     let steps = recorder.schedule().steps;
-    let progress = Progress::new(recorder.schedule(), quiet);
-    let stop = simulate(&mut simulation, &mut recorder, signal, progress, quiet);
+    let progress = Progress::new(recorder.schedule());
+    let stop = simulate(
+        &mut simulation,
+        &mut recorder,
+        signal,
+        progress,
+        Events::Told,
+    );
     let whereabouts = Box::new(recorder.whereabouts());
     let finished = recorder.finish(&mut simulation, stop.ending());
     let unrecorded = |error| CliError::Unrecorded {
@@ -313,15 +306,21 @@ fn record(
         }
         Stop::Done => {
             let summary = finished.map_err(unrecorded)?;
-            if !quiet {
-                output::line(result_line(&summary, &path))?;
-            }
+            output::summary(result_line(&summary, &path))?;
             match measured {
-                Some(measured) => measured.finish(&path, summary, signal, quiet),
+                Some(measured) => measured.finish(&path, summary, signal),
                 None => Ok(()),
             }
         }
     }
+}
+
+/// Whether what happens in a run is told as it happens; it is in its `run.json` either way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Events {
+    Told,
+    /// For one of many runs.
+    Untold,
 }
 
 /// Why the loop over the steps ended.
@@ -349,12 +348,12 @@ pub(super) fn simulate(
     recorder: &mut Recorder,
     signal: &EndSignal,
     mut progress: Progress,
-    quiet: bool,
+    told_events: Events,
 ) -> Stop {
     let mut computing = recorder.computed();
     let mut told = recorder.events().len();
     let mut is_behind = false;
-    let mut patience = Patience::new(quiet);
+    let mut patience = Patience::new(told_events);
     loop {
         let report = simulation.report();
         if recorder.schedule().is_done(report) {
@@ -377,14 +376,14 @@ pub(super) fn simulate(
         if let Err(error) = recorded
             && !is_behind
         {
-            progress.above(|| output::warning(format_args!("{error}; {GOES_ON}")));
+            progress.above(|| output::error(format_args!("{error}; {GOES_ON}")));
         }
         if is_behind && !recorder.is_behind() {
             progress.above(|| output::note("the run is recorded again"));
         }
         is_behind = recorder.is_behind();
         let events = &recorder.events()[told..];
-        if !events.is_empty() && !quiet {
+        if !events.is_empty() && told_events == Events::Told {
             progress.above(|| events.iter().for_each(tell));
         }
         told += events.len();
@@ -394,7 +393,7 @@ pub(super) fn simulate(
 
 /// Tells of a step that takes long, seldom and more seldom.
 struct Patience {
-    quiet: bool,
+    told_events: Events,
     /// The step, since when, and after how long it is reported.
     step: Option<(u64, Instant, Duration)>,
 }
@@ -403,8 +402,11 @@ impl Patience {
     /// After so long a step is reported for the first time.
     const FIRST: Duration = Duration::from_secs(10);
 
-    fn new(quiet: bool) -> Self {
-        Self { quiet, step: None }
+    fn new(told_events: Events) -> Self {
+        Self {
+            told_events,
+            step: None,
+        }
     }
 
     fn look(&mut self, underway: &StepProgress, progress: &Progress) {
@@ -415,7 +417,7 @@ impl Patience {
         let is_told = begun.elapsed() >= told_after;
         let next = if is_told { 2 * told_after } else { told_after };
         self.step = Some((underway.step, begun, next));
-        if is_told && !self.quiet {
+        if is_told && self.told_events == Events::Told {
             progress.above(|| {
                 output::note(format_args!(
                     "{underway}; Ctrl-C ends the run here, and --resume goes on"
@@ -492,7 +494,7 @@ fn find(arguments: &Arguments, scene: &Scene, name: &OsStr) -> Result<Found, Cli
         Some(path) => Resumption::find(&path, scene),
         None => Resumption::find_latest(Path::new(RUNS), name, scene),
     }?;
-    if !arguments.quiet && !matches!(found, Found::Run(_)) {
+    if !matches!(found, Found::Run(_)) {
         output::note("there is no run to go on with: it begins at t = 0");
     }
     Ok(found)

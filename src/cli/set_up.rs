@@ -2,11 +2,12 @@
 //! doing, and a person sees what that is.
 
 use super::error::CliError;
+use super::output;
 use super::signals::EndSignal;
 use crate::scene::Scene;
 use crate::signals::EndingSignal;
 use crate::simulation::{SetUp, Simulation, SimulationError};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressStyle};
 use std::panic::resume_unwind;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -37,11 +38,11 @@ enum WorkerEvent {
 }
 
 /// Sets a run up, until that is done or a signal comes. What is being done is shown on the standard
-/// error where that is a terminal, unless `quiet`.
+/// error where that is a terminal.
 ///
 /// # Errors
 /// [`CliError::Thread`].
-pub(super) fn set_up(scene: &Scene, signal: &EndSignal, quiet: bool) -> Result<Outcome, CliError> {
+pub(super) fn set_up(scene: &Scene, signal: &EndSignal) -> Result<Outcome, CliError> {
     let (sender, event) = mpsc::channel();
     let ended = Arc::new(AtomicBool::new(false));
     let worker = {
@@ -62,7 +63,7 @@ pub(super) fn set_up(scene: &Scene, signal: &EndSignal, quiet: bool) -> Result<O
             .spawn(set_up)
     };
     let worker = worker.map_err(CliError::Thread)?;
-    let mut display = Display::new(quiet);
+    let mut display = Display::new();
     loop {
         if let Some(signal) = signal.received() {
             // A factor in hand is not waited for: the thread ends with the process.
@@ -94,13 +95,8 @@ struct Display {
 }
 
 impl Display {
-    fn new(quiet: bool) -> Self {
-        let target = match quiet {
-            true => ProgressDrawTarget::hidden(),
-            // Hidden as well where the standard error is not a terminal.
-            false => ProgressDrawTarget::stderr(),
-        };
-        let bar = ProgressBar::with_draw_target(None, target);
+    fn new() -> Self {
+        let bar = ProgressBar::with_draw_target(None, output::progress_target());
         // The template is right; if it ever were not, the plain bar serves.
         if let Ok(style) = ProgressStyle::with_template("{spinner} {msg}  {elapsed}") {
             bar.set_style(style);

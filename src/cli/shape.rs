@@ -48,7 +48,7 @@ pub(super) fn shape(arguments: &Arguments) -> Result<(), CliError> {
     check_memory(scene).map_err(CliError::SetUp)?;
     check_outlines(scene).map_err(CliError::SetUp)?;
     let signal = EndSignal::listen()?;
-    let simulation = match set_up(scene, &signal, false)? {
+    let simulation = match set_up(scene, &signal)? {
         Outcome::Ready(simulation) => simulation,
         Outcome::Signal(signal) => {
             return Err(CliError::StudyEnded {
@@ -161,5 +161,5 @@ fn save(
         .iter()
         .map(|file| file.display().to_string())
         .collect();
-    output::line(format_args!("\n{}", names.join("\n")))
+    output::summary(format_args!("\n{}", names.join("\n")))
 }

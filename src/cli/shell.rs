@@ -9,7 +9,7 @@ use crate::scene::{preset_description, preset_names, tables};
 use clap::CommandFactory;
 use clap_complete::CompleteEnv;
 use clap_complete::engine::{CompletionCandidate, PathCompleter, ValueCompleter};
-use clap_complete::env::{Bash, EnvCompleter, Fish, Zsh};
+use clap_complete::env::{EnvCompleter, Fish, Zsh};
 use std::ffi::OsStr;
 use std::path::PathBuf;
 
@@ -18,6 +18,32 @@ const ASKED: &str = "VESICA_COMPLETE";
 
 /// The program's name, as it is called.
 const NAME: &str = "vesica";
+
+/// What bash is to run. clap_complete's own script passes on the words that bash makes, and for bash `=` and `:` end a word:
+/// `--set anchoring.kind=p` would be four of them. This one takes what stands without a blank between as one word, and
+/// of each candidate gives bash the part that stands for the last of its words.
+const BASH: &str = r#"_vesica() {
+    local rest=${COMP_LINE:0:COMP_POINT} words=() i IFS=$'\013'
+    for ((i = 0; i <= COMP_CWORD; i++)); do
+        if [[ $i == 0 || $rest == [[:space:]]* ]]; then
+            words+=("")
+            rest=${rest#"${rest%%[![:space:]]*}"}
+        fi
+        local word=${COMP_WORDS[i]}
+        [[ $i != "$COMP_CWORD" ]] || word=$rest
+        words[${#words[@]} - 1]+=$word
+        rest=${rest#"$word"}
+    done
+    local last=$((${#words[@]} - 1))
+    local before=${words[last]%"$2"}
+    COMPREPLY=($(_CLAP_IFS=$IFS _CLAP_COMPLETE_INDEX=$last VESICA_COMPLETE=bash vesica -- "${words[@]}")) || COMPREPLY=()
+    COMPREPLY=("${COMPREPLY[@]#"$before"}")
+    if [[ ${#COMPREPLY[@]} == 1 && ${COMPREPLY[0]} == *[=/:] ]]; then
+        compopt -o nospace
+    fi
+}
+complete -o nosort -o bashdefault -F _vesica vesica
+"#;
 
 /// Arguments of `vesica completions`.
 #[derive(Debug, clap::Args)]
@@ -50,7 +76,7 @@ pub(super) fn answer() {
 /// Prints what a shell is to run.
 pub(super) fn completions(arguments: &CompletionArguments) -> Result<(), CliError> {
     let shell: &dyn EnvCompleter = match arguments.shell {
-        Shell::Bash => &Bash,
+        Shell::Bash => return output::print(BASH),
         Shell::Zsh => &Zsh,
         Shell::Fish => &Fish,
     };

@@ -72,10 +72,6 @@ struct Here {
     /// With --list: try no steps, so predict no times
     #[arg(long, requires = "list")]
     quick: bool,
-
-    /// Tell nothing but errors
-    #[arg(long, short)]
-    quiet: bool,
 }
 
 #[derive(Debug, Subcommand)]
@@ -177,9 +173,9 @@ fn count_of(count: usize, what: &str) -> String {
 }
 
 /// Tells what is unusual about a plan.
-fn tell_same(folder: &SweepFolder, quiet: bool) {
+fn tell_same(folder: &SweepFolder) {
     let same = folder.points().len() - folder.runs().count();
-    if same > 0 && !quiet {
+    if same > 0 {
         output::note(format_args!(
             "{} the same scene as another, and run once",
             match same {

@@ -44,10 +44,6 @@ pub(super) struct Arguments {
     /// Print what was found as JSON
     #[arg(long)]
     json: bool,
-
-    /// Tell nothing but errors and the result
-    #[arg(long, short)]
-    quiet: bool,
 }
 
 /// What came out.
@@ -63,6 +59,8 @@ struct Verdict {
     rows: usize,
     /// Rows of the run that the repetition does not have.
     missing_rows: usize,
+    /// Rows of the repetition that the run does not have.
+    lost_rows: usize,
     /// The last step that was compared.
     last_step: u64,
     /// Inputs that are not the files that the run was computed from.
@@ -94,15 +92,15 @@ pub(super) fn verify(arguments: &Arguments) -> Result<(), CliError> {
     let summary = read_summary(run)?;
     let recorded = Columns::read(run)?;
     let scene = load_run_scene(run, &[])?.scene;
-    let last = last_step(&recorded).min(arguments.steps.unwrap_or(u64::MAX));
+    // Of a run that was killed the table is ahead of run.json; of no run it is behind.
+    let end = last_step(&recorded).max(summary.steps);
+    let last = end.min(arguments.steps.unwrap_or(end));
     check_memory(&scene).map_err(CliError::SetUp)?;
     let changed_inputs = changed_inputs(run, &summary.inputs)?;
-    if !arguments.quiet {
-        for input in &changed_inputs {
-            output::warning(format_args!(
-                "{input} is not the file that the run was computed from: its SHA-256 is another one than in run.json"
-            ));
-        }
+    for input in &changed_inputs {
+        output::warning(format_args!(
+            "{input} is not the file that the run was computed from: its SHA-256 is another one than in run.json"
+        ));
     }
     let signal = EndSignal::listen()?;
     let temporary = tempfile::tempdir().map_err(|reason| {
@@ -119,7 +117,7 @@ pub(super) fn verify(arguments: &Arguments) -> Result<(), CliError> {
         ..Settings::default()
     };
     let builder = RecorderBuilder::begin(folder, &scene, settings)?;
-    let mut simulation = match set_up(&scene, &signal, arguments.quiet)? {
+    let mut simulation = match set_up(&scene, &signal)? {
         Outcome::Ready(simulation) => *simulation,
         Outcome::Signal(signal) => return Err(CliError::VerifyEnded(signal)),
         Outcome::Failed(error) => return Err(CliError::SetUp(error)),
@@ -129,7 +127,7 @@ pub(super) fn verify(arguments: &Arguments) -> Result<(), CliError> {
     simulation.set_threads(threads.unwrap_or_else(|| threads_that_pay(nodes, cores())));
     simulation.follow(builder.schedule());
     let mut recorder = builder.start(&simulation, Duration::ZERO)?;
-    let mut progress = Progress::new(recorder.schedule(), arguments.quiet);
+    let mut progress = Progress::new(recorder.schedule());
     let begun = Instant::now();
     while simulation.report().step < last && !is_over(&simulation, &recorder) {
         if let Some(signal) = signal.received() {
@@ -150,7 +148,7 @@ pub(super) fn verify(arguments: &Arguments) -> Result<(), CliError> {
         arguments,
         (&summary, changed_inputs),
         (&recorded, &repeated),
-        last,
+        (last, end),
     );
     tell(&verdict, arguments.json)?;
     match verdict.same {
@@ -175,13 +173,25 @@ fn verdict(
     arguments: &Arguments,
     (summary, changed_inputs): (&RecordedSummary, Vec<String>),
     (recorded, repeated): (&Columns, &Columns),
-    last: u64,
+    (last, end): (u64, u64),
 ) -> Verdict {
     let pairs = pairs(recorded, repeated, last);
     let rows: Vec<(usize, usize)> = pairs.iter().flatten().copied().collect();
     let missing_rows = pairs.len() - rows.len();
+    // A repetition that ends earlier than the run has its last row wherever that is.
+    let is_due =
+        |step: u64| last == end || step < last || step.is_multiple_of(summary.every.max(1));
+    let is_lost = |row: &usize| rows.binary_search_by_key(row, |(_, other)| *other).is_err();
+    let again = repeated.column("step").unwrap_or_default();
+    let again = again.iter().enumerate();
+    let lost_rows = again.filter(|(row, step)| is_due(**step as u64) && is_lost(row));
+    let lost_rows = lost_rows.count();
+    let only_repeated = repeated
+        .names()
+        .filter(|name| recorded.column(name).is_none());
     let differences: Vec<Difference> = recorded
         .names()
+        .chain(only_repeated)
         .filter(|name| *name != "wall")
         .filter_map(|name| difference(name, recorded, repeated, &rows))
         .collect();
@@ -195,10 +205,11 @@ fn verdict(
     let present = Build::present();
     Verdict {
         run: arguments.run.display().to_string(),
-        identical: missing_rows == 0 && differences.is_empty(),
-        same: missing_rows == 0 && differences.iter().all(is_within),
+        identical: missing_rows + lost_rows == 0 && differences.is_empty(),
+        same: missing_rows + lost_rows == 0 && differences.iter().all(is_within),
         rows: rows.len(),
         missing_rows,
+        lost_rows,
         last_step: last,
         changed_inputs,
         same_program: (!programs.is_empty())
@@ -229,25 +240,28 @@ fn difference(
     repeated: &Columns,
     rows: &[(usize, usize)],
 ) -> Option<Difference> {
-    let values = recorded.column(name)?;
+    // Where one of the two has no such column, it has no number in any row.
+    let value = |columns: &Columns, row: usize| {
+        let values = columns.column(name);
+        values.map_or(f64::NAN, |values| values[row])
+    };
     let steps = recorded.column("step")?;
-    let again = |row: usize| repeated.column(name).map_or(f64::NAN, |values| values[row]);
     let is_same = |one: f64, other: f64| one == other || (one.is_nan() && other.is_nan());
     let different: Vec<(usize, f64)> = rows
         .iter()
-        .map(|&(row, other)| (row, again(other)))
-        .filter(|&(row, other)| !is_same(values[row], other))
+        .map(|&(row, other)| (row, value(repeated, other)))
+        .filter(|&(row, other)| !is_same(value(recorded, row), other))
         .collect();
     let &(first, _) = different.first()?;
     // What is a number in one of the two only is infinitely different.
     let size = |&(row, other): &(usize, f64)| {
-        let size = (values[row] - other).abs();
+        let size = (value(recorded, row) - other).abs();
         if size.is_nan() { f64::INFINITY } else { size }
     };
     let largest = different.iter().map(size).fold(0.0, f64::max);
     let scale = rows
         .iter()
-        .map(|&(row, _)| values[row].abs())
+        .map(|&(row, _)| value(recorded, row).abs())
         .fold(0.0, f64::max);
     let finite = |number: f64| number.is_finite().then_some(number);
     Some(Difference {
@@ -290,6 +304,12 @@ fn tell(verdict: &Verdict, json: bool) -> Result<(), CliError> {
         text += &format!(
             "{} rows of the run are not there when it is repeated\n",
             verdict.missing_rows
+        );
+    }
+    if verdict.lost_rows > 0 {
+        text += &format!(
+            "{} rows of the repetition are not there in the run\n",
+            verdict.lost_rows
         );
     }
     let number =

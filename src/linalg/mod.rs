@@ -15,11 +15,11 @@ mod sparse;
 mod supernodal;
 pub mod vector;
 
-pub use conjugate_gradients::{ConjugateGradients, Solution};
+pub use conjugate_gradients::ConjugateGradients;
 pub use cosine::{CosineTransform, Multiplier};
 pub use error::LinalgError;
 pub use factor::Ldlt;
-pub use gmres::{Gmres, Outcome};
+pub use gmres::Gmres;
 pub use ordering::minimum_degree;
 pub use shifted_cholesky::ShiftedFactors;
 pub use sparse::{Block, Pattern, SparseMatrix, rows};

@@ -58,7 +58,10 @@ pub use field::Field;
 pub use nematic::Nematic;
 pub use noise::Noise;
 pub use patch_fields::{DirectorFields, PatchFields};
-pub use pull::Pull;
+
+// Named by unit tests only.
+#[cfg(test)]
+pub(crate) use pull::Pull;
 
 /// What effects are made from.
 #[derive(Debug, Clone, Copy)]

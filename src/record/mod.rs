@@ -54,11 +54,11 @@ mod vtu;
 /// Bytes of `run.json`, at most.
 const LARGEST_SUMMARY: u64 = 1 << 28;
 
-pub use app_checkpoint::{KeptAt, KeptNote, KeptRows, KeptRun, KeptRuns, RunKeeper, Search};
+pub use app_checkpoint::{KeptAt, KeptRows, KeptRun, KeptRuns, RunKeeper};
 pub use atomic::Leftover;
 pub(crate) use atomic::{clean, unfinished_name, write_new, write_whole};
 pub(crate) use bounded_read::{read_bytes, read_file_text, read_text};
-pub use checkpoint::{CheckpointError, Problem};
+pub use checkpoint::CheckpointError;
 pub use error::RecordError;
 pub use folder::{IfOccupied, RunFolder, Whereabouts, write_error_table};
 pub(crate) use folder::{clear as clear_run, files_of_run, make as make_folder};
@@ -67,11 +67,11 @@ pub use mark::{MarkKind, RunMark};
 pub(crate) use number::push_cells;
 pub use number::{Number, ShortNumber};
 pub(crate) use provenance::sha256;
-pub use provenance::{Build, InputRecord, Session, changed_inputs};
+pub use provenance::{Build, changed_inputs};
 pub use quantity::{QUANTITIES, Quantity};
 pub use read::{
-    ReadError, RecordedRun, RecordedSummary, Snapshot, StoredFields, WrongArray, read_fields,
-    read_run, read_summary,
+    ReadError, RecordedRun, RecordedSummary, Snapshot, StoredFields, read_fields, read_run,
+    read_summary,
 };
 pub use recorder::{Recorder, RecorderBuilder, Settings};
 pub use resume::{Found, Resumption};
@@ -84,7 +84,5 @@ pub use load_scene::{LoadError, LoadedScene, load_run_scene, load_scene};
 pub use scene_file::same_run;
 pub(crate) use scene_file::{identity as scene_identity, write_scene};
 pub use snapshots::{write_state, write_states};
-pub use summary::{
-    Ending, EventRecord, FinerRun, MeasuredErrorRecord, OutlineChange, RunSummary, Status,
-};
+pub use summary::{Ending, EventRecord, FinerRun, MeasuredErrorRecord, RunSummary, Status};
 pub use vtu::{write_fields, write_series, write_surface};

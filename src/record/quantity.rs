@@ -1,8 +1,6 @@
 //! The names of what is recorded and shown: one for each quantity, on the screen, in the figures, and in the
 //! guide's tables.
 
-use std::fmt::Write as _;
-
 /// A quantity of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Quantity {
@@ -116,8 +114,11 @@ impl Quantity {
             .find(|it| it.column == column && !column.is_empty())
     }
 
-    /// The guide's table of the columns.
+    /// The guide's table of the columns, which a test compares with it.
+    #[cfg(test)]
     pub fn markdown() -> String {
+        use std::fmt::Write as _;
+
         let mut table = "| column | name | what it is |\n| --- | --- | --- |\n".to_owned();
         for Quantity {
             column,

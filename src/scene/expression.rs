@@ -120,15 +120,7 @@ fn sign(value: f64) -> f64 {
     if value == 0.0 { 0.0 } else { value.signum() }
 }
 
-/// A formula in x and y.
-///
-/// ```
-/// use vesica::scene::Expression;
-///
-/// let bump: Expression = "exp(-(x-0.5)^2 / 1e-2)".parse()?;
-/// assert_eq!(bump.evaluate(0.5, 0.0), 1.0);
-/// # Ok::<(), vesica::scene::ExpressionError>(())
-/// ```
+/// A formula in x and y, such as `exp(-(x-0.5)^2 / 1e-2)`.
 #[derive(Debug, Clone)]
 pub struct Expression {
     text: String,

@@ -1,7 +1,7 @@
 //! What to simulate: TOML ⇄ [`Scene`], presets, and every check of a value.
 //!
 //! ```
-//! use vesica::scene::{Scene, find_preset};
+//! use vesica::{Scene, find_preset};
 //!
 //! let text = find_preset("case3")?;
 //! let overrides = ["anchoring.kind=parallel".to_owned()];
@@ -38,16 +38,14 @@ mod write;
 
 pub use change::{Assignment, Change};
 pub(crate) use document::{Value as TomlValue, read as read_document};
-pub use error::{Origin, Place, Problem, SceneError};
-pub use expression::{Expression, ExpressionError, ExpressionProblem};
+pub use error::{Problem, SceneError};
+pub use expression::Expression;
 pub use initial_director::{initial_director, random_phase};
-pub use mesh_file::{
-    MeshFile, MeshFileError, MeshFileProblem, MeshPlace, Triangulation, write_mesh,
-};
+pub use mesh_file::{Triangulation, write_mesh};
 pub use mesh_size::MeshSize;
 pub use nodal_file::{NodalKey, NodalValues};
-pub use outline::{OutlineDistance, SignedDistance, phase_profile, union_distance, wall_distance};
-pub use parameter::{DefaultValue, Parameter, ParameterValue};
+pub use outline::{OutlineDistance, phase_profile, union_distance, wall_distance};
+pub use parameter::ParameterValue;
 pub use presets::{UnknownPreset, find_preset, preset, preset_description, preset_names};
 pub(crate) use reader::{FINITE, Field as TomlField, Reader as TomlReader};
 pub use scalar_field::ScalarField;
@@ -56,3 +54,11 @@ pub(crate) use suggest::nearest;
 pub use tables::*;
 pub use timetable::Timetable;
 pub use warning::{Warning, warnings};
+
+// Named by unit tests only.
+#[cfg(test)]
+pub(crate) use error::Origin;
+#[cfg(test)]
+pub(crate) use mesh_file::MeshFile;
+#[cfg(test)]
+pub(crate) use parameter::{DefaultValue, Parameter};

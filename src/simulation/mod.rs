@@ -45,11 +45,11 @@ pub use checkpoint::SimulationCheckpoint;
 pub use claim::{Claim, Shortage, kept_free};
 pub use error::SimulationError;
 pub use error_estimates::{ErrorEstimates, ErrorPart};
-pub use event::{EnergyChange, Event, EventKind, MeshChange, VesicleChange};
-pub use free_memory::{FreeMemory, MemoryBound, free_memory};
+pub use event::{Event, EventKind, VesicleChange};
+pub use free_memory::free_memory;
 pub use memory_estimate::{check_memory, memory_held, memory_needed, node_count};
 pub use partial_step::StepProgress;
-pub use presence::{NoVesicle, Part, check_outlines};
+pub use presence::check_outlines;
 pub use report::{Costs, Report};
 pub use schedule::{Schedule, step_count};
 pub use shape_at_rest::{NoShapeAtRest, enclosed_area, outline_beside, shape_at_rest};
@@ -58,8 +58,8 @@ pub use threads::{cores, threads_that_pay};
 pub use warnings::warnings;
 pub(crate) use worker::panic_words;
 pub use worker::{
-    Command, Continuity, Failure, Mailbox, Message, RunId, RunSnapshot, Setting, Worker,
-    WorkerConfig, WorkerEvent,
+    Command, Continuity, Failure, Message, RunId, RunSnapshot, Setting, Worker, WorkerConfig,
+    WorkerEvent,
 };
 
 use controller::Controller;

@@ -25,19 +25,31 @@ mod table;
 #[cfg(test)]
 mod tests;
 
-pub use advice::{Advice, Knob};
 pub use chart::chart;
-pub use discretisation::{Discretisation, MeshKind, StepControl};
-pub use effects::{Cost, Plan, Price, Prices, Progress, prices};
+pub use discretisation::StepControl;
+pub use effects::{Cost, Plan, Prices, prices};
 pub use error_size::ErrorSize;
-pub use errors::Errors;
 pub use finer_runs::{FinerNews, FinerRuns};
-pub use measured_error::{ErrorRow, Measured, Sample, error_table, error_words, quantity_words};
+pub use measured_error::{ErrorRow, Sample, error_table, error_words, quantity_words};
 pub use memory::CountingAllocator;
 pub use preset_figures::PresetFigures;
-pub use price_list::{Offer, OfferedScene, price_words};
+pub use price_list::{Offer, price_words};
 pub use recorded_runs::{ComparedRun, ComparedRunError, ComparedRuns};
-pub use report::{ObservedOrder, Point, Reference, Study};
-pub use run_estimate::{Foresight, MOST_NODES, RunEstimate, Unsolved, run_estimate};
+pub use report::{Point, Study};
+pub use run_estimate::{Foresight, MOST_NODES, run_estimate};
 pub use runner::{Budget, StudyError, StudyNews, study};
 pub use table::prices_table;
+
+// Named by unit tests only.
+#[cfg(test)]
+pub(crate) use advice::Knob;
+#[cfg(test)]
+pub(crate) use discretisation::Discretisation;
+#[cfg(test)]
+pub(crate) use effects::Price;
+#[cfg(test)]
+pub(crate) use errors::Errors;
+#[cfg(test)]
+pub(crate) use measured_error::Measured;
+#[cfg(test)]
+pub(crate) use run_estimate::Unsolved;

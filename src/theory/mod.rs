@@ -8,7 +8,7 @@ mod elastica;
 mod relaxation;
 mod shape_at_rest;
 
-pub use elastica::{Elastica, ElasticaError, LEAST_REDUCED_AREA};
+pub use elastica::ElasticaError;
 pub use relaxation::{RoundVesicle, relaxation_time};
 pub use shape_at_rest::{AreaPenalty, ShapeAtRest};
 

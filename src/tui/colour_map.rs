@@ -173,6 +173,7 @@ pub fn luminance(rgb: [u8; 3]) -> f64 {
 }
 
 /// Contrast of two colours, from 1 to 21 (WCAG 2.1).
+#[cfg(test)]
 pub fn contrast(one: [u8; 3], other: [u8; 3]) -> f64 {
     let (one, other) = (luminance(one) + 0.05, luminance(other) + 0.05);
     one.max(other) / one.min(other)

@@ -6,7 +6,7 @@ use std::sync::mpsc::Receiver;
 
 use super::state::MeasuringNews;
 use crate::scene::Scene;
-use crate::simulation::{RunSnapshot, Setting};
+use crate::simulation::RunSnapshot;
 use crate::study::{ErrorRow, FinerNews, FinerRuns, Sample};
 
 /// What is to be measured.
@@ -14,8 +14,6 @@ use crate::study::{ErrorRow, FinerNews, FinerRuns, Sample};
 pub struct MeasuringJob {
     /// The scene.
     pub scene: Arc<Scene>,
-    /// Its mesh.
-    pub setting: Arc<Setting>,
     /// The times at which the run has or will have a state that is kept.
     pub times: Vec<f64>,
     /// The states that there are.
@@ -161,15 +159,9 @@ mod tests {
             }
             simulation.advance().expect("a step");
         }
-        let setting = Setting {
-            scene: (*scene).clone(),
-            steps: None,
-            warnings: Vec::new(),
-        };
         let job = MeasuringJob {
             times: schedule.snapshot_times(0.0),
             scene,
-            setting: Arc::new(setting),
             states: Vec::new(),
             reached: 0.0,
         };

@@ -44,6 +44,6 @@ pub mod throughput;
 pub mod update;
 mod window;
 
-pub use opening::{DEFAULT, open, open_with_cases};
-pub use session::{AppError, Failed, Options, Outcome, run};
+pub use opening::{DEFAULT, open_with_cases};
+pub use session::{AppError, Failed, Options, run};
 pub use sweep::{SweepMap, SweepOutcome, show_sweep};

@@ -4,7 +4,7 @@ use super::pty::{LIMIT, Pty, computed};
 use super::{VESICA, folder, wait_running};
 use std::process::Command;
 use std::time::{Duration, Instant};
-use vesica::simulation::Worker;
+use vesica::internal::simulation::Worker;
 
 const STEPS: u64 = 400;
 const ROUNDS: usize = 4;

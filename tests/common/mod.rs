@@ -5,10 +5,7 @@
 
 use std::sync::Arc;
 
-use vesica::fem::Mesh;
-use vesica::physics::NamedValue;
-use vesica::scene::Scene;
-use vesica::scheme::{Scheme, State, StepReport, initial_fields};
+use vesica::{Mesh, NamedValue, Scene, Scheme, State, StepReport, initial_fields};
 
 /// A small vesicle with every effect, off the centre and askew, so that no symmetry hides anything.
 /// The mesh is coarse for it (h ≈ ε): identities hold on any mesh, and a step takes milliseconds.

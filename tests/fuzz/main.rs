@@ -21,12 +21,13 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use mutation::Mutation;
-use vesica::record::{
+use vesica::internal::record::{
     Columns, Ending, Found, IfOccupied, KeptRuns, RecorderBuilder, Resumption, RunFolder, Settings,
     read_fields, read_run,
 };
-use vesica::scene::{Expression, Scene, Triangulation, preset, preset_names, write_mesh};
-use vesica::simulation::{Simulation, SimulationCheckpoint};
+use vesica::internal::scene::{Expression, Triangulation, preset, preset_names, write_mesh};
+use vesica::internal::simulation::SimulationCheckpoint;
+use vesica::{Scene, Simulation};
 
 /// Inputs of each target in the quick part, and in the long one.
 const QUICK: u64 = 1500;

@@ -2,12 +2,10 @@
 
 use std::fmt;
 
-use vesica::fem::{Contour, Mesh};
-use vesica::geometry::{Point, length};
-use vesica::physics::NamedValue;
-use vesica::scene::{AnchoringKind, Change, Scene, Shape};
-use vesica::scheme::{Scheme, State, initial_fields};
-use vesica::simulation::Simulation;
+use vesica::internal::fem::Contour;
+use vesica::internal::geometry::length;
+use vesica::internal::scene::{AnchoringKind, Change, Shape};
+use vesica::{Mesh, NamedValue, Point, Scene, Scheme, Simulation, State, initial_fields};
 
 use super::cases::{Case, Course};
 
@@ -242,7 +240,7 @@ fn shift_of_circle(scene: &Scene, mesh: &Mesh, phi: &[f64]) -> f64 {
     let Shape::Outlines(outlines) = &scene.vesicle.shape else {
         return f64::NAN;
     };
-    let vesica::scene::Curve::Circle { radius } = outlines[0].curve else {
+    let vesica::internal::scene::Curve::Circle { radius } = outlines[0].curve else {
         return f64::NAN;
     };
     let center = Point::from(outlines[0].center);

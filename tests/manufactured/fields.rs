@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use vesica::geometry::{Point, Vector};
+use vesica::{Point, Vector};
 
 /// φ and what the equations need of it, at one place and time.
 #[derive(Debug, Clone, Copy, Default)]

@@ -3,8 +3,8 @@
 
 use std::f64::consts::TAU;
 
-use vesica::geometry::{Point, Vector};
-use vesica::scene::{AnchoringKind, Geometry, ScalarField, Scene};
+use vesica::internal::scene::{AnchoringKind, Geometry, ScalarField};
+use vesica::{Point, Scene, Vector};
 
 use super::fields::{Director, DirectorField, Phase, PhaseField};
 

@@ -8,10 +8,10 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use vesica::fem::{Patch, QuadratureRule, Space};
-use vesica::geometry::{Point, Vector};
-use vesica::physics::{
-    DirectorForm, Effect, Interval, Kept, LedgerTerms, MembraneForce, PatchFields, PatchStep, Room,
+use vesica::internal::fem::{QuadratureRule, Space};
+use vesica::{
+    DirectorForm, Effect, Interval, Kept, LedgerTerms, MembraneForce, Patch, PatchFields,
+    PatchStep, Point, Room, Vector,
 };
 
 use super::model::{Model, WeakForm};

@@ -2,10 +2,9 @@
 
 use std::sync::Arc;
 
-use vesica::fem::{Mesh, QuadratureRule, Space, ritz_projection};
-use vesica::geometry::Point;
-use vesica::scene::{Boundary, Geometry, Scene};
-use vesica::scheme::{Scheme, State};
+use vesica::internal::fem::{QuadratureRule, Space, ritz_projection};
+use vesica::internal::scene::{Boundary, Geometry};
+use vesica::{Mesh, Point, Scene, Scheme, State};
 
 use super::fields::{DirectorField, Mode, PhaseField};
 use super::model::{CURVATURE, Flaw, Model};

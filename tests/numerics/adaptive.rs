@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use vesica::fem::{Locator, Mesh};
-use vesica::geometry::Point;
-use vesica::simulation::{Event, EventKind, OutlineMeasure, Schedule, Simulation};
+use vesica::internal::fem::Locator;
+use vesica::internal::simulation::{Event, EventKind, OutlineMeasure, Schedule};
+use vesica::{Mesh, Point, Simulation};
 
 use crate::common::scene;
 

@@ -3,9 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::common::{TIGHT, energy_scale, greatest, named, scene, scheme};
-use vesica::scene::Scene;
-use vesica::scheme::Scheme;
-use vesica::simulation::Simulation;
+use vesica::{Scene, Scheme, Simulation};
 
 const QUADRATURES: [&str; 2] = ["solver.quadrature=consistent", "solver.quadrature=lumped"];
 

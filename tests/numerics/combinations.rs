@@ -2,8 +2,8 @@
 //! together.
 
 use crate::common::{SMALL, TIGHT, energy_scale, mesh, named, scene, scheme};
-use vesica::scene::{TableInfo, tables};
-use vesica::scheme::{Scheme, StepReport};
+use vesica::internal::scene::{TableInfo, tables};
+use vesica::{Scheme, StepReport};
 
 const STEPS: usize = 3;
 

@@ -3,8 +3,7 @@
 //! secants break it is shown in tests/wrong_effects.)
 
 use crate::common::{SMALL, TIGHT, energy_scale, named, scene, scheme};
-use vesica::scene::Scene;
-use vesica::scheme::{Scheme, StepReport};
+use vesica::{Scene, Scheme, StepReport};
 
 const BOUNDARIES: [&str; 2] = ["natural", "clamped"];
 const CURVATURES: [&str; 3] = ["0.0", "1.5", "'2*sin(3*x) - y'"];

@@ -8,12 +8,12 @@
 
 use std::sync::Arc;
 
-use vesica::fem::{LoadEntries, MatrixEntries, Mesh, QuadratureRule, Space};
-use vesica::geometry::Point;
-use vesica::linalg::{ConjugateGradients, LinearOperator, SparseMatrix};
-use vesica::physics::{DirectorForm, Effect, Field, Nematic, PatchFields, PatchStep, Room};
-use vesica::scene;
-use vesica::scene::TimeScheme;
+use vesica::internal::fem::{LoadEntries, MatrixEntries, QuadratureRule, Space};
+use vesica::internal::linalg::{ConjugateGradients, LinearOperator, SparseMatrix};
+use vesica::internal::physics::{Field, Nematic};
+use vesica::internal::scene;
+use vesica::internal::scene::TimeScheme;
+use vesica::{DirectorForm, Effect, Mesh, PatchFields, PatchStep, Point, Room};
 
 const WEIGHT: f64 = 2.0;
 const MOBILITY: f64 = 0.5;

@@ -2,9 +2,8 @@
 //! same solution; which way is taken is chosen by itself, and told.
 
 use crate::common::{SMALL, TIGHT, fields, greatest, greatest_difference, scene, scheme};
-use vesica::scene::Scene;
-use vesica::scheme::{Scheme, StepError};
-use vesica::simulation::{EventKind, Simulation};
+use vesica::internal::simulation::EventKind;
+use vesica::{Scene, Scheme, Simulation, StepError};
 
 /// Steps of the comparisons.
 const STEPS: usize = 8;

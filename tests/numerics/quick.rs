@@ -3,10 +3,9 @@
 
 use std::thread;
 
-use vesica::fem::long_axis;
-use vesica::geometry::Vector;
-use vesica::scene::{Scene, find_preset};
-use vesica::simulation::{OutlineMeasure, Simulation};
+use vesica::internal::fem::long_axis;
+use vesica::internal::simulation::OutlineMeasure;
+use vesica::{Scene, Simulation, Vector, find_preset};
 
 /// Length and waist of the cases at t = 1e-3 with homeotropic anchoring, from docs/guide/cases.md. Parallel
 /// anchoring gives the same with cases 1 and 2 exchanged, and 3 and 4 (`cargo test --test numerics symmetry`).

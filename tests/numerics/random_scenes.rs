@@ -11,11 +11,9 @@ use std::cell::Cell;
 
 use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestRunner};
-use vesica::fem::Mesh;
-use vesica::physics::NamedValue;
-use vesica::scene::{NodalValues, Scene, Shape};
-use vesica::scheme::initial_fields;
-use vesica::simulation::{Report, Simulation, SimulationError, StepProgress};
+use vesica::internal::scene::{NodalValues, Shape};
+use vesica::internal::simulation::StepProgress;
+use vesica::{Mesh, NamedValue, Report, Scene, Simulation, SimulationError, initial_fields};
 
 /// One of these texts.
 fn one_of(words: &'static [&'static str]) -> impl Strategy<Value = &'static str> {

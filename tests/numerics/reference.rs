@@ -2,7 +2,7 @@
 //! mesh, from the same nodal φ⁰. Where they come from is said in tests/reference/README.md.
 
 use crate::common::{named, scene, scheme};
-use vesica::scheme::StepReport;
+use vesica::StepReport;
 
 /// A scene, and its history in the other program.
 struct Reference {

@@ -2,10 +2,10 @@
 
 use std::f64::consts::PI;
 
-use vesica::geometry::Point;
-use vesica::scene::{Scene, preset};
-use vesica::simulation::{Schedule, Simulation, enclosed_area};
-use vesica::theory::RoundVesicle;
+use vesica::internal::scene::preset;
+use vesica::internal::simulation::{Schedule, enclosed_area};
+use vesica::internal::theory::RoundVesicle;
+use vesica::{Point, Scene, Simulation};
 
 /// Of the preset's vesicle.
 const CENTER: Point = Point::new(0.5, 0.5);

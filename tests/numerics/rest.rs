@@ -4,8 +4,7 @@
 use std::f64::consts::PI;
 
 use crate::common::{greatest, mesh, scene};
-use vesica::scene::Scene;
-use vesica::scheme::Scheme;
+use vesica::{Scene, Scheme};
 
 const TEXT: &str = "
     vesicle = { shape = 'circle', radius = 0.25 }

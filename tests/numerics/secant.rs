@@ -2,7 +2,7 @@
 //! does not damp is damped by the steps of first order before it.
 
 use crate::common::{SMALL, TIGHT, energy_scale, scene, scheme};
-use vesica::scheme::StepError;
+use vesica::StepError;
 
 const SECANT: &str = "time.scheme=secant";
 const QUADRATURES: [&str; 2] = ["solver.quadrature=consistent", "solver.quadrature=lumped"];
@@ -65,7 +65,7 @@ fn the_law_is_an_identity_without_numerical_dissipation() {
 }
 
 /// Runs until a step is refused because its law is broken; after how many that is.
-fn broken_after(mut scheme: vesica::scheme::Scheme) -> Option<usize> {
+fn broken_after(mut scheme: vesica::Scheme) -> Option<usize> {
     for step in 0..STARTING + 3 {
         match scheme.step(1e-6) {
             Ok(_) => {}

@@ -1,8 +1,7 @@
 //! Symmetries that the scheme has on the structured mesh: exact but for the order of the sums.
 
 use crate::common::{SMALL, TIGHT, greatest_difference, named, scene, scheme};
-use vesica::scene::Scene;
-use vesica::scheme::{Scheme, State};
+use vesica::{Scene, Scheme, State};
 
 const STEPS: usize = 50;
 const QUADRATURES: [&str; 2] = ["solver.quadrature=consistent", "solver.quadrature=lumped"];

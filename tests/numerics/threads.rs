@@ -2,7 +2,7 @@
 //! whose region is a part of the mesh. (With sums over as many pieces as there are threads it would not.)
 
 use crate::common::scene;
-use vesica::simulation::Simulation;
+use vesica::Simulation;
 
 /// Enough nodes for vectors to be divided.
 const LARGE: &str = r#"

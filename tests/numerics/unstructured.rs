@@ -6,10 +6,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use crate::common::{TIGHT, energy_scale, scheme};
-use vesica::geometry::Point;
-use vesica::record::read_fields;
-use vesica::scene::{Scene, Triangulation, write_mesh};
-use vesica::simulation::Simulation;
+use vesica::internal::record::read_fields;
+use vesica::internal::scene::{Triangulation, write_mesh};
+use vesica::{Point, Scene, Simulation};
 
 /// Every effect; the mesh and the vesicle are to be added.
 const EFFECTS: &str = r#"

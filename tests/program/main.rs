@@ -5,8 +5,10 @@ mod ignored;
 
 mod accuracy;
 mod cli;
+mod completions;
 mod figures;
 mod measured;
 mod provenance;
 mod resume;
+mod streams;
 mod sweep;

@@ -163,6 +163,119 @@ fn a_run_is_verified_and_a_digit_that_was_changed_is_found() {
     }
 }
 
+/// What was changed in a run's folder is found, and the folder as it was is the same.
+#[test]
+fn a_changed_run_is_not_verified() {
+    let folder = folder_with_scene();
+    let path = folder.path();
+    let run = [
+        "run",
+        "small.toml",
+        "--out",
+        "a",
+        "--steps",
+        "5",
+        "--every",
+        "2",
+    ];
+    ok(&vesica(path, &run));
+    let read = |name: &str| fs::read_to_string(path.join("a").join(name)).expect("it is there");
+    let without = |text: &str, number: usize| -> String {
+        let lines = text.lines().enumerate();
+        let lines = lines.filter(|(line, _)| *line != number);
+        lines.map(|(_, line)| format!("{line}\n")).collect()
+    };
+    let (history, shape, scene) = (read("history.csv"), read("shape.csv"), read("scene.toml"));
+    // Rows of steps 0, 2, 4 and 5.
+    assert_eq!(history.lines().count(), 5);
+    // Of the last digit of B in the row of step 4.
+    let mut digit: Vec<Vec<String>> = history
+        .lines()
+        .map(|line| line.split(',').map(str::to_owned).collect())
+        .collect();
+    let cell = &mut digit[3][9];
+    let last = cell.pop().expect("a number");
+    cell.push(if last == '7' { '8' } else { '7' });
+    let digit: Vec<String> = digit.into_iter().map(|cells| cells.join(",")).collect();
+    let digit = digit.join("\n") + "\n";
+    let no_area: String = shape
+        .lines()
+        .map(|line| line.rsplit_once(',').expect("columns").0.to_owned() + "\n")
+        .collect();
+    for (name, text, part) in [
+        (
+            "history.csv",
+            digit,
+            "B              differs in 1 rows, from step 4 on",
+        ),
+        (
+            "history.csv",
+            without(&history, 2),
+            "1 rows of the repetition are not there in the run",
+        ),
+        (
+            "history.csv",
+            without(&history, 1),
+            "1 rows of the repetition are not there in the run",
+        ),
+        (
+            "history.csv",
+            without(&history, 4),
+            "1 rows of the repetition are not there in the run",
+        ),
+        (
+            "shape.csv",
+            without(&shape, 3),
+            "width          differs in 1 rows, from step 4 on",
+        ),
+        (
+            "shape.csv",
+            no_area,
+            "width          differs in 4 rows, from step 0 on",
+        ),
+        (
+            "scene.toml",
+            scene.replace("step = 1e-7", "step = 2e-7"),
+            "not the same",
+        ),
+        (
+            "scene.toml",
+            scene.replace("interface_width = 0.05", "interface_width = 0.0500001"),
+            "E_bending",
+        ),
+    ] {
+        let file = path.join("a").join(name);
+        let before = fs::read_to_string(&file).expect("it is there");
+        assert_ne!(text, before, "{name}");
+        fs::write(&file, text).expect("it is written");
+        let output = vesica(path, &["verify", "a"]);
+        assert_eq!(output.status.code(), Some(1), "{part}: {}", stdout(&output));
+        let told = stdout(&output);
+        assert!(told.contains(part), "{part}: {told}");
+        assert!(
+            told.contains("not the same") && !told.contains("bit for bit"),
+            "{told}"
+        );
+        // A changed input is named; the tables are no inputs.
+        let is_named = stderr(&output).contains("scene.toml is not the file");
+        assert_eq!(is_named, name == "scene.toml", "{}", stderr(&output));
+        fs::write(&file, before).expect("it is written");
+        let output = vesica(path, &["verify", "a"]);
+        assert!(ok(&output).contains("the same, bit for bit: 4 rows up to step 5"));
+    }
+    // A part of it has the rows that are due in it, and no others.
+    for steps in ["1", "3", "4"] {
+        let output = vesica(path, &["verify", "a", "--steps", steps]);
+        assert!(ok(&output).contains("the same, bit for bit"), "{steps}");
+    }
+    fs::write(path.join("a/history.csv"), without(&history, 2)).expect("it is written");
+    let output = vesica(path, &["verify", "a", "--steps", "2", "--json"]);
+    assert_eq!(output.status.code(), Some(1));
+    let verdict: serde_json::Value = serde_json::from_str(stdout(&output)).expect("JSON");
+    assert_eq!([&verdict["lost_rows"], &verdict["missing_rows"]], [1, 0]);
+    assert_eq!([&verdict["identical"], &verdict["same"]], [false, false]);
+}
+
 /// Unpacks an archive with its own reader.
 fn unpack(archive: &Path, folder: &Path) {
     let file = fs::File::open(archive).expect("it is there");

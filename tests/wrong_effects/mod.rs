@@ -12,14 +12,12 @@ use self::nematic::Nematic;
 use self::noise::Booked;
 use self::well::{Secant, Well};
 use crate::common::{SMALL, TIGHT, energy_scale, named, scene, scheme};
-use vesica::geometry::Vector;
-use vesica::physics::potentials::{
+use vesica::internal::physics::potentials::{
     double_well_derivative, double_well_secant, double_well_secant_derivative, unit_length_penalty,
     unit_length_penalty_derivative,
 };
-use vesica::physics::{Anchoring, Area, Bending, Effect, Effects, PatchFields, Room, surface_area};
-use vesica::scene::Scene;
-use vesica::scheme::{Scheme, StepError};
+use vesica::internal::physics::{Anchoring, Area, Bending, Effects, surface_area};
+use vesica::{Effect, PatchFields, Room, Scene, Scheme, StepError, Vector};
 
 /// η_d² P(d) = ¼(|d|² − 1)² for all d.
 fn untruncated(d: Vector) -> f64 {

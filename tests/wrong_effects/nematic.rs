@@ -1,13 +1,13 @@
 //! The nematic energy once more, with what can be wrong in it as parameters.
 
-use vesica::fem::Patch;
-use vesica::geometry::Vector;
-use vesica::physics::potentials::{INDICATOR_CONVEXITY, indicator_secant_bound, phase_indicator};
-use vesica::physics::{
-    DirectorFields, DirectorForm, Effect, Kept, LedgerTerms, MembraneForce, MembraneJacobian,
-    PatchFields, PatchStep, Room,
+use vesica::internal::physics::DirectorFields;
+use vesica::internal::physics::potentials::{
+    INDICATOR_CONVEXITY, indicator_secant_bound, phase_indicator,
 };
-use vesica::scene::{Iteration, Scene};
+use vesica::{
+    DirectorForm, Effect, Iteration, Kept, LedgerTerms, MembraneForce, MembraneJacobian, Patch,
+    PatchFields, PatchStep, Room, Scene, Vector,
+};
 
 /// λ_nem E_nem with η_d² P and its gradient given, and with `convexity`/η_d²
 /// as the constant of p_Δt: 1 is right.

@@ -1,11 +1,11 @@
 //! Noise with a part of its work in the books.
 
-use vesica::fem::Patch;
-use vesica::physics::{
-    DirectorCoupling, DirectorForm, Effect, Interval, Kept, LedgerTerms, Noise, PatchFields,
+use vesica::internal::physics::Noise;
+use vesica::internal::scene;
+use vesica::{
+    DirectorCoupling, DirectorForm, Effect, Interval, Kept, LedgerTerms, Patch, PatchFields,
     PatchStep, Room,
 };
-use vesica::scene;
 
 /// Noise of which the books have this share of the work: 1 is right.
 #[derive(Debug)]

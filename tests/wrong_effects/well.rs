@@ -1,11 +1,11 @@
 //! An effect of its own, for the membrane.
 
-use vesica::fem::{Patch, Space};
-use vesica::physics::potentials::double_well;
-use vesica::physics::{
-    Effect, Kept, MembraneForce, MembraneJacobian, PatchFields, PatchStep, Room,
+use vesica::internal::fem::Space;
+use vesica::internal::physics::potentials::double_well;
+use vesica::internal::scene::TimeScheme;
+use vesica::{
+    Effect, Iteration, Kept, MembraneForce, MembraneJacobian, Patch, PatchFields, PatchStep, Room,
 };
-use vesica::scene::{Iteration, TimeScheme};
 
 /// A function of the new and the old φ.
 pub type OfTwo = fn(f64, f64) -> f64;

@@ -10,7 +10,7 @@ use crate::record::write_whole;
 use crate::signals::EndingSignal;
 use crate::simulation::{cores, free_memory};
 use crate::study::sweep::{Point, PointState, SweepFolder, Table};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressStyle};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
@@ -32,11 +32,11 @@ pub(super) fn run(plan: &Path, arguments: &Here) -> Result<(), CliError> {
         Ok(sweep.needs.clone())
     })?;
     let signal = EndSignal::listen()?;
-    tell_same(&folder, arguments.quiet);
+    tell_same(&folder);
     let is_left = |point: &&Point| folder.state(point) != PointState::Done;
     let left: Vec<&Point> = folder.runs().filter(is_left).collect();
     let were_done = folder.runs().count() - left.len();
-    if were_done > 0 && !arguments.quiet {
+    if were_done > 0 {
         let points = count_of(were_done, "point");
         output::note(format_args!("{points} done before; {} to do", left.len()));
     }
@@ -67,10 +67,7 @@ pub(super) fn run(plan: &Path, arguments: &Here) -> Result<(), CliError> {
             folder: folder.path().to_owned(),
         });
     }
-    if arguments.quiet {
-        return Ok(());
-    }
-    output::line(format_args!(
+    output::summary(format_args!(
         "{}: {} done, in {}; the table: {}",
         folder.title(),
         count_of(folder.points().len(), "point"),
@@ -110,12 +107,7 @@ impl<'a> Work<'a> {
         threads: usize,
         arguments: &Here,
     ) -> Self {
-        let target = match arguments.quiet {
-            true => ProgressDrawTarget::hidden(),
-            // Hidden as well where the standard error is not a terminal.
-            false => ProgressDrawTarget::stderr(),
-        };
-        let bar = ProgressBar::with_draw_target(Some(PARTS), target);
+        let bar = ProgressBar::with_draw_target(Some(PARTS), output::progress_target());
         // The template is right; if it ever were not, the plain bar serves.
         if let Ok(style) = ProgressStyle::with_template("{bar:24} {percent} %  {msg}") {
             bar.set_style(style);
@@ -139,7 +131,7 @@ impl<'a> Work<'a> {
             stopped: Mutex::new(None),
             threads,
             memory: MemoryInUse::new(),
-            has_lines: bar.is_hidden() && !arguments.quiet,
+            has_lines: bar.is_hidden(),
             bar,
             begun: Instant::now(),
             is_over: AtomicBool::new(false),

@@ -3,7 +3,7 @@
 use crate::cli::error::CliError;
 use crate::cli::output;
 use crate::cli::progress::Progress;
-use crate::cli::run::{Stop, simulate};
+use crate::cli::run::{Events, Stop, simulate};
 use crate::cli::signals::EndSignal;
 use crate::record::{
     CheckpointError, Ending, Found, IfOccupied, RecordError, RecorderBuilder, Resumption,
@@ -47,7 +47,7 @@ pub(super) fn points(arguments: &Arguments) -> Result<(), CliError> {
     for point in &points {
         let name = &point.name;
         match run_point(&folder, point, cores(), &signal, &|schedule| {
-            Progress::new(schedule, false)
+            Progress::new(schedule)
         }) {
             Ok(Ended::Done) => output::note(format_args!("{name}: done")),
             Ok(Ended::WasDone) => output::note(format_args!("{name}: was done already")),
@@ -181,7 +181,13 @@ pub(super) fn run_point(
     simulation.set_threads(threads_that_pay(nodes, threads));
     simulation.follow(recorder.schedule());
     let progress = progress(recorder.schedule());
-    let stop = simulate(&mut simulation, &mut recorder, signal, progress, true);
+    let stop = simulate(
+        &mut simulation,
+        &mut recorder,
+        signal,
+        progress,
+        Events::Untold,
+    );
     let finished = recorder.finish(&mut simulation, stop.ending());
     match stop {
         Stop::Failed(error) => Ok(Ended::Failed(error.to_string())),

@@ -134,7 +134,7 @@ pub(super) fn figure(arguments: &FigureArguments) -> Result<(), CliError> {
     let names: Vec<String> = pictures
         .filter_map(|file| Some(file.file_stem()?.to_string_lossy().into_owned()))
         .collect();
-    output::line(format_args!(
+    output::summary(format_args!(
         "{}, each as PNG, SVG and CSV, in {}",
         names.join(" and "),
         folder.display()

@@ -122,7 +122,7 @@ pub(super) fn slurm(arguments: &Arguments) -> Result<(), CliError> {
             false => Ok(predict(sweep, &mut || true)?),
         }
     })?;
-    tell_same(&folder, false);
+    tell_same(&folder);
     let slurm = folder.path().join("slurm");
     make_folder(&slurm)?;
     make_folder(&slurm.join("logs"))?;

@@ -22,7 +22,7 @@ use std::sync::Arc;
 
 use crate::geometry::Point;
 
-pub use error::{MeshFileError, MeshFileProblem, MeshPlace};
+pub use error::MeshFileError;
 pub use write::write_mesh;
 
 /// A mesh from a file.

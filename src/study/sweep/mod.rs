@@ -15,12 +15,11 @@ mod table;
 #[cfg(test)]
 mod tests;
 
-pub use error::{PointError, PointProblem, SweepError, Values};
+pub use error::{SweepError, Values};
 pub use folder::{PointState, Sweep, SweepFolder};
-pub use lock::{BEAT, Holder, PointLock, STALE_AFTER, Taken};
-pub use measure::{Measure, NoMeasure};
+pub use lock::{Holder, PointLock, Taken};
 pub use outline::{last_fields, last_outline};
-pub use plan::{Assignment, Axis, Plan, Repeat, ResultColumn, Spacing};
-pub use points::{MOST_POINTS, Needs, Origin, Point, points};
+pub use plan::Spacing;
+pub use points::{Needs, Point};
 pub use predict::predict;
-pub use table::{Row, Table, plain};
+pub use table::{Table, plain};

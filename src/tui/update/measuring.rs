@@ -49,16 +49,15 @@ pub(super) fn press(app: &mut App, effects: &mut Vec<Effect>) {
 
 /// What is to be measured of a run, or why it cannot be.
 fn job(slot: &Slot, run: &Run) -> Result<MeasuringJob, &'static str> {
-    let Some(setting) = &run.setting else {
+    if run.setting.is_none() {
         return Err("the run is still set up");
-    };
+    }
     let schedule = Schedule::new(&slot.scene.time, 1, SNAPSHOTS);
     let mut states = run.snapshots.clone();
     states.extend(run.picture.clone());
     Ok(MeasuringJob {
         times: schedule.snapshot_times(slot.scene.time.step),
         scene: Arc::clone(&slot.scene),
-        setting: Arc::clone(setting),
         states,
         reached: run.report.t,
     })
