@@ -1,5 +1,5 @@
 //! Lines for people and programs: results on the standard output; errors, warnings, notes and progress on the standard
-//! error. With `--quiet` only results and errors are left.
+//! error. With `--quiet` only results, errors and what was found damaged are left.
 //!
 //! `println!` and `eprintln!` panic when the other side of a pipe is gone; these do not.
 
@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Whether the process was called with `--quiet`.
 static QUIET: AtomicBool = AtomicBool::new(false);
 
-/// Has the process print results and errors only, from now on.
+/// Has the process print results, errors and what was found damaged only, from now on.
 pub(super) fn be_quiet() {
     QUIET.store(true, Ordering::Relaxed);
 }
@@ -85,6 +85,11 @@ pub(super) fn error(error: impl Display) {
 /// Tells a warning on the standard error, unless the process is quiet.
 pub(super) fn warning(warning: impl Display) {
     note(format_args!("warning: {warning}"));
+}
+
+/// Tells on the standard error that a file was found damaged, also where the process is quiet: something was lost.
+pub(super) fn damage(problem: impl Display) {
+    tell(format_args!("warning: {problem}"));
 }
 
 /// Tells what the program does on the standard error, unless the process is quiet.

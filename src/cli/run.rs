@@ -235,7 +235,7 @@ fn reopen(
         Outcome::Failed(error) => return Err(CliError::SetUp(error)),
     };
     let (recorder, problems) = resumption.start(scene, settings, &mut simulation)?;
-    problems.iter().for_each(output::warning);
+    problems.iter().for_each(output::damage);
     if is_over && is_beyond {
         recorder.finish(&mut simulation, Ending::Interrupted("an earlier end"))?;
         return Ok(());

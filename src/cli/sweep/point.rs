@@ -170,7 +170,7 @@ pub(super) fn run_point(
             let settings = resumption.settings();
             let (recorder, problems) = resumption.start(&scene, settings, &mut simulation)?;
             for problem in problems {
-                output::warning(format_args!("{}: {problem}", point.name));
+                output::damage(format_args!("{}: {problem}", point.name));
             }
             recorder
         }
