@@ -40,7 +40,7 @@
 //! | [`scheme`] | one time step: the director, the membrane, the energy law |
 //! | [`physics`] | the energies: potentials, and one file an effect |
 //! | [`fem`] | meshes, P1 elements, quadrature, assembly, projections |
-//! | [`linalg`] | sparse matrices and factors, Krylov methods, cosine transforms |
+//! | [`linalg`] | sparse matrices and factors, Krylov methods, transforms of a grid |
 //! | [`scene`] | what to simulate: TOML, presets, every check of a value |
 //! | [`theory`] | the sharp-interface theory: shapes at rest, relaxation |
 //! | [`geometry`] | points, vectors and symmetric tensors (nalgebra), segments, distances |
