@@ -35,4 +35,12 @@ pub enum LinalgError {
         /// The library's words.
         reason: String,
     },
+    /// The eigenvectors of a chain could not be computed.
+    #[error("the eigenvectors of a chain of {size} values could not be computed: {reason}")]
+    Eigenvectors {
+        /// Values of a vector.
+        size: usize,
+        /// What the library says.
+        reason: String,
+    },
 }

@@ -1,11 +1,11 @@
 //! Linear algebra that knows nothing of what it solves: sparse matrices on a fixed pattern, Krylov
-//! methods, sparse LDLᵀ factors (faer) and the cosine transform of a grid.
+//! methods, sparse LDLᵀ factors (faer) and transforms of a grid.
 
 mod conjugate_gradients;
-mod cosine;
 mod error;
 mod factor;
 mod gmres;
+mod grid_transform;
 mod lower_triangle;
 pub(crate) mod op_counts;
 mod ordering;
@@ -16,10 +16,10 @@ mod supernodal;
 pub mod vector;
 
 pub use conjugate_gradients::ConjugateGradients;
-pub use cosine::{CosineTransform, Multiplier};
 pub use error::LinalgError;
 pub use factor::Ldlt;
 pub use gmres::Gmres;
+pub use grid_transform::{Basis, GridTransform, Multiplier};
 pub use ordering::minimum_degree;
 pub use shifted_cholesky::ShiftedFactors;
 pub use sparse::{Block, Pattern, SparseMatrix, rows};

@@ -91,9 +91,9 @@ pub enum Problem {
         /// What needs it.
         owner: String,
     },
-    /// The cosine transform was asked for where it does not apply.
+    /// The transform of the grid was asked for where it does not apply.
     #[error(
-        "solver.linear = \"transform\" needs mesh.kind = \"structured\" with mesh.jitter = 0, domain.boundary = \"natural\" and domain.geometry = \"planar\"; leave it out, or take \"factor\""
+        "solver.linear = \"transform\" needs mesh.kind = \"structured\" with mesh.jitter = 0, and domain.boundary = \"natural\"; leave it out, or take \"factor\""
     )]
     TransformDoesNotApply,
     /// An outline that reaches the axis of rotation is not its own mirror image there.

@@ -18,7 +18,7 @@ use crate::scene::{Iteration, LinearMethod, Membrane, TimeScheme};
 use super::fault_injection;
 use super::jacobian::Jacobian;
 use super::rounding::{self, Least};
-use super::solvers::cosine::ReducedOperator;
+use super::solvers::grid::ReducedOperator;
 use super::strips::{Strip, Strips};
 use super::{Phase, State, StepError};
 

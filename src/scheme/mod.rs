@@ -263,7 +263,7 @@ impl Scheme {
         self.membrane.fast_method()
     }
 
-    /// Whether the cosine transform is in use.
+    /// Whether the transform of the grid is in use.
     pub fn uses_transform(&self) -> bool {
         self.linear_method() == "transform"
     }
@@ -597,7 +597,7 @@ impl Scheme {
     }
 
     /// Substep 2, by the first way that succeeds: the scene's iteration; Newton's method in place of the
-    /// lagged one; the factor in place of the cosine transform. A way that failed is left alone for a
+    /// lagged one; the factor in place of the transform of the grid. A way that failed is left alone for a
     /// while.
     fn solve_with_fallbacks(
         &mut self,

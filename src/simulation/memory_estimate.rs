@@ -3,7 +3,7 @@
 use super::SimulationError;
 use super::claim::{self, Claim, Shortage};
 use super::free_memory::{FreeMemory, free_memory};
-use crate::scene::{Boundary, Geometry, LinearMethod, Mesh, MeshSize, Quadrature, Scene};
+use crate::scene::{Boundary, LinearMethod, Mesh, MeshSize, Quadrature, Scene};
 
 /// Bytes that a run needs on any mesh.
 const ANY_RUN: f64 = 9e6;
@@ -42,9 +42,7 @@ pub fn memory_needed(scene: &Scene) -> u64 {
 fn is_shifted(scene: &Scene) -> bool {
     scene.boundary == Boundary::Natural
         && match scene.solver.linear {
-            LinearMethod::Automatic => {
-                !scene.mesh.is_grid() || scene.geometry == Geometry::Axisymmetric
-            }
+            LinearMethod::Automatic => !scene.mesh.is_grid(),
             LinearMethod::Shifted => true,
             LinearMethod::Transform | LinearMethod::Factor => false,
         }
@@ -181,7 +179,7 @@ mod tests {
         }
     }
 
-    /// About as much as was measured: 12.1 MB (2²⁰ bytes) more than with the cosine transform.
+    /// About as much as was measured: 12.1 MB (2²⁰ bytes) more than with the transform of the grid.
     #[test]
     fn shifted_laplacians_need_less_than_the_factor() {
         let needed = |settings: &[&str]| memory_needed(&scene(settings)) as f64 / 1e6;

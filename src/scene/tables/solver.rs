@@ -1,6 +1,6 @@
 //! `[solver]`.
 
-use super::{Boundary, Geometry, Rules, Scene};
+use super::{Boundary, Rules, Scene};
 use crate::scene::error::{Problem, SceneError};
 use crate::scene::parameter::choice;
 use crate::scene::reader::{POSITIVE, Reader};
@@ -23,12 +23,11 @@ table! {
 }
 
 impl Rules for Solver {
-    /// The transform is for the regular mesh in the plane and the natural boundary, the shifted Laplacians for the latter.
+    /// The transform is for the regular mesh and the natural boundary, the shifted Laplacians for the latter.
     fn check_scene(&self, scene: &Scene, table: &Reader<'_>) -> Result<(), SceneError> {
         let is_natural = scene.boundary == Boundary::Natural;
-        let is_planar = scene.geometry == Geometry::Planar;
         let problem = match self.linear {
-            LinearMethod::Transform if !(is_natural && is_planar && scene.mesh.is_grid()) => {
+            LinearMethod::Transform if !(is_natural && scene.mesh.is_grid()) => {
                 Problem::TransformDoesNotApply
             }
             LinearMethod::Shifted if !is_natural => Problem::ShiftedDoesNotApply,
@@ -65,7 +64,7 @@ choice! {
     pub enum LinearMethod {
         /// The fast one where it applies, the factor where it does not or fails.
         Automatic = "automatic",
-        /// Krylov iteration, preconditioned by cosine transforms: structured meshes.
+        /// Krylov iteration, preconditioned by a transform of the grid: structured meshes, the natural boundary.
         Transform = "transform",
         /// Krylov iteration, preconditioned by sparse factors of three shifted Laplacians: any mesh, the
         /// natural boundary.

@@ -1,18 +1,18 @@
 //! The linear systems of substep 2: by which of several ways they are solved, and how accurately.
 //!
 //! On the fast path ω and μ are eliminated, and GMRES works on φ alone, preconditioned by the inverse of the
-//! bulk operator: by cosine transforms on a grid, by factors of shifted Laplacians on any mesh. The other
+//! bulk operator: by a transform on a grid, by factors of shifted Laplacians on any mesh. The other
 //! way is a sparse factor of all three fields.
 
 use serde::{Deserialize, Serialize};
 
 use crate::fem::Space;
 use crate::linalg::{Gmres, LinalgError, vector};
-use crate::scene::{Geometry, LinearMethod};
+use crate::scene::LinearMethod;
 
 use super::super::fault_injection;
 use super::super::solvers::BulkInverse;
-use super::super::solvers::cosine::{CosineInverse, ReducedOperator};
+use super::super::solvers::grid::{GridInverse, ReducedOperator};
 use super::super::solvers::ldlt::{FactorCheckpoint, FactoredPreconditioner, ThreeFieldOperator};
 use super::super::solvers::shifted::ShiftedInverse;
 use super::{MembraneStep, NewtonOptions, StepContext, StoppingCriterion};
@@ -69,10 +69,8 @@ impl LinearSolver {
         match (method, space.mesh().grid()) {
             (LinearMethod::Factor, _) => Self::factor(space, fixed),
             _ if clamped => Self::factor(space, fixed),
-            (LinearMethod::Automatic | LinearMethod::Transform, Some(grid))
-                if space.mesh().geometry() == Geometry::Planar =>
-            {
-                Ok(Self::reduced(space, CosineInverse::new(space, grid)))
+            (LinearMethod::Automatic | LinearMethod::Transform, Some(grid)) => {
+                Ok(Self::reduced(space, GridInverse::new(space, grid)?))
             }
             _ => Ok(Self::reduced(space, ShiftedInverse::new(space))),
         }

@@ -1,7 +1,7 @@
 //! Which linear solver and which iteration a step begins with, when one is replaced by another, and when it is
 //! tried again: small state machines without numerics.
 //!
-//! The fast solver (cosine transforms or shifted Laplacians) is left where it fails, for [`RETRY_AFTER`] steps, or
+//! The fast solver (a transform of the grid or shifted Laplacians) is left where it fails, for [`RETRY_AFTER`] steps, or
 //! where it was slow ten times in a row, for [`RETRY_AFTER_SLOW`]; twice as long each time that happens again. The
 //! lagged iteration is replaced by Newton's method in the same way.
 
@@ -21,7 +21,7 @@ const RETRY_AFTER_SLOW: u32 = 64;
 const SLOW_SOLVES: u32 = 10;
 
 /// Iterations of a linear system from which on the sparse factor, made once in a few systems, is clearly faster
-/// than the cosine transform. They take the same time at 13 to 14, on 60, 120 and 240 cells (`vesica run case3
+/// than the transform of the grid. They take the same time at 13 to 14, on 60, 120 and 240 cells (`vesica run case3
 /// --steps 12 --set time.step=2e-6 --set solver.linear=…`: `milliseconds` over `newton` and `krylov` in
 /// `run.json`).
 const BREAK_EVEN: u32 = 18;
