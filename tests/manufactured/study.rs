@@ -231,7 +231,7 @@ impl Run {
         let mut scheme = Scheme::new(&model.scene, mesh.clone(), phi, director).expect("a scheme");
         assert_eq!(
             scheme.uses_transform(),
-            self.mesh == MeshKind::Regular && !clamped && model.scene.geometry == Geometry::Planar
+            self.mesh == MeshKind::Regular && !clamped
         );
 
         let clock = Clock::default();
