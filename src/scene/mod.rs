@@ -55,4 +55,4 @@ pub use significant::significant;
 pub(crate) use suggest::nearest;
 pub use tables::*;
 pub use timetable::Timetable;
-pub use warning::{Warning, warnings};
+pub use warning::{Warning, isoperimetric_power, warnings};
