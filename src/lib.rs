@@ -121,7 +121,7 @@ pub mod internal {
         };
     }
     pub mod theory {
-        pub use crate::theory::RoundVesicle;
+        pub use crate::theory::{Branch, RoundBody, RoundVesicle};
     }
     pub mod tui {
         pub use crate::tui::canvas::Canvas;

@@ -218,15 +218,15 @@ fn examine(source: &OsStr, overrides: &[String]) -> Result<(Scene, Found), CliEr
             warnings,
             nodes,
             quality,
-            enclosed,
-            reduced_area,
+            radius,
+            reduced_size,
         } = simulation::examine(&scene).map_err(CliError::SetUp)?;
         Found {
             warnings,
             nodes,
             nodes_are_estimated: false,
             quality: Some(quality),
-            scales: scales(&scene, enclosed, reduced_area),
+            scales: scales(&scene, radius, reduced_size),
         }
     } else {
         simulation::check_outlines(&scene).map_err(CliError::SetUp)?;

@@ -1,30 +1,37 @@
 //! A scene in the numbers of a physicist: ratios of its lengths and times.
 
 use crate::scene::{AnchoringKind, Geometry, Scene};
-use crate::theory::relaxation_time;
+use crate::theory::{relaxation_time, relaxation_time_of_sphere};
 use std::f64::consts::{PI, SQRT_2};
 
-/// What is said of the scales of a scene whose vesicles together have this area, and one vesicle this reduced area 4πA/L².
-pub(super) fn scales(scene: &Scene, enclosed: f64, reduced_area: Option<f64>) -> Vec<String> {
+/// What is said of the scales of a scene whose vesicles together have the area of a circle of this radius, and one vesicle this
+/// reduced area; by rotation the volume of a sphere, and a reduced volume.
+pub(super) fn scales(scene: &Scene, radius: f64, reduced_size: Option<f64>) -> Vec<String> {
     let mut lines = Vec::new();
-    if scene.geometry == Geometry::Axisymmetric {
-        // They are those of a curve in the plane.
-        return lines;
-    }
     let epsilon = scene.membrane.interface_width;
-    let radius = (enclosed / PI).sqrt();
-    let tau = relaxation_time(enclosed, scene.membrane.mobility);
-    let end = scene.time.end;
-    let reduced = reduced_area.map_or(String::new(), |alpha| {
-        format!(", reduced area 4πA/L² = {alpha:.3}")
-    });
+    let mobility = scene.membrane.mobility;
+    let (round, reduced, time, tau) = match scene.geometry {
+        Geometry::Planar => (
+            "circle of the vesicle's area",
+            "reduced area 4πA/L²",
+            "2R⁵/(15 γ c)",
+            relaxation_time(PI * radius * radius, mobility),
+        ),
+        Geometry::Axisymmetric => (
+            "sphere of the vesicle's volume",
+            "reduced volume",
+            "R⁵/(30 γ c)",
+            relaxation_time_of_sphere(radius, mobility),
+        ),
+    };
+    let reduced = reduced_size.map_or(String::new(), |size| format!(", {reduced} = {size:.3}"));
     lines.push(format!(
-        "a circle of the vesicle's area has the radius R = {radius:.3}; ε/R = {:.3}{reduced}",
+        "a {round} has the radius R = {radius:.3}; ε/R = {:.3}{reduced}",
         epsilon / radius
     ));
     lines.push(format!(
-        "its slowest mode relaxes in 2R⁵/(15 γ c) = {tau:.2e}, {} times time.end",
-        short(tau / end)
+        "its slowest mode relaxes in {time} = {tau:.2e}, {} times time.end",
+        short(tau / scene.time.end)
     ));
     let Some(nematic) = scene.nematic.as_ref() else {
         return lines;
@@ -75,7 +82,7 @@ mod tests {
     #[test]
     fn the_paper_s_scene_has_its_numbers() {
         let scene = Scene::of_text("[nematic]\n[anchoring]\n", &[]);
-        let words = scales(&scene, PI * 0.0625, Some(0.69)).join("\n");
+        let words = scales(&scene, 0.25, Some(0.69)).join("\n");
         for part in [
             "R = 0.250; ε/R = 0.040, reduced area 4πA/L² = 0.690",
             "relaxes in 2R⁵/(15 γ c) = 1.38e-2, 14 times time.end",
@@ -85,8 +92,14 @@ mod tests {
             assert!(words.contains(part), "{part}\n{words}");
         }
         let bare = Scene::of_text("time.end = 1.0", &[]);
-        let words = scales(&bare, PI * 0.0625, None);
+        let words = scales(&bare, 0.25, None);
         assert_eq!(words.len(), 2, "{words:?}");
         assert!(words[1].contains("0.014 times time.end"), "{words:?}");
+        let text = "domain.geometry = \"axisymmetric\"\nvesicle.center = [0.0, 0.5]";
+        let words = scales(&Scene::of_text(text, &[]), 0.25, Some(0.64)).join("\n");
+        // A quarter of the time of the circle.
+        for part in ["reduced volume = 0.640", "R⁵/(30 γ c) = 3.45e-3, 3.5 times"] {
+            assert!(words.contains(part), "{part}\n{words}");
+        }
     }
 }

@@ -41,7 +41,7 @@ pub(super) struct Arguments {
 }
 
 /// A sweep on this machine.
-#[derive(Debug, clap::Args)]
+#[derive(Debug, Default, clap::Args)]
 #[group(id = "here")]
 struct Here {
     /// The plan, or with --resume the folder of a sweep
@@ -101,7 +101,7 @@ pub(super) fn sweep(arguments: &Arguments) -> Result<(), CliError> {
         Some(Command::Point(arguments)) => point::points(arguments),
         None => match &arguments.here.plan {
             Some(plan) if arguments.here.list => list::list(plan, arguments.here.quick),
-            Some(plan) => here::run(plan, &arguments.here),
+            Some(plan) => here::run(plan, &arguments.here).map(drop),
             None => Ok(()),
         },
     }

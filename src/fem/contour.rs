@@ -92,8 +92,24 @@ impl Contour {
             let length = self.length();
             return (length > 0.0).then(|| 4.0 * PI * self.area / (length * length));
         };
-        let surface: f64 = self.segments.iter().map(ring).sum();
-        (surface > 0.0).then(|| 36.0 * PI * volume * volume / surface.powi(3))
+        let surface = self.surface().filter(|surface| *surface > 0.0);
+        surface.map(|surface| 36.0 * PI * volume * volume / surface.powi(3))
+    }
+
+    /// The reduced area 4π·area/length², or by rotation the reduced volume 6√π·volume/surface^(3/2); `None` where the zero set is
+    /// empty.
+    pub fn reduced_size(&self) -> Option<f64> {
+        let quotient = self.isoperimetric_quotient()?;
+        Some(match self.volume {
+            None => quotient,
+            Some(_) => quotient.sqrt(),
+        })
+    }
+
+    /// By rotation the surface of the body φ > 0.
+    pub fn surface(&self) -> Option<f64> {
+        self.volume
+            .map(|_| self.segments.iter().map(ring).sum::<f64>())
     }
 
     /// The least distance from the zero set to the wall; `None` where the zero set is empty.

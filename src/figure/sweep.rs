@@ -2,6 +2,7 @@
 //! shapes, in which the vesicle of each point stands at its place in the plane of two keys.
 
 mod axis;
+mod branches;
 mod curves;
 mod map;
 mod page;
@@ -16,6 +17,7 @@ use super::text::Label;
 use super::{FigureError, FigureOptions, TEXT_SIZES_A_WIDTH, text_size};
 use crate::fem::Contour;
 use crate::study::sweep::{Spacing, SweepFolder, Table, last_outline, plain};
+use crate::theory::{Branch, ClosedSurfaceError};
 use axis::PlaceAxis;
 use std::path::{Path, PathBuf};
 
@@ -35,6 +37,8 @@ pub struct SweepView {
     pub fixed: Vec<(String, String)>,
     /// Curves over x, one for each y, in place of a map.
     pub curves: bool,
+    /// In place of all these: the bending energy over the reduced volume of bodies of rotation, beside the branches of theory.
+    pub branches: bool,
 }
 
 /// Why there is no figure of a sweep.
@@ -78,6 +82,14 @@ pub enum SweepFigureError {
         /// The axes that make them.
         keys: Vec<String>,
     },
+    /// No point has the shapes that the branches are of.
+    #[error(
+        "no point is a body of rotation (domain.geometry = \"axisymmetric\") with one vesicle on the axis yet"
+    )]
+    NoBodies,
+    /// The theory has no branch to draw.
+    #[error(transparent)]
+    Theory(#[from] ClosedSurfaceError),
     /// Nothing varies.
     #[error("nothing varies: a figure needs an axis, from [vary] of the plan")]
     NoAxes,
@@ -381,6 +393,7 @@ fn column_label(column: &str) -> Label {
 /// | `curves-<column>` | the column over the one axis; of several, with [`SweepView::curves`], a curve for each y |
 /// | `map-<column>` | the column in colours over two axes, with contour lines; a panel for each value of the others |
 /// | `shapes-<column>` | the last vesicle of each point at its place, coloured by the column |
+/// | `branches` | with [`SweepView::branches`], alone: the bending energy at the end over the reduced volume, with the branches of theory |
 ///
 /// # Errors
 /// [`SweepFigureError`]; the files that were written before it stay.
@@ -393,6 +406,9 @@ pub fn save_sweep(
 ) -> Result<Vec<PathBuf>, SweepFigureError> {
     options.check()?;
     let table = Table::read(sweep);
+    if view.branches {
+        return save_branches(sweep, &table, view, command, options, folder);
+    }
     let arranged = Arranged::new(sweep, &table, view)?;
     if arranged.extent.is_none() {
         let column = view.column.clone();
@@ -426,6 +442,38 @@ pub fn save_sweep(
     files.text(&stem, "csv", &outlines.to_csv(&table))?;
     let drawing = shapes::draw(&arranged, &outlines, options.width, size)?;
     files.picture(&stem, &drawing, options, &provenance("Shapes"))?;
+    Ok(files.written)
+}
+
+/// The figure of the branches.
+fn save_branches(
+    sweep: &SweepFolder,
+    table: &Table,
+    view: &SweepView,
+    command: &str,
+    options: &FigureOptions,
+    folder: &Path,
+) -> Result<Vec<PathBuf>, SweepFigureError> {
+    let points = branches::rest_points(sweep, table, view)?;
+    let lines = Branch::ALL.map(|branch| Ok((branch, branch.surfaces(0.0)?)));
+    let lines: Vec<_> = lines
+        .into_iter()
+        .collect::<Result<_, ClosedSurfaceError>>()?;
+    let mut files = Files::claim(
+        folder,
+        vec!["branches".into()],
+        &["png", "svg", "csv"],
+        options,
+    )?;
+    let stem = files.stem(0);
+    files.text(&stem, "csv", &branches::to_csv(&points, &lines))?;
+    let title = format!("Bending energy over reduced volume: {}", sweep.title());
+    let provenance = Provenance::plain(&title, command)
+        .with("Scene", sweep.scene_text())
+        .with("Plan", &sweep.plan.text);
+    let size = text_size(options.width, TEXT_SIZES_A_WIDTH);
+    let drawing = branches::draw(&Label::text(&title), &points, &lines, options.width, size)?;
+    files.picture(&stem, &drawing, options, &provenance)?;
     Ok(files.written)
 }
 

@@ -99,7 +99,7 @@ pub enum Problem {
     /// An outline that reaches the axis of rotation is not its own mirror image there.
     #[error(
         "by rotation (domain.geometry = \"axisymmetric\") an outline that reaches the axis x = 0 must be its own mirror image there: \
-         put its center on the axis, such as [0.0, 0.5], and give an angle of 0 or 90 degrees; or keep it off the axis, where it is a ring"
+         put its center on the axis, such as [0.0, 0.5], and give an angle of 0 or 90 degrees (of a stomatocyte 0 or 180); or keep it off the axis, where it is a ring"
     )]
     AskewOnAxis,
     /// A field across the axis of rotation.

@@ -53,7 +53,7 @@ pub use significant::significant;
 pub(crate) use suggest::nearest;
 pub use tables::*;
 pub use timetable::Timetable;
-pub use warning::{Warning, warnings};
+pub use warning::{Warning, isoperimetric_power, warnings};
 
 // Named by unit tests only.
 #[cfg(test)]

@@ -19,7 +19,7 @@ presets! {
     "case1-fine" "case2-fine" "case3-fine" "case4-fine"
     "bending" "circle" "relaxation" "curvature" "field" "pull" "noise"
     "switch" "squeeze" "fredericks"
-    "sphere" "redcell" "prolate" "redcell-nematic"
+    "sphere" "redcell" "prolate" "stomatocyte" "redcell-nematic"
 }
 
 /// There is no such preset.

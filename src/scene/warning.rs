@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::significant::significant;
-use super::tables::{Mesh, Quadrature, Scene};
+use super::tables::{Geometry, Mesh, Quadrature, Scene};
 
 /// Cells that an interface of width ε should span, for accurate energies.
 const CELLS_FOR_ENERGIES: f64 = 3.0;
@@ -90,12 +90,15 @@ pub enum Warning {
         interface_width: f64,
     },
     /// By the isoperimetric inequality no shape of this volume has the surface area β: volume is
-    /// conserved, so β²/B(φ⁰)² ≥ 4π·area/length² of the initial shape.
+    /// conserved, so β²/B(φ⁰)² ≥ 4π·area/length² of the initial shape, or by rotation β³/B(φ⁰)³ ≥
+    /// 36π·volume²/surface³.
     TargetOutOfReach {
-        /// (β/B(φ⁰))², the square of `area.target`.
-        target_squared: f64,
-        /// 4π·area/length² of the initial shape.
-        bound: f64,
+        /// β/B(φ⁰), `area.target`.
+        target: f64,
+        /// The quotient of the initial shape.
+        quotient: f64,
+        /// Whether it is that of a curve or of a body of rotation.
+        geometry: Geometry,
     },
     /// A change that the run does not reach.
     ChangeAfterEnd {
@@ -260,18 +263,33 @@ impl fmt::Display for Warning {
                 significant(bound, 6),
             ),
             Self::TargetOutOfReach {
-                target_squared,
-                bound,
-            } => write!(
-                f,
-                "the area can never reach its target: the volume is conserved, so area.target² \
-                 must be at least 4π·area/length² of the initial shape = {} (isoperimetric \
-                 inequality), and it is {}; the smallest target within reach is {}",
-                significant(bound, 4),
-                significant(target_squared, 4),
-                significant(bound.sqrt(), 4),
-            ),
+                target,
+                quotient,
+                geometry,
+            } => {
+                let (power, formula, least) = match geometry {
+                    Geometry::Planar => ("²", "4π·area/length²", quotient.sqrt()),
+                    Geometry::Axisymmetric => ("³", "36π·volume²/surface³", quotient.cbrt()),
+                };
+                write!(
+                    f,
+                    "the area can never reach its target: the volume is conserved, so area.target{power} \
+                     must be at least {formula} of the initial shape = {} (isoperimetric \
+                     inequality), and it is {}; the smallest target within reach is {}",
+                    significant(quotient, 4),
+                    significant(target.powi(isoperimetric_power(geometry)), 4),
+                    significant(least, 4),
+                )
+            }
         }
+    }
+}
+
+/// With this power of length over the area of a curve, or of the surface over the volume of a body, the isoperimetric quotient goes.
+pub fn isoperimetric_power(geometry: Geometry) -> i32 {
+    match geometry {
+        Geometry::Planar => 2,
+        Geometry::Axisymmetric => 3,
     }
 }
 
@@ -592,12 +610,19 @@ mod tests {
 
     #[test]
     fn the_warnings_of_the_shape_give_their_numbers() {
-        let reach = Warning::TargetOutOfReach {
-            target_squared: 0.5625,
-            bound: 0.69,
+        let reach = |target, quotient, geometry| {
+            let warning = Warning::TargetOutOfReach {
+                target,
+                quotient,
+                geometry,
+            };
+            warning.to_string()
         };
-        let text = reach.to_string();
+        let text = reach(0.75, 0.69, Geometry::Planar);
         assert!(text.contains("0.5625") && text.contains("0.6900") && text.contains("0.8307"));
+        let text = reach(0.7, 0.4096, Geometry::Axisymmetric);
+        assert!(text.contains("area.target³") && text.contains("36π·volume²/surface³"));
+        assert!(text.contains("0.3430") && text.contains("0.4096") && text.contains("0.7427"));
         let near = Warning::VesicleAtWall {
             distance: 0.02,
             interface_width: 0.01,

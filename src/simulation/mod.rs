@@ -26,6 +26,7 @@ mod threads;
 mod warnings;
 mod worker;
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -106,10 +107,10 @@ pub struct Examination {
     pub nodes: usize,
     /// Angles and sizes of its triangles.
     pub quality: MeshQuality,
-    /// The area of the region φ⁰ > 0.
-    pub enclosed: f64,
-    /// 4π·area/length² of the region φ⁰ > 0; `None` where it is not one piece.
-    pub reduced_area: Option<f64>,
+    /// The radius of the circle with the area of the region φ⁰ > 0, or by rotation of the sphere with its volume.
+    pub radius: f64,
+    /// The reduced area 4πA/L² of the region φ⁰ > 0, or by rotation its reduced volume; `None` where it is not one piece.
+    pub reduced_size: Option<f64>,
 }
 
 /// Makes a scene's mesh and initial state, and describes them.
@@ -124,8 +125,11 @@ pub fn examine(scene: &Scene) -> Result<Examination, SimulationError> {
     let contour = Contour::new(&mesh, phi);
     let is_one = Pieces::default().find(&mesh, phi) == 1;
     Ok(Examination {
-        enclosed: contour.area,
-        reduced_area: contour.isoperimetric_quotient().filter(|_| is_one),
+        radius: match contour.volume {
+            None => (contour.area / PI).sqrt(),
+            Some(volume) => (0.75 * volume / PI).cbrt(),
+        },
+        reduced_size: contour.reduced_size().filter(|_| is_one),
         warnings: warnings(scene, &mesh, &initial.phi),
         nodes: mesh.nodes().len(),
         quality: MeshQuality::of(&mesh),

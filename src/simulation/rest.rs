@@ -1,8 +1,7 @@
 //! Whether a run is at rest.
 
-use super::shape_at_rest::enclosed_area;
+use super::shape_at_rest::{enclosed_area, relaxation_time};
 use super::{Event, EventKind, Report, Simulation};
-use crate::theory::relaxation_time;
 
 /// D τ/S: the energy that would be lost in a relaxation time at the rate of a step that lasted `dt`, as a part of the energy. D is the
 /// sum of all dissipations of the step's energy law (3.26) over its length, S the sum of the absolute energies, and τ the
@@ -29,6 +28,7 @@ impl Simulation {
         };
         let report = &self.report;
         let tau = relaxation_time(
+            self.scene.geometry,
             enclosed_area(&self.mesh, report.phase_integral),
             self.scene.membrane.mobility,
         );
@@ -110,7 +110,8 @@ mod tests {
         resumed.go_beyond_rest();
         assert!(!schedule.is_done(resumed.report()));
         // The slowest mode decays faster than 1/τ, as ε/R = 0.22: less than half of the measure is left to lose.
-        let tau = relaxation_time(enclosed_area(&simulation.mesh, report.phase_integral), 1.0);
+        let enclosed = enclosed_area(&simulation.mesh, report.phase_integral);
+        let tau = relaxation_time(simulation.scene.geometry, enclosed, 1.0);
         while resumed.report().t < report.t + 10.0 * tau {
             resumed.advance().expect("a step");
         }

@@ -3,7 +3,7 @@
 use crate::fem::{Mesh, Pieces, center_and_axis};
 use crate::geometry::Point;
 use crate::scene::{Geometry, ScalarField, Scene};
-use crate::theory::{AreaPenalty, ElasticaError, ShapeAtRest};
+use crate::theory::{self, AreaPenalty, ElasticaError, ShapeAtRest};
 use std::f64::consts::PI;
 
 /// Why the theory foresees no shape at rest.
@@ -75,6 +75,16 @@ pub fn enclosed_area(mesh: &Mesh, phase_integral: f64) -> f64 {
     match mesh.geometry() {
         Geometry::Planar => enclosed,
         Geometry::Axisymmetric => PI * (0.75 * enclosed / PI).cbrt().powi(2),
+    }
+}
+
+/// The time in which the slowest mode of a round vesicle decays that has this [enclosed area](enclosed_area).
+pub fn relaxation_time(geometry: Geometry, enclosed: f64, mobility: f64) -> f64 {
+    match geometry {
+        Geometry::Planar => theory::relaxation_time(enclosed, mobility),
+        Geometry::Axisymmetric => {
+            theory::relaxation_time_of_sphere((enclosed / PI).sqrt(), mobility)
+        }
     }
 }
 

@@ -4,7 +4,8 @@ use super::presence::sign;
 use crate::fem::{Contour, Mesh, MeshQuality, SLIVER, Wall};
 use crate::geometry::{Segment, length};
 use crate::scene::{
-    self, Geometry, OutlineDistance, Scene, Shape, Warning, union_distance, wall_distance,
+    self, Geometry, OutlineDistance, Scene, Shape, Warning, isoperimetric_power, union_distance,
+    wall_distance,
 };
 
 /// The interface of a vesicle reaches this many ε beyond φ = 0: tanh(2√2) = 0.993.
@@ -39,23 +40,24 @@ pub fn warnings(scene: &Scene, mesh: &Mesh, phi: &[f64]) -> Vec<Warning> {
         });
     }
     if let Some(area) = &scene.area {
-        let bound = match &scene.vesicle.shape {
+        let quotient = match &scene.vesicle.shape {
             Shape::Outlines(outlines)
                 if outlines.len() == 1 && scene.geometry == Geometry::Planar =>
             {
                 Some(OutlineDistance::new(&outlines[0]).isoperimetric_quotient())
             }
             Shape::Random { .. } => None,
-            _ if scene.geometry == Geometry::Axisymmetric => None,
             _ => contour.isoperimetric_quotient(),
         };
-        let target_squared = area.target * area.target;
-        if let Some(bound) = bound.filter(|bound| target_squared < *bound) {
-            warnings.push(Warning::TargetOutOfReach {
-                target_squared,
-                bound,
-            });
-        }
+        let geometry = scene.geometry;
+        let reached = area.target.powi(isoperimetric_power(geometry));
+        warnings.extend(quotient.filter(|least| reached < *least).map(|quotient| {
+            Warning::TargetOutOfReach {
+                target: area.target,
+                quotient,
+                geometry,
+            }
+        }));
     }
     warnings
 }
@@ -131,8 +133,38 @@ impl NearWall {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::small;
+    use std::f64::consts::PI;
+
+    use super::super::{Simulation, tests::small};
     use super::*;
+
+    /// A prolate spheroid whose surface is to shrink: down to that of the sphere, which has the volume 4π/3·a²c.
+    #[test]
+    fn a_target_below_the_sphere_is_warned_of_by_rotation() {
+        let (a, c): (f64, f64) = (0.15, 0.3);
+        let eccentricity = (1.0 - (a / c).powi(2)).sqrt();
+        let surface = 2.0 * PI * a * (a + c / eccentricity * eccentricity.asin());
+        let least = 4.0 * PI * (a * a * c).powf(2.0 / 3.0) / surface;
+        let warned = |target: f64| {
+            let scene = small(&[
+                "domain.geometry=axisymmetric",
+                "nematic.initial=[0, 1]",
+                "mesh.cells=60",
+                "membrane.interface_width=0.05",
+                "vesicle={ shape = 'ellipse', half_axes = [0.15, 0.3], center = [0, 0.5] }",
+                &format!("area.target={target}"),
+            ]);
+            let simulation = Simulation::new(&scene).expect("a small scene");
+            let warnings = simulation.warnings().iter();
+            let mut warnings = warnings.map(ToString::to_string);
+            warnings.find(|it| it.contains("never reach its target"))
+        };
+        assert!(least < 0.95, "{least}");
+        let text = warned(least - 0.003).expect("it is out of reach");
+        assert!(text.contains("36π·volume²/surface³"), "{text}");
+        assert_eq!(warned(least + 0.003), None);
+        assert_eq!(warned(1.0), None);
+    }
 
     #[test]
     fn triangles_that_are_nearly_flat_are_warned_of() {

@@ -4,12 +4,14 @@
 //! A membrane of interface width ε tends to a curve as ε → 0: its area B to c times the length of the curve, and its
 //! bending energy to c/2 ∫κ² ds, with the factor c = [`MEMBRANE_FACTOR`].
 
+mod closed_surface;
 mod elastica;
 mod relaxation;
 mod shape_at_rest;
 
+pub use closed_surface::{Branch, CROSSINGS, ClosedSurface, ClosedSurfaceError};
 pub use elastica::ElasticaError;
-pub use relaxation::{RoundVesicle, relaxation_time};
+pub use relaxation::{RoundBody, RoundVesicle, relaxation_time, relaxation_time_of_sphere};
 pub use shape_at_rest::{AreaPenalty, ShapeAtRest};
 
 /// c = 2√2/3: B of a flat profile tanh(s/(√2 ε)), per unit of length.

@@ -53,6 +53,47 @@ impl RoundVesicle {
     }
 }
 
+/// A sphere whose radius is R(1 + a P_l(cos θ)) with a small a, and its membrane; walls are taken to be far away.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RoundBody {
+    /// R.
+    pub radius: f64,
+    /// γ_ben.
+    pub mobility: f64,
+    /// ε; 0: the sharp interface.
+    pub interface_width: f64,
+    /// σ = c(B − β)/η; 0 where the area is free.
+    pub tension: f64,
+}
+
+impl RoundBody {
+    /// The rate at which a of the mode l ≥ 2 decays as exp(−rate·t):
+    ///
+    /// γ (2l + 1)(l − 1)(l + 2) [l(l + 1) c/R⁴ + σ/R²] / (4R) · 1/(1 − √2 ε (2l + 1)/(2R)).
+    ///
+    /// As for a [circle](RoundVesicle::decay_rate), with harmonics r^l and r^(−l − 1) in place of r^n and r^(−n). `None` where ε is no longer small.
+    pub fn decay_rate(&self, mode: u32) -> Option<f64> {
+        let l = f64::from(mode);
+        let Self {
+            radius,
+            mobility,
+            interface_width,
+            tension,
+        } = *self;
+        let force = l * (l + 1.0) * MEMBRANE_FACTOR / radius.powi(4) + tension / (radius * radius);
+        let factor = (2.0 * l + 1.0) * (l - 1.0) * (l + 2.0);
+        let sharp = mobility * factor * force / (4.0 * radius);
+        let diffuse = 1.0 - SQRT_2 * interface_width * (l + 0.5) / radius;
+        (diffuse > 0.0).then(|| sharp / diffuse)
+    }
+}
+
+/// R⁵/(30 γ c): the time in which the slowest mode of a sphere of this radius, l = 2 without tension, decays by e, for a sharp
+/// interface and far walls.
+pub fn relaxation_time_of_sphere(radius: f64, mobility: f64) -> f64 {
+    radius.powi(5) / (30.0 * mobility * MEMBRANE_FACTOR)
+}
+
 /// 2R⁵/(15 γ c): the time in which the slowest mode of a round vesicle of this area, n = 2 without tension, decays by e, for a sharp
 /// interface and far walls.
 pub fn relaxation_time(enclosed: f64, mobility: f64) -> f64 {
@@ -101,6 +142,26 @@ mod tests {
             let rate = RoundVesicle { tension, ..sharp }.decay_rate(2);
             assert_eq!(rate.map(f64::signum), Some(sign));
         }
+        let sphere = RoundBody {
+            radius: 0.25,
+            mobility: 0.01,
+            interface_width: 0.0,
+            tension: 0.0,
+        };
+        let of_sphere = sphere.decay_rate(2).expect("it is sharp");
+        let time = relaxation_time_of_sphere(0.25, 0.01);
+        assert!((of_sphere * time - 1.0).abs() < 1e-12);
+        // Marginal at σ = −6c/R², the tension at which prolate and oblate shapes branch off from it.
+        for (part, sign) in [(0.99, 1.0), (1.01, -1.0)] {
+            let tension = -6.0 * part * MEMBRANE_FACTOR / 0.0625;
+            let rate = RoundBody { tension, ..sphere }.decay_rate(2);
+            assert_eq!(rate.map(f64::signum), Some(sign));
+        }
+        let thick = RoundBody {
+            interface_width: 0.1,
+            ..sphere
+        };
+        assert!(thick.decay_rate(2).is_some() && thick.decay_rate(3).is_none());
         let thick = RoundVesicle {
             interface_width: 0.1,
             ..sharp

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use vesica::internal::fem::{QuadratureRule, Space, ritz_projection};
-use vesica::internal::scene::{Boundary, Geometry};
+use vesica::internal::scene::Boundary;
 use vesica::{Mesh, Point, Scene, Scheme, State};
 
 use super::fields::{DirectorField, Mode, PhaseField};

@@ -70,6 +70,10 @@ fn outline() -> impl Strategy<Value = String> {
             format!("shape = 'cassini', ratio = {ratio:?}, half_length = {length:?}")
         }),
         (0.05..0.6).prop_map(|r: f64| format!("shape = 'discocyte', radius = {r:?}")),
+        (0.05..0.4, 0.1..0.6, 40.0..300.0).prop_map(|(r, part, angle): (f64, f64, f64)| format!(
+            "shape = 'stomatocyte', radius = {r:?}, thickness = {:?}, opening = {angle:?}",
+            part * r
+        )),
     ];
     (shape, -0.1..1.1, -0.1..1.1)
         .prop_map(|(shape, x, y): (String, f64, f64)| format!("{shape}, center = [{x:?}, {y:?}]"))

@@ -81,6 +81,41 @@ fn the_energy_law_holds_and_the_volume_stays() {
     }
 }
 
+/// By rotation the nodes of the file at x = 0 are the axis.
+#[test]
+fn a_gmsh_mesh_can_be_rotated() {
+    const ON_AXIS: &str = "[vesicle]\nshape = \"ellipse\"\nhalf_axes = [0.3, 0.2]\ncenter = [0.0, 0.51]\n\
+                           [domain]\ngeometry = \"axisymmetric\"\n";
+    for quadrature in ["solver.quadrature=consistent", "solver.quadrature=lumped"] {
+        for boundary in ["domain.boundary=natural", "domain.boundary=clamped"] {
+            let settings = [&TIGHT[..], &[boundary, quadrature]].concat();
+            let mut scheme = scheme(&scene(SQUARE, ON_AXIS, &settings));
+            let start = scheme.report().phase_integral;
+            for number in 1..=3 {
+                let place = format!("{settings:?} {number}");
+                let report = scheme.step(1e-6).unwrap_or_else(|e| panic!("{place}: {e}"));
+                assert!(report.law_residual.abs() <= 1e-12, "{place}: {report:?}");
+                let drift = report.phase_integral - start;
+                assert!(drift.abs() < 2e-13, "{place}: {drift:e}");
+            }
+            let mesh = scheme.space().mesh();
+            // The cylinder of radius and height 1.
+            let volume: f64 = mesh.measures().iter().sum();
+            assert!((volume / std::f64::consts::PI - 1.0).abs() < 1e-13);
+            let director = scheme.state().director.as_ref().expect("a nematic");
+            let on_axis = || director[0].iter().zip(mesh.on_axis()).filter(|(_, on)| *on);
+            assert!(on_axis().count() > 5 && on_axis().all(|(radial, _)| *radial == 0.0));
+        }
+    }
+    let mut read = |path: &str| fs::read(meshes().join(path));
+    let text = format!("[mesh]\n{CHANNEL}\n{ON_AXIS}");
+    let error = Scene::parse(&text, "the test", &[], &mut read).expect_err("it has x < 0");
+    assert!(
+        error.to_string().contains("none may be at x < 0"),
+        "{error}"
+    );
+}
+
 fn vesica(folder: &Path, arguments: &[&str]) -> Output {
     let output = Command::new(env!("CARGO_BIN_EXE_vesica"))
         .current_dir(folder)

@@ -26,8 +26,8 @@ const PARTS: u64 = 1000;
 /// Before so long there is no telling how long it will take.
 const LEAST_FOR_ESTIMATE: Duration = Duration::from_secs(2);
 
-/// Runs all points that are not done.
-pub(super) fn run(plan: &Path, arguments: &Here) -> Result<(), CliError> {
+/// Runs all points that are not done, and gives the sweep's folder.
+pub(super) fn run(plan: &Path, arguments: &Here) -> Result<SweepFolder, CliError> {
     let folder = open(plan, arguments.out.as_deref(), arguments.resume, |sweep| {
         Ok(sweep.needs.clone())
     })?;
@@ -73,7 +73,8 @@ pub(super) fn run(plan: &Path, arguments: &Here) -> Result<(), CliError> {
         count_of(folder.points().len(), "point"),
         folder.path().display(),
         table.display()
-    ))
+    ))?;
+    Ok(folder)
 }
 
 /// The points that are to be run, and how far they are.

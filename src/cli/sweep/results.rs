@@ -1,6 +1,6 @@
 //! What came out of a sweep, and what is left to do: `table`, `figure`, `status`, `rerun`.
 
-use super::{count_of, job_lines};
+use super::{Here, count_of, here, job_lines};
 use crate::cli::error::CliError;
 use crate::cli::figures::quoted;
 use crate::cli::output;
@@ -41,8 +41,8 @@ pub(super) fn table(arguments: &TableArguments) -> Result<(), CliError> {
 Over one axis: curves. Over two: a map with contour lines. Over more: a panel for each value of the others. And the \
 diagram of shapes: the last vesicle of each point at its place, coloured by the column. Each as PNG, SVG and CSV.")]
 pub(super) struct FigureArguments {
-    /// The sweep's folder
-    #[arg(value_name = "DIR")]
+    /// The sweep's folder, or a plan, which is run first
+    #[arg(value_name = "DIR | PLAN")]
     folder: PathBuf,
 
     /// The figures' folder [default: DIR/figures]
@@ -69,6 +69,10 @@ pub(super) struct FigureArguments {
     #[arg(long)]
     curves: bool,
 
+    /// Of bodies of rotation alone: their bending energy over the reduced volume, with the branches of theory
+    #[arg(long, conflicts_with_all = ["column", "x", "y", "curves"])]
+    branches: bool,
+
     #[command(flatten)]
     size: PictureSize,
 
@@ -89,10 +93,13 @@ impl FigureArguments {
     /// The command that draws the same figures.
     fn command(&self) -> String {
         let mut text = format!(
-            "vesica sweep figure {} --column {}",
-            quoted(&self.folder.to_string_lossy()),
-            quoted(&self.column)
+            "vesica sweep figure {}",
+            quoted(&self.folder.to_string_lossy())
         );
+        text += &match self.branches {
+            true => " --branches".to_owned(),
+            false => format!(" --column {}", quoted(&self.column)),
+        };
         for (option, key) in [("--x", &self.x), ("--y", &self.y)] {
             text += &key
                 .as_ref()
@@ -108,7 +115,10 @@ impl FigureArguments {
 
 /// Draws.
 pub(super) fn figure(arguments: &FigureArguments) -> Result<(), CliError> {
-    let sweep = SweepFolder::open(&arguments.folder)?;
+    let sweep = match arguments.folder.is_file() {
+        true => here::run(&arguments.folder, &Here::default())?,
+        false => SweepFolder::open(&arguments.folder)?,
+    };
     let folder = arguments
         .out
         .clone()
@@ -119,6 +129,7 @@ pub(super) fn figure(arguments: &FigureArguments) -> Result<(), CliError> {
         y: arguments.y.clone(),
         fixed: arguments.fixed.clone(),
         curves: arguments.curves,
+        branches: arguments.branches,
     };
     let options = FigureOptions {
         existing: match arguments.force {

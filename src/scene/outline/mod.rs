@@ -9,6 +9,7 @@ mod cassini;
 mod discocyte;
 mod ellipse;
 mod quadrature;
+mod stomatocyte;
 #[cfg(test)]
 mod tests;
 
@@ -18,8 +19,14 @@ use self::arc::{PreparedArc, QuarterArc};
 use self::cassini::Cassini;
 use self::discocyte::Discocyte;
 use self::ellipse::Ellipse;
+use self::stomatocyte::Stomatocyte;
 use super::{Curve, Geometry, Outline};
 use crate::geometry::{BoundingBox, Point, Vector, direction, frame, length};
+
+/// The least opening of a stomatocyte, in degrees, at which its rim stays open; `None` for a wall that is too thick for any.
+pub(super) fn least_opening(radius: f64, thickness: f64) -> Option<f64> {
+    Stomatocyte::least_opening(radius, thickness)
+}
 
 /// A signed distance to a curve, and its slope.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,10 +54,11 @@ enum PreparedCurve {
     Ellipse(PreparedArc<Ellipse>),
     Cassini(PreparedArc<Cassini>),
     Discocyte(PreparedArc<Discocyte>),
+    Stomatocyte(Stomatocyte),
 }
 
 impl OutlineDistance {
-    /// Prepares an outline whose sizes are positive and whose ratio, if any, is in [0, 1).
+    /// Prepares an outline whose sizes are positive, whose ratio, if any, is in [0, 1), and whose rim, if any, is open.
     pub fn new(outline: &Outline) -> Self {
         let shape = match outline.curve {
             Curve::Circle { radius } => PreparedCurve::Circle { radius },
@@ -63,6 +71,11 @@ impl OutlineDistance {
             Curve::Discocyte { radius } => {
                 PreparedCurve::Discocyte(PreparedArc::new(Discocyte::new(radius)))
             }
+            Curve::Stomatocyte {
+                radius,
+                thickness,
+                opening,
+            } => PreparedCurve::Stomatocyte(Stomatocyte::new(radius, thickness, opening)),
         };
         Self {
             center: outline.center.into(),
@@ -86,12 +99,17 @@ impl OutlineDistance {
 
     /// The smallest box around the outline, to rounding.
     pub fn bounding_box(&self) -> BoundingBox {
-        // By symmetry a direction reaches as far as its image in the first quadrant.
-        let along = self.axis.abs();
-        let half_extent = Vector::new(self.shape.support(along), self.shape.support(along.yx()));
+        // How far the curve reaches along a direction of the plane.
+        let frame = frame(self.axis);
+        let reach = |direction: Vector| {
+            let local = frame.inverse_transform_vector(&direction);
+            self.shape.support(local)
+        };
+        let upper = Vector::new(reach(Vector::x()), reach(Vector::y()));
+        let lower = Vector::new(reach(-Vector::x()), reach(-Vector::y()));
         BoundingBox {
-            lower: self.center - half_extent,
-            upper: self.center + half_extent,
+            lower: self.center - lower,
+            upper: self.center + upper,
         }
     }
 
@@ -102,6 +120,7 @@ impl OutlineDistance {
             PreparedCurve::Ellipse(arc) => arc.length(),
             PreparedCurve::Cassini(arc) => arc.length(),
             PreparedCurve::Discocyte(arc) => arc.length(),
+            PreparedCurve::Stomatocyte(cup) => cup.length(),
         }
     }
 
@@ -112,6 +131,7 @@ impl OutlineDistance {
             PreparedCurve::Ellipse(arc) => arc.area(),
             PreparedCurve::Cassini(arc) => arc.area(),
             PreparedCurve::Discocyte(arc) => arc.area(),
+            PreparedCurve::Stomatocyte(cup) => cup.area(),
         }
     }
 
@@ -140,16 +160,20 @@ impl PreparedCurve {
             Self::Ellipse(arc) => quartered_distance(arc, point),
             Self::Cassini(arc) => quartered_distance(arc, point),
             Self::Discocyte(arc) => quartered_distance(arc, point),
+            Self::Stomatocyte(cup) => cup.signed_distance(point),
         }
     }
 
-    /// max γ·n over the curve, for a unit vector n in the closed first quadrant.
+    /// max γ·n over the curve, for a unit vector n.
     fn support(&self, direction: Vector) -> f64 {
+        // By the symmetry of a quartered curve a direction reaches as far as its image in the first quadrant.
+        let folded = direction.abs();
         match self {
             Self::Circle { radius } => *radius,
-            Self::Ellipse(arc) => arc.support(direction),
-            Self::Cassini(arc) => arc.support(direction),
-            Self::Discocyte(arc) => arc.support(direction),
+            Self::Ellipse(arc) => arc.support(folded),
+            Self::Cassini(arc) => arc.support(folded),
+            Self::Discocyte(arc) => arc.support(folded),
+            Self::Stomatocyte(cup) => cup.support(direction),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Distances against a brute-force search that shares no formula with the code.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use nalgebra::UnitComplex;
 use rand::{RngExt, SeedableRng};
@@ -15,7 +15,21 @@ const CASSINI: Curve = Curve::Cassini {
 };
 const DISCOCYTE: Curve = Curve::Discocyte { radius: 0.4 };
 
-/// Every kind, and the extremes that are legal.
+/// With an opening narrower than a half-plane, and as a bow.
+const CUPS: [Curve; 2] = [
+    Curve::Stomatocyte {
+        radius: 0.25,
+        thickness: 0.1,
+        opening: 60.0,
+    },
+    Curve::Stomatocyte {
+        radius: 0.4,
+        thickness: 0.12,
+        opening: 250.0,
+    },
+];
+
+/// Every kind with two axes of symmetry, and the extremes that are legal.
 const CURVES: [Curve; 11] = [
     CIRCLE,
     Curve::Ellipse {
@@ -90,6 +104,30 @@ fn textbook_point(curve: Curve, angle: f64) -> Point {
             let thickness = 0.207 + 2.003 * t.powi(2) - 1.123 * t.powi(4);
             Point::new(radius * t, 0.5 * radius * sine * thickness)
         }
+        // A quarter of the angle for each of the outer side, an end, the inner side and the other end: counter-clockwise.
+        Curve::Stomatocyte {
+            radius,
+            thickness,
+            opening,
+        } => {
+            let quarter = (angle.rem_euclid(TAU) / FRAC_PI_2).min(4.0 - 1e-15);
+            let (side, share) = (quarter.floor(), quarter.fract());
+            let half_arc = PI - 0.5 * opening.to_radians();
+            let along =
+                |distance: f64, angle: f64| distance * Vector::new(angle.sin(), -angle.cos());
+            let half = 0.5 * thickness;
+            let end = |angle: f64, turn: f64| {
+                let (outwards, forwards) = (along(1.0, angle), along(1.0, angle + FRAC_PI_2));
+                along(radius, angle) + half * (turn.cos() * outwards + turn.sin() * forwards)
+            };
+            let swept = half_arc * (2.0 * share - 1.0);
+            Point::from(match side as u8 {
+                0 => along(radius + half, swept),
+                1 => end(half_arc, PI * share),
+                2 => along(radius - half, -swept),
+                _ => end(-half_arc, PI * (1.0 + share)),
+            })
+        }
     }
 }
 
@@ -158,7 +196,7 @@ impl BruteForce {
 #[test]
 fn distances_are_those_of_a_brute_force_search() {
     let mut generator = generator();
-    for curve in CURVES {
+    for curve in CURVES.into_iter().chain(CUPS) {
         let outline = at_origin(curve);
         let brute = BruteForce::new(curve);
         let mut inside = 0;
@@ -229,7 +267,7 @@ fn distances_hold_where_minima_meet() {
 fn the_gradient_is_a_unit_vector_and_the_slope_of_the_distance() {
     let mut generator = generator();
     let step = 1e-6;
-    for curve in CURVES {
+    for curve in CURVES.into_iter().chain(CUPS) {
         let outline = at_origin(curve);
         let mut compared = 0;
         for _ in 0..500 {
@@ -265,7 +303,7 @@ fn the_gradient_is_a_unit_vector_and_the_slope_of_the_distance() {
 
 #[test]
 fn on_the_curve_the_distance_is_zero_and_the_gradient_the_inward_normal() {
-    for curve in CURVES {
+    for curve in CURVES.into_iter().chain(CUPS) {
         let outline = at_origin(curve);
         for k in 0..1000 {
             let angle = TAU * (f64::from(k) + 0.3) / 1000.0;
@@ -287,7 +325,7 @@ fn on_the_curve_the_distance_is_zero_and_the_gradient_the_inward_normal() {
 #[test]
 fn the_distance_moves_and_turns_with_the_outline() {
     let mut generator = generator();
-    for curve in CURVES {
+    for curve in CURVES.into_iter().chain(CUPS) {
         let fixed = at_origin(curve);
         for angle in [0.0, 37.0, 90.0, -123.4, 360.0] {
             let center = Point::new(0.4, 0.6);
@@ -525,7 +563,7 @@ fn the_profile_is_the_tanh_of_the_distance() {
 
 #[test]
 fn bounding_boxes_are_tight() {
-    for curve in CURVES {
+    for curve in CURVES.into_iter().chain(CUPS) {
         let brute = BruteForce::new(curve);
         for angle in [0.0, 90.0, 33.0, -60.0, 200.0] {
             let outline = Outline {
@@ -593,7 +631,7 @@ fn lengths_and_areas_are_those_of_the_curves() {
     let quotient = at_origin(CASSINI).isoperimetric_quotient();
     assert!((quotient - 0.69).abs() < 0.005, "{quotient}");
     // The polygon of the samples is coarse, but independent.
-    for curve in CURVES {
+    for curve in CURVES.into_iter().chain(CUPS) {
         let brute = BruteForce::new(curve);
         let (mut total, mut area) = (0.0, 0.0);
         for k in 0..BruteForce::COUNT {
@@ -637,6 +675,11 @@ fn legal_extremes_do_not_break() {
         },
         Curve::Circle { radius: 1e-300 },
         Curve::Discocyte { radius: 1e-9 },
+        Curve::Stomatocyte {
+            radius: 0.3,
+            thickness: 1e-9,
+            opening: 359.9,
+        },
     ] {
         let outline = at_origin(curve);
         for x in [-0.5, -1e-9, 0.0, 1e-200, 0.3] {

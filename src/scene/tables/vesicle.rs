@@ -4,7 +4,7 @@ use super::{Geometry, Rules, Scene, Table};
 use crate::geometry::{Vector, direction};
 use crate::scene::error::{Problem, SceneError};
 use crate::scene::nodal_file::{Context, NodalKey, NodalValues, read_nodal_values};
-use crate::scene::outline::OutlineDistance;
+use crate::scene::outline::{OutlineDistance, least_opening};
 use crate::scene::parameter::{
     Choice, DefaultValue, PATH, Parameter, SEED, SEEDS, Value, choice, parameters,
 };
@@ -21,6 +21,7 @@ const RATIO: f64 = 0.92;
 /// sqrt(a² + c²) of the Cassini oval.
 const HALF_LENGTH: f64 = 0.32;
 const RATIOS: Bound = Bound::new("a number ≥ 0 and < 1", |v| (0.0..1.0).contains(&v));
+const OPENINGS: Bound = Bound::new("a number > 0 and < 360", |v| v > 0.0 && v < 360.0);
 const PARTS: &str =
     "an array of one or more shapes, such as [{ shape = \"circle\", radius = 0.1 }]";
 const VALUES: NodalKey = NodalKey::scalar("vesicle.values", "vesicle.txt");
@@ -102,6 +103,15 @@ pub enum Curve {
         /// R.
         radius: f64,
     },
+    /// The section of a cup: what lies within half a thickness of an arc of a circle about the origin. It is open towards +y.
+    Stomatocyte {
+        /// Of the arc.
+        radius: f64,
+        /// Of the wall.
+        thickness: f64,
+        /// The angle without arc, in degrees.
+        opening: f64,
+    },
 }
 
 choice! {
@@ -151,6 +161,8 @@ choice! {
         Cassini = "cassini",
         /// See [`Curve`].
         Discocyte = "discocyte",
+        /// See [`Curve`].
+        Stomatocyte = "stomatocyte",
         /// See [`Shape`].
         Random = "random",
         /// See [`Shape`].
@@ -158,7 +170,7 @@ choice! {
     }
 }
 
-const OUTLINES: &[&str] = &["circle", "ellipse", "cassini", "discocyte"];
+const OUTLINES: &[&str] = &["circle", "ellipse", "cassini", "discocyte", "stomatocyte"];
 impl ShapeKind {
     /// How the user chose it, for messages.
     fn phrase(self) -> String {
@@ -176,13 +188,15 @@ impl Table for Vesicle {
             [RATIO, HALF_LENGTH, CASSINI_ANGLE, 1.0].map(|value| DefaultValue::of(&value));
         let default = Self::default();
         parameters! {
-            shape of &["circle", "ellipse", "cassini", "discocyte", "random", "file"], DefaultValue::of(&ShapeKind::Cassini), ShapeKind::words(&()), "Its shape";
+            shape of &["circle", "ellipse", "cassini", "discocyte", "stomatocyte", "random", "file"], DefaultValue::of(&ShapeKind::Cassini), ShapeKind::words(&()), "Its shape";
             parts of &["parts"], DefaultValue::Absent, PARTS, "Several shapes, in place of one";
             ratio of &["cassini"], ratio, RATIOS.words, "c/a of the foci (±c, 0) and the product a²";
             half_length of &["cassini"], half_length, POSITIVE.words, "sqrt(a² + c²)";
-            radius of &["circle", "discocyte"], DefaultValue::Required, POSITIVE.words, "the radius";
+            radius of &["circle", "discocyte", "stomatocyte"], DefaultValue::Required, POSITIVE.words, "the radius; of a stomatocyte that of the middle of its wall";
+            thickness of &["stomatocyte"], DefaultValue::Required, POSITIVE.words, "of the wall";
+            opening of &["stomatocyte"], DefaultValue::Required, OPENINGS.words, "the angle from rim to rim, seen from the centre, in degrees";
             half_axes of &["ellipse"], DefaultValue::Required, "an array of two numbers > 0", "half its axes";
-            center of OUTLINES, DefaultValue::of(&CENTER), <[f64; 2]>::words(&FINITE), "its centre";
+            center of OUTLINES, DefaultValue::of(&CENTER), <[f64; 2]>::words(&FINITE), "its centre; of a stomatocyte that of the arc";
             angle of OUTLINES, angle, FINITE.words, "of the long axis (of an ellipse, its first axis) to the x axis, in degrees; 0 by default but for `cassini`";
             amplitude of &["random"], DefaultValue::Required, POSITIVE.words, "the bound of independent nodal values";
             seed of &["random"], DefaultValue::of(&SEED), u64::words(&SEEDS), "of the random numbers";
@@ -240,7 +254,12 @@ impl Rules for Vesicle {
             return Ok(());
         };
         let is_askew = |outline: &&Outline| {
-            let is_upright = outline.angle.rem_euclid(90.0) == 0.0;
+            // A stomatocyte has one axis of symmetry, the others have two.
+            let period = match outline.curve {
+                Curve::Stomatocyte { .. } => 180.0,
+                _ => 90.0,
+            };
+            let is_upright = outline.angle.rem_euclid(period) == 0.0;
             let is_on_axis = outline.center[0] == 0.0 && is_upright;
             !is_on_axis && OutlineDistance::new(outline).bounding_box().lower.x <= 0.0
         };
@@ -324,6 +343,27 @@ fn read_outline(
         ShapeKind::Ellipse => Curve::Ellipse {
             half_axes: required("half_axes")?.vector(POSITIVE)?,
         },
+        ShapeKind::Stomatocyte => {
+            let radius = radius()?;
+            let thickness = required("thickness")?.number(POSITIVE)?;
+            let field = required("opening")?;
+            let opening = field.number(OPENINGS)?;
+            let least = least_opening(radius, thickness);
+            if least.is_none_or(|least| opening <= least) {
+                return Err(match least {
+                    Some(least) => field.out_of_range(format!(
+                        "greater than {least:.1} degrees, where the rim of this radius and thickness closes"
+                    )),
+                    None => required("thickness")?
+                        .out_of_range(format!("less than twice the radius, {:?}", 2.0 * radius)),
+                });
+            }
+            Curve::Stomatocyte {
+                radius,
+                thickness,
+                opening,
+            }
+        }
         // The two others have no outline, and no caller asks for one.
         ShapeKind::Cassini | ShapeKind::Random | ShapeKind::File => Curve::Cassini {
             ratio: table.number("ratio", RATIO, RATIOS)?,
@@ -349,6 +389,18 @@ fn outline_keys(outline: &Outline) -> Vec<(&'static str, String)> {
         Curve::Ellipse { half_axes } => {
             let half_axes = ("half_axes", vector(half_axes));
             (ShapeKind::Ellipse, vec![half_axes])
+        }
+        Curve::Stomatocyte {
+            radius,
+            thickness,
+            opening,
+        } => {
+            let size = [
+                key("radius", radius),
+                key("thickness", thickness),
+                key("opening", opening),
+            ];
+            (ShapeKind::Stomatocyte, size.concat())
         }
         Curve::Cassini { ratio, half_length } => {
             let size = [key("ratio", ratio), key("half_length", half_length)];

@@ -78,11 +78,11 @@ fn unknown_choices() {
          Allowed: homeotropic, parallel, none",
     );
     assert!(message("vesicle.shape = 'egg'").contains(
-        "vesicle.shape cannot be 'egg'. Allowed: circle, ellipse, cassini, discocyte, random, file"
+        "vesicle.shape cannot be 'egg'. Allowed: circle, ellipse, cassini, discocyte, stomatocyte, random, file"
     ));
     let random = message("vesicle.parts = [{ shape = 'random' }]");
     assert!(
-        random.ends_with("Allowed: circle, ellipse, cassini, discocyte"),
+        random.ends_with("Allowed: circle, ellipse, cassini, discocyte, stomatocyte"),
         "{random}"
     );
     assert!(
@@ -360,10 +360,36 @@ fn what_does_not_rotate_is_refused() {
             ],
             "mirror image",
         ),
+        (
+            &[
+                "vesicle={ shape = 'stomatocyte', radius = 0.3, thickness = 0.1, opening = 60, center = [0.0, 0.5], angle = 90 }",
+            ],
+            "of a stomatocyte 0 or 180",
+        ),
         (&[nematic, "field.angle=0"], "field.angle must be 90"),
         (&[nematic, "field={}"], "field.angle must be 90"),
     ] {
         let error = refused(settings);
         assert!(error.contains(words), "{settings:?}: {error}");
     }
+}
+
+#[test]
+fn a_stomatocyte_must_be_open() {
+    let cup = |opening: f64, thickness: f64| {
+        message(&format!(
+            "vesicle = {{ shape = 'stomatocyte', radius = 0.3, thickness = {thickness}, opening = {opening} }}"
+        ))
+    };
+    let closed = cup(38.0, 0.2);
+    assert!(
+        closed.contains("vesicle.opening must be greater than 38.9 degrees"),
+        "{closed}"
+    );
+    let thick = cup(90.0, 0.6);
+    assert!(
+        thick.contains("vesicle.thickness must be less than twice the radius, 0.6"),
+        "{thick}"
+    );
+    assert!(cup(360.0, 0.1).contains("a number > 0 and < 360"));
 }

@@ -18,7 +18,7 @@ fn markdown(table: &TableInfo) -> String {
     for parameter in &table.parameters {
         let Parameter { key, words, .. } = parameter;
         // Not for the key that chooses the kind.
-        let is_choice = parameter.kinds == [*key] || parameter.kinds.len() > 4;
+        let is_choice = parameter.kinds == [*key] || parameter.kinds.len() > 5;
         let kinds = match parameter.kinds {
             [] => String::new(),
             _ if is_choice => String::new(),

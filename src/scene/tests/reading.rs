@@ -182,6 +182,14 @@ fn every_shape_is_understood() {
         one(Curve::Discocyte { radius: 0.3 })
     );
     assert_eq!(
+        shape("shape='stomatocyte'\nradius=0.3\nthickness=0.1\nopening=60"),
+        one(Curve::Stomatocyte {
+            radius: 0.3,
+            thickness: 0.1,
+            opening: 60.0
+        })
+    );
+    assert_eq!(
         shape("shape='random'\namplitude=0.1"),
         Shape::Random {
             amplitude: 0.1,

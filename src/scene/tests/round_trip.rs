@@ -34,6 +34,7 @@ fn every_form_of_every_key_round_trips() {
         "vesicle = { shape = 'circle', radius = 0.1, center = [0.1, 0.2], angle = 0 }",
         "vesicle = { shape = 'ellipse', half_axes = [0.3, 1e-3], angle = -12.5, scale = -1.5 }",
         "vesicle = { shape = 'discocyte', radius = 0.1, projection = 'nodal' }",
+        "vesicle = { shape = 'stomatocyte', radius = 0.3, thickness = 0.1, opening = 60 }",
         "vesicle = { shape = 'random', amplitude = 1e-2, seed = 7, projection = 'l2' }",
         "mesh.cells = 4\nvesicle = { shape = 'file', values = 's \"1\".txt' }",
         "vesicle.parts = [{ shape = 'circle', radius = 1 }, { shape = 'cassini', ratio = 0 }]",

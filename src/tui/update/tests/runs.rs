@@ -7,7 +7,7 @@ use super::super::super::message::{Effect, Message};
 use super::super::super::state::{Beyond, Overlay, Question, Run, Severity, Status};
 use super::rig::{Rig, scene, slot};
 use crate::physics::NamedValue;
-use crate::scene::{AnchoringKind, Assignment, Change, ParameterValue, Warning};
+use crate::scene::{AnchoringKind, Assignment, Change, Geometry, ParameterValue, Warning};
 use crate::simulation::{
     Event, EventKind, Message as WorkerMessage, Report, RunId, StepProgress, VesicleChange,
     WorkerEvent,
@@ -573,8 +573,9 @@ fn a_target_out_of_reach_is_said_at_the_start() {
     rig.work(1);
     let mut setting = (**rig.run(2).setting.as_ref().unwrap()).clone();
     setting.warnings = vec![Warning::TargetOutOfReach {
-        target_squared: 0.5625,
-        bound: 0.69,
+        target: 0.75,
+        quotient: 0.69,
+        geometry: Geometry::Planar,
     }];
     rig.keys("ry");
     say(&mut rig, WorkerEvent::Ready(setting.into()));
