@@ -132,7 +132,7 @@ pub enum Existing {
 /// How figures look and where they may go.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FigureOptions {
-    /// In pixels, from [`LEAST_WIDTH`] to [`LARGEST_WIDTH`]. The height follows.
+    /// In pixels, from `LEAST_WIDTH` to `LARGEST_WIDTH`. The height follows.
     pub width: u32,
     /// Dots an inch: with the width, how large it prints.
     pub dpi: u32,

@@ -71,7 +71,7 @@ impl Scene {
     /// The scene with the mesh and the steps for an error of φ, in place of its own.
     ///
     /// # Errors
-    /// [`Problem`]: its data belong to its own mesh, or with that error there would be no interface.
+    /// `Problem`: its data belong to its own mesh, or with that error there would be no interface.
     pub fn with_accuracy(&self, error: f64) -> Result<Self, Problem> {
         if matches!(self.mesh, Mesh::File(_)) {
             return Err(Problem::AccuracyAndMesh);

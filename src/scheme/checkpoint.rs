@@ -125,7 +125,7 @@ impl Scheme {
     /// was. The report has the energies and no ledger, for no step was taken.
     ///
     /// # Errors
-    /// [`RestoreError`]: the checkpoint is of another scene. The state is then unchanged.
+    /// `RestoreError`: the checkpoint is of another scene. The state is then unchanged.
     pub fn restore(&mut self, checkpoint: &SchemeCheckpoint) -> Result<(), RestoreError> {
         checkpoint.check(self)?;
         // Without changes the parameters are what they are at any time.

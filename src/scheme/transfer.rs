@@ -50,7 +50,7 @@ impl Scheme {
     /// the transfer and no ledger. It knows no past, and takes first what steps are to be taken after an event.
     ///
     /// # Errors
-    /// [`TransferError`]: this scheme is then what it was.
+    /// `TransferError`: this scheme is then what it was.
     pub fn on_mesh(&self, mesh: Arc<Mesh>) -> Result<Self, TransferError> {
         let scene = &self.parameters;
         let space = space_on(mesh, scene.solver.quadrature);
@@ -152,7 +152,7 @@ impl Scheme {
     /// The scheme of the same scene on another mesh, at a checkpoint from there.
     ///
     /// # Errors
-    /// [`RestoreError`]: the checkpoint does not belong to that mesh or this scene.
+    /// `RestoreError`: the checkpoint does not belong to that mesh or this scene.
     pub fn restored_on(
         &self,
         mesh: Arc<Mesh>,

@@ -103,7 +103,7 @@ impl Simulation {
     /// The scene's changes become those of the checkpoint. The report has no ledger.
     ///
     /// # Errors
-    /// [`RestoreError`]: the checkpoint is of another scene. The state is then unchanged.
+    /// `RestoreError`: the checkpoint is of another scene. The state is then unchanged.
     pub fn restore(&mut self, checkpoint: &SimulationCheckpoint) -> Result<(), RestoreError> {
         match (&checkpoint.pacing, &self.pacing) {
             (Pacing::Fixed(subdivision), Pacing::Fixed(_)) if subdivision.is_possible() => {}

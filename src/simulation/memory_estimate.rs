@@ -27,7 +27,7 @@ const SHIFTED_GROWTH: f64 = 50.0;
 const SHIFTED_FACTOR: f64 = 8.3;
 
 /// The memory that the run of a scene will take from its start, in bytes; where it turns to the sparse
-/// factor on the way, more: see [`memory_held`].
+/// factor on the way, more: see `memory_held`.
 pub fn memory_needed(scene: &Scene) -> u64 {
     let begins_with_factor = scene.boundary == Boundary::Clamped
         || match scene.solver.linear {

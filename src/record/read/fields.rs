@@ -26,7 +26,7 @@ pub struct StoredFields {
 /// Reads the fields of a VTU file.
 ///
 /// # Errors
-/// [`ReadError`]: which file, which array, and what is wrong with it.
+/// `ReadError`: which file, which array, and what is wrong with it.
 pub fn read_fields(path: &Path) -> Result<StoredFields, ReadError> {
     let text = read_file_text(path, LARGEST).map_err(|reason| ReadError::Unreadable {
         path: path.to_owned(),

@@ -42,7 +42,7 @@ pub struct RecordedRun {
 /// `final.vtu`. A run that is not finished, or was ended early, gives what there is.
 ///
 /// # Errors
-/// [`ReadError`]: what is missing or damaged.
+/// `ReadError`: what is missing or damaged.
 pub fn read_run(folder: &Path) -> Result<RecordedRun, ReadError> {
     for missing in [SCENE, "history.csv"] {
         if !folder.join(missing).exists() {

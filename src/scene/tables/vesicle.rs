@@ -88,7 +88,7 @@ pub enum Curve {
     },
     /// An ellipse.
     Ellipse {
-        /// Half its axes; the first is the one along [`Outline::angle`].
+        /// Half its axes; the first is the one along `Outline::angle`.
         half_axes: [f64; 2],
     },
     /// A Cassini oval: the points whose distances to the foci (±c, 0) have the product a².
