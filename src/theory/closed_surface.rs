@@ -304,13 +304,14 @@ fn stomatocytes(least: f64) -> Result<Vec<Vec<State>>, ClosedSurfaceError> {
     let mut before: Option<State> = None;
     while difference > -GREATEST_DIFFERENCE {
         let last = solutions[solutions.len() - 1][0];
-        // On the line through the last two.
-        let guess = std::array::from_fn(|number| match &before {
-            Some(before) => 2.0 * last[number] - before[number],
-            None => last[number],
-        });
         difference -= DIFFERENCE_STEP;
-        let Ok(states) = solve(Condition::Difference(difference), guess) else {
+        // From the last one; else from where the line through the last two leads.
+        let ahead = |before: State| -> State {
+            std::array::from_fn(|number| 2.0 * last[number] - before[number])
+        };
+        let mut guesses = [Some(last), before.map(ahead)].into_iter().flatten();
+        let condition = Condition::Difference(difference);
+        let Some(states) = guesses.find_map(|guess| solve(condition, guess).ok()) else {
             break;
         };
         before = Some(last);
