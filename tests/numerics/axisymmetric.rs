@@ -258,7 +258,6 @@ fn spheroids_come_to_rest_on_their_branches() {
             (energy / theory.energy - 1.0).abs()
         };
         let [own, other] = [branch, other].map(off);
-        println!("{branch:?}: v = {volume}, W = {energy}, {own} {other}");
         assert!((0.78..0.88).contains(&volume), "{branch:?}: {volume}");
         assert!(
             own < 0.02 && other > 0.02,
