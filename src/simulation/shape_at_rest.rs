@@ -23,8 +23,7 @@ pub enum NoShapeAtRest {
     SpontaneousCurvature,
     /// Of bodies of rotation it is another one.
     #[error(
-        "the theory of the shape at rest is of a curve in the plane, and domain.geometry = \"axisymmetric\" stands for a body \
-         of rotation"
+        "the theory of the shape at rest is of a curve in the plane, and domain.geometry = \"axisymmetric\" has a body of rotation"
     )]
     Rotation,
     /// There is no such curve.

@@ -29,12 +29,15 @@ pub fn signed(value: f64, digits: usize) -> String {
     }
 }
 
+/// What is larger is related to nothing but rounding.
+const MOST_PERCENT: f64 = 1e15;
+
 /// A relative change in percent, at most eight characters; nothing where there is nothing to relate to.
 pub fn percent(change: f64, whole: f64) -> String {
     let percent = 100.0 * change / whole.abs();
     if percent == 0.0 {
         "0%".to_owned()
-    } else if !percent.is_finite() {
+    } else if !percent.is_finite() || percent.abs() >= MOST_PERCENT {
         String::new()
     } else if percent.abs() < 0.005 {
         format!("{percent:+.0e}%")
@@ -115,6 +118,7 @@ mod tests {
             (1e-9, 1.0, "+1e-7%"),
             (5.0, 1.0, "+500%"),
             (5e9, 1.0, "+5e11%"),
+            (2e-3, 2e-27, ""),
             (1.0, 0.0, ""),
             (0.0, 0.0, ""),
         ];

@@ -124,8 +124,9 @@ pub fn numbers<'a>(row: &Row<'_>, widths: Widths, theme: &Theme) -> Line<'a> {
         |value| {
             let text = significant(value, row.digits.unwrap_or(widths.digits));
             // What is nearly nothing has a long exponent.
-            let fits = text.chars().count() < widths.value;
-            if fits { text } else { brief(value, 2) }
+            let shorter = [text, brief(value, 2), brief(value, 1)].into_iter();
+            let mut fitting = shorter.filter(|text| text.chars().count() < widths.value);
+            fitting.next().unwrap_or_else(|| brief(value, 1))
         },
     );
     let mut spans = vec![
