@@ -28,8 +28,10 @@ const VOLUME_STEP: f64 = 0.01;
 /// followed at a time.
 const CUPS_FROM: f64 = 0.5105;
 const DIFFERENCE_STEP: f64 = 0.05;
-/// Beyond this difference of the curvatures at the poles the neck of a stomatocyte is nearly closed.
-const GREATEST_DIFFERENCE: f64 = 5.0;
+/// How far the branch of the cups is followed at a time from there on, in the L2 norm of the state beside the poles, and where
+/// so short a step finds no shape it ends.
+const LONGEST_STEP: f64 = 0.15;
+const LEAST_STEP: f64 = 1e-3;
 /// Below this reduced volume the poles of an oblate shape would meet (0.5027); prolate shapes are followed as far.
 pub const LEAST_REDUCED_VOLUME: f64 = 0.505;
 
@@ -79,22 +81,42 @@ pub enum ClosedSurfaceError {
         reduced_volume: f64,
     },
     /// The boundary value problem was not solved.
-    #[error("the surface with {condition:?} was not found: {reason}")]
+    #[error("the surface with {condition} was not found: {reason}")]
     Unsolved {
         /// What was asked for.
-        condition: Condition,
+        condition: String,
         /// What the solver says.
         reason: String,
     },
 }
 
 /// What singles a surface out of those that obey the equations.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Condition {
+#[derive(Debug, Clone, Copy)]
+enum Condition<'a> {
     /// The reduced volume.
     Volume(f64),
     /// The curvature at the upper pole less that at the lower one.
     Difference(f64),
+    /// On a family, where its tangent leads: what the state beside the poles misses this guess by is normal to the tangent.
+    Along {
+        guess: &'a State,
+        tangent: &'a State,
+    },
+}
+
+impl std::fmt::Display for Condition<'_> {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Volume(volume) => write!(formatter, "the reduced volume {volume}"),
+            Self::Difference(difference) => {
+                write!(
+                    formatter,
+                    "the difference {difference} of the curvatures at its poles"
+                )
+            }
+            Self::Along { .. } => write!(formatter, "the next place on its branch"),
+        }
+    }
 }
 
 /// ψ, U, γ, X, the height below the pole, the area, the volume and the energy W up to s: of the upper half of the meridian and
@@ -106,8 +128,8 @@ const TENSION: usize = 17;
 const LENGTHS: [usize; 2] = [18, 19];
 
 /// Both halves of a meridian at once, to their common equator (ψ = π/2) at "time" 1.
-struct Halves {
-    condition: Condition,
+struct Halves<'a> {
+    condition: Condition<'a>,
 }
 
 /// The state beside a pole of this curvature, by the series.
@@ -133,7 +155,7 @@ fn pole_curvature(state: &State, half: usize) -> f64 {
     (state[half + 1] - square * 0.5 * state[PRESSURE]) / (1.0 + square * state[TENSION])
 }
 
-impl ODE<f64, State> for Halves {
+impl ODE<f64, State> for Halves<'_> {
     fn diff(&self, _time: f64, state: &State, derivative: &mut State) {
         *derivative = [0.0; 20];
         let (pressure, tension) = (state[PRESSURE], state[TENSION]);
@@ -159,7 +181,7 @@ impl ODE<f64, State> for Halves {
     }
 }
 
-impl Boundary<f64, State> for Halves {
+impl Boundary<f64, State> for Halves<'_> {
     fn boundary(&self, start: &State, end: &State, residual: &mut State) {
         let curvatures = HALVES.map(|half| pole_curvature(start, half));
         for (half, curvature) in HALVES.into_iter().zip(curvatures) {
@@ -177,6 +199,12 @@ impl Boundary<f64, State> for Halves {
         residual[19] = match self.condition {
             Condition::Volume(volume) => volume_of(end) - volume,
             Condition::Difference(difference) => curvatures[0] - curvatures[1] - difference,
+            Condition::Along { guess, tangent } => {
+                let misses = start.iter().zip(guess).zip(tangent);
+                misses
+                    .map(|((own, guess), part)| part * (own - guess))
+                    .sum()
+            }
         };
     }
 }
@@ -187,7 +215,7 @@ fn volume_of(end: &State) -> f64 {
 }
 
 /// The states along both halves, from a first guess of that beside the poles.
-fn solve(condition: Condition, start: State) -> Result<Vec<State>, ClosedSurfaceError> {
+fn solve(condition: Condition<'_>, start: State) -> Result<Vec<State>, ClosedSurfaceError> {
     let integrator = ExplicitRungeKutta::dop853()
         .rtol(0.1 * TOLERANCE)
         .atol(0.1 * TOLERANCE);
@@ -201,7 +229,10 @@ fn solve(condition: Condition, start: State) -> Result<Vec<State>, ClosedSurface
         .method(method)
         .t_eval(ends)
         .solve();
-    let unsolved = |reason: String| ClosedSurfaceError::Unsolved { condition, reason };
+    let unsolved = |reason: String| ClosedSurfaceError::Unsolved {
+        condition: condition.to_string(),
+        reason,
+    };
     match solution {
         Ok(solution) if solution.y.len() == PIECES + 1 => Ok(solution.y),
         Ok(_) => Err(unsolved("the integration ended early".to_owned())),
@@ -301,20 +332,32 @@ fn stomatocytes(least: f64) -> Result<Vec<Vec<State>>, ClosedSurfaceError> {
     start[upper + 1] += 0.5 * difference;
     start[lower + 1] -= 0.5 * difference;
     let mut solutions = vec![solve(Condition::Difference(difference), start)?];
-    let mut before: Option<State> = None;
-    while difference > -GREATEST_DIFFERENCE {
+    let mut before = flat[flat.len() - 1][0];
+    // Along the branch, once the difference does not grow any more.
+    let mut step: Option<f64> = None;
+    loop {
         let last = solutions[solutions.len() - 1][0];
+        let way: State = std::array::from_fn(|number| last[number] - before[number]);
+        let length = way.iter().map(|part| part * part).sum::<f64>().sqrt();
+        let solved = match step {
+            None => solve(Condition::Difference(difference - DIFFERENCE_STEP), last),
+            Some(step) => {
+                let tangent = &way.map(|part| part / length);
+                let guess = &std::array::from_fn(|number| last[number] + step * tangent[number]);
+                solve(Condition::Along { guess, tangent }, *guess)
+            }
+        };
+        let Ok(states) = solved else {
+            let shorter = step.map_or(LONGEST_STEP, |step| 0.5 * step);
+            if shorter < LEAST_STEP {
+                break;
+            }
+            step = Some(shorter);
+            continue;
+        };
+        before = last;
         difference -= DIFFERENCE_STEP;
-        // From the last one; else from where the line through the last two leads.
-        let ahead = |before: State| -> State {
-            std::array::from_fn(|number| 2.0 * last[number] - before[number])
-        };
-        let mut guesses = [Some(last), before.map(ahead)].into_iter().flatten();
-        let condition = Condition::Difference(difference);
-        let Some(states) = guesses.find_map(|guess| solve(condition, guess).ok()) else {
-            break;
-        };
-        before = Some(last);
+        step = step.map(|step| (1.5 * step).min(LONGEST_STEP));
         let [volume, so_far] =
             [&states, &solutions[solutions.len() - 1]].map(|states| volume_of(&states[PIECES]));
         if volume > so_far {

@@ -158,7 +158,7 @@ mod tests {
             assert_eq!(rate.map(f64::signum), Some(sign));
         }
         let thick = RoundBody {
-            interface_width: 0.1,
+            interface_width: 0.06,
             ..sphere
         };
         assert!(thick.decay_rate(2).is_some() && thick.decay_rate(3).is_none());

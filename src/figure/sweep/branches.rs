@@ -191,7 +191,7 @@ pub(super) fn draw(
         top = draw_legend(page, lines.chain([runs]).collect(), corner, size)?;
         let at = [margin, top + 0.3 * size];
         top = write_paragraph(page, &Label::symbol("W"), size, at, whole)?;
-        let corner = [margin + left_room, top + 0.3 * size];
+        let corner = [margin + left_room, top + 0.9 * size];
         let plot = Rectangle::new(corner, [inner, ASPECT * inner]).on_pixels();
         let place = plot.with_room([left_room, 0.0, lower_room]);
         draw_plot(

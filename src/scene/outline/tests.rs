@@ -19,7 +19,7 @@ const DISCOCYTE: Curve = Curve::Discocyte { radius: 0.4 };
 const CUPS: [Curve; 2] = [
     Curve::Stomatocyte {
         radius: 0.25,
-        thickness: 0.1,
+        thickness: 0.14,
         opening: 60.0,
     },
     Curve::Stomatocyte {
