@@ -38,7 +38,10 @@ fn log_amplitude(simulation: &Simulation, mode: u32) -> f64 {
     moment.abs().ln()
 }
 
-/// ln |∫(φ + 1)(z² − r²/2) dV| about the middle of the axis, which is ln a of the mode l = 2 and a constant, for a small a.
+/// Beyond this distance from its middle a vesicle in space is over.
+const NEAR: f64 = 0.35;
+
+/// ln |∫(φ + 1)(z² − r²/2) w dV| with a weight w of the distance about the middle of the axis, which is ln a of the mode l = 2 and a constant, for a small a.
 fn log_amplitude_in_space(simulation: &Simulation) -> f64 {
     let mesh = simulation.mesh();
     let phi = &simulation.state().phi;
@@ -49,8 +52,12 @@ fn log_amplitude_in_space(simulation: &Simulation) -> f64 {
         for (node, at) in corners.iter().zip(places) {
             // ∫ 2πr λ over the triangle.
             let weight = PI * area * (radii + at.x) / 6.0;
-            let harmonic = (at.y - CENTER.y).powi(2) - 0.5 * at.x * at.x;
-            moment += weight * (phi[*node as usize] + 1.0) * harmonic;
+            let height = at.y - CENTER.y;
+            let harmonic = height * height - 0.5 * at.x * at.x;
+            // The pressure shifts φ outside, over the whole domain: what is far away is left out, by a weight that is the same
+            // in all directions, so that what is constant near the vesicle does not count either.
+            let near = (1.0 - (height * height + at.x * at.x) / (NEAR * NEAR)).max(0.0);
+            moment += weight * (phi[*node as usize] + 1.0) * harmonic * near * near;
         }
     }
     moment.abs().ln()

@@ -227,7 +227,7 @@ fn a_scene_without_a_vesicle_is_a_wrong_scene() {
 fn a_study_that_does_not_fit_into_memory_says_so() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     fs::write(folder.path().join("scene.toml"), SCENE).expect("it can be written");
-    for (kilobytes, status) in [(30_000, 2), (48_000, 1)] {
+    for (kilobytes, status) in [(30_000, 2), (54_000, 1)] {
         let limited =
             format!("ulimit -v {kilobytes} && exec \"$0\" accuracy scene.toml --budget 600");
         let output = Command::new("sh")
