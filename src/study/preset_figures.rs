@@ -12,7 +12,7 @@ pub struct PresetFigures {
     pub seconds: f64,
 }
 
-/// Error of φ and seconds of each preset with homeotropic anchoring: a virtual Xeon, 2026-11-27; the command is in
+/// Error of φ and seconds of each preset with homeotropic anchoring: a virtual Xeon and EPYC, 2026-11-27; the command is in
 /// docs/guide/accuracy.md, and its table has the same figures.
 const MEASURED: [(&str, f64, f64); 8] = [
     ("case1-quick", 7.5e-3, 1.2),

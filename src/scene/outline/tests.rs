@@ -23,9 +23,9 @@ const CUPS: [Curve; 2] = [
         opening: 60.0,
     },
     Curve::Stomatocyte {
-        radius: 0.4,
-        thickness: 0.12,
-        opening: 250.0,
+        radius: 0.35,
+        thickness: 0.25,
+        opening: 200.0,
     },
 ];
 
