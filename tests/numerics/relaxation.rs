@@ -137,6 +137,13 @@ fn a_nearly_spherical_vesicle_relaxes_at_the_rate_of_theory() {
         interface_width,
         tension: 0.0,
     };
-    let ratio = rate / sphere.decay_rate(2).expect("ε is small");
-    assert!((ratio - 1.0).abs() < 0.05, "{ratio}");
+    let over = |sphere: RoundBody| rate / sphere.decay_rate(2).expect("ε is small") - 1.0;
+    // What is left out is of the second order in √2 ε (2l + 1)/(2R) = 0.24. Without the first order it is 20 % off.
+    assert!(over(sphere).abs() < 0.1, "{}", over(sphere));
+    let interface_width = 0.0;
+    let sharp = RoundBody {
+        interface_width,
+        ..sphere
+    };
+    assert!(over(sharp) > 0.1, "{}", over(sharp));
 }
