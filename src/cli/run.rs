@@ -315,7 +315,7 @@ fn record(
     }
 }
 
-/// Whether what happens in a run is told as it happens; it is in its `run.json` either way.
+/// Whether the events of a run are printed as they happen; `run.json` lists them in any case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Events {
     Told,

@@ -84,7 +84,7 @@ pub enum SweepFigureError {
     },
     /// No point has the shapes that the branches are of.
     #[error(
-        "no point is a body of rotation (domain.geometry = \"axisymmetric\") with one vesicle on the axis yet"
+        "no point is a body of rotation (domain.geometry = \"axisymmetric\") with one vesicle on the axis"
     )]
     NoBodies,
     /// The theory has no branch to draw.

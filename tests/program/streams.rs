@@ -11,7 +11,7 @@ struct Case {
     /// Whether that is printed with `--quiet` too: where it is what the command is asked for. It is not where the result is
     /// in files and this says where.
     is_asked_for: bool,
-    /// A part of what is told on the standard error; `None`: nothing is.
+    /// A part of the text on the standard error; `None`: there is no text.
     told: Option<&'static str>,
 }
 

@@ -336,7 +336,7 @@ macro_rules! scene {
 
         /// A value for each effect that has a table: one that is forgotten does not compile.
         #[derive(Debug)]
-        #[allow(dead_code, reason = "that it compiles is all that counts; nobody reads it")]
+        #[allow(dead_code, reason = "a check at compile time; the values are never read")]
         pub struct EachEffect<T> {
             $(
                 $(#[cfg($cfg)])?

@@ -75,7 +75,7 @@ fn lines(app: &App, words: &Words, width: u16) -> Vec<String> {
     lines
 }
 
-/// The beginning of a text that goes on, in so many columns.
+/// The first words of a text that is longer than `width` columns, with two dots after them.
 fn cut_between_words(text: &str, width: usize) -> String {
     const MORE: &str = " ..";
     let ends = text.match_indices(' ').map(|(end, _)| end);
