@@ -14,7 +14,7 @@ use crate::record::{
     Ending, IfOccupied, RecordError, RecordedRun, RecorderBuilder, RunFolder, Settings, clean,
     load_scene, read_run,
 };
-use crate::scene::{Geometry, Scene, preset};
+use crate::scene::{Geometry, Scene, Timetable, preset};
 use crate::signals::EndingSignal;
 use crate::simulation::{
     NoShapeAtRest, Simulation, SimulationError, check_outlines, cores, free_memory, memory_needed,
@@ -455,14 +455,17 @@ pub(super) fn data(
     })
 }
 
-/// The shape at rest that theory foresees for a run, from its first row and its first fields.
+/// The shape at rest that theory foresees for a run with the parameters of its last row, from its first row and its first fields.
 fn theory(run: &RecordedRun, first: &Snapshot) -> Result<ShapeAtRest, NoShapeAtRest> {
     let start = ["A", "B"].map(|name| {
         let column = run.history.column(name);
         column.and_then(|values| values.first().copied())
     });
     let start = start.map(|value| value.unwrap_or(f64::NAN));
-    shape_at_rest(&run.scene, (&first.mesh, &first.state.phi), start)
+    let times = run.history.column("t");
+    let end = times.and_then(|times| times.last().copied());
+    let scene = Timetable::of(&run.scene).at(end.unwrap_or_default());
+    shape_at_rest(&scene, (&first.mesh, &first.state.phi), start)
 }
 
 /// The command that draws the same figures.

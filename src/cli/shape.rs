@@ -6,12 +6,11 @@ use super::output;
 use super::picture_size::PictureSize;
 use super::set_up::{Outcome, set_up};
 use super::signals::EndSignal;
-use crate::fem::center_and_axis;
 use crate::figure::{Existing, FigureOptions, View, save_shape};
 use crate::record::load_scene;
 use crate::scene::Scene;
-use crate::simulation::{Simulation, check_memory, check_outlines, shape_at_rest};
-use crate::theory::{MEMBRANE_FACTOR, ShapeAtRest};
+use crate::simulation::{Simulation, check_memory, check_outlines, outline_beside, shape_at_rest};
+use crate::theory::{BodyAtRest, Branch, CurveAtRest, MEMBRANE_FACTOR, ShapeAtRest};
 use std::ffi::OsString;
 use std::path::PathBuf;
 
@@ -19,8 +18,9 @@ use std::path::PathBuf;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 The shape is a closed elastica: the curve of least bending energy about the area of the vesicle, as long as the penalty of \
-the membrane's area has it. It is the limit of ε → 0 for the membrane alone: nematic, anchoring, fields and noise are left \
-out. The area and the membrane at the start are those of the initial state on the mesh of the scene.")]
+the membrane's area has it. By rotation it is a surface on the branch that the initial shape is like: prolate, oblate or \
+stomatocyte. It is the limit of ε → 0 for the membrane alone: nematic, anchoring, fields and noise are left out. The area (the \
+volume) and the membrane at the start are those of the initial state on the mesh of the scene.")]
 pub(super) struct Arguments {
     /// A preset's name (see `vesica presets`) or a TOML file
     scene: OsString,
@@ -71,8 +71,6 @@ pub(super) fn shape(arguments: &Arguments) -> Result<(), CliError> {
 
 /// The numbers of the shape, one a line.
 fn description(scene: &Scene, shape: &ShapeAtRest) -> String {
-    let elastica = &shape.elastica;
-    let [length, waist, width] = shape.extents();
     let mut text = format!(
         "{}: the shape at rest of the membrane alone (ε → 0)\n\n",
         scene.name
@@ -85,6 +83,41 @@ fn description(scene: &Scene, shape: &ShapeAtRest) -> String {
         };
         text += &format!("{words:<22}{value:>11.6}{note}\n");
     };
+    match shape {
+        ShapeAtRest::Curve(curve) => describe_curve(curve, &mut line),
+        ShapeAtRest::Body(body) => describe_body(body, &mut line),
+    }
+    let (bending, [stretching, tension], surface_area) = match shape {
+        ShapeAtRest::Curve(it) => (
+            (it.bending, "c/2 ∫κ² ds"),
+            [it.stretching, it.tension],
+            MEMBRANE_FACTOR * it.perimeter,
+        ),
+        ShapeAtRest::Body(it) => (
+            (it.bending, "c/2 ∫(2H)² dS"),
+            [it.stretching, it.tension],
+            MEMBRANE_FACTOR * it.surface_area(),
+        ),
+    };
+    line("E_bending", bending.0, bending.1);
+    if let Some(area) = scene.area {
+        line("E_area", stretching, "(B − β)²/(2η)");
+        let strain = tension / MEMBRANE_FACTOR * area.penalty / surface_area;
+        line("tension σ", tension, &tension_note(strain));
+    } else {
+        line("tension σ", 0.0, "the area is free");
+    }
+    let left_out: Vec<&str> = scene.effects().filter(|name| *name != "area").collect();
+    if !left_out.is_empty() {
+        text += &format!("\nleft out: {}\n", left_out.join(", "));
+    }
+    text
+}
+
+/// What is told of a curve alone.
+fn describe_curve(shape: &CurveAtRest, line: &mut impl FnMut(&str, f64, &str)) {
+    let elastica = &shape.elastica;
+    let [length, waist, width] = shape.extents();
     line("length", length, "along the long axis");
     line("waist", waist, "across, half way along");
     line("width", width, "the greatest across");
@@ -96,25 +129,36 @@ fn description(scene: &Scene, shape: &ShapeAtRest) -> String {
         "4πA/L²: 1 for a circle",
     );
     line("Ê", elastica.energy, "½∫κ² ds · L/(2π²): 1 for a circle");
-    line("E_bending", shape.bending, "c/2 ∫κ² ds");
-    if let Some(area) = scene.area {
-        line("E_area", shape.stretching, "(cL − β)²/(2η)");
-        let strain =
-            shape.tension / MEMBRANE_FACTOR * area.penalty / (MEMBRANE_FACTOR * shape.perimeter);
-        line("tension σ", shape.tension, &tension_note(strain));
-    } else {
-        line("tension σ", 0.0, "the area is free");
+}
+
+/// What is told of a body of rotation alone.
+fn describe_body(body: &BodyAtRest, line: &mut impl FnMut(&str, f64, &str)) {
+    let [height, diameter] = body.extents();
+    let v = body.surface.reduced_volume;
+    let kind = match v {
+        1.0 => "a sphere".to_owned(),
+        _ => format!("{}, from pole to pole", body.branch.name()),
+    };
+    line("height on the axis", height, &kind);
+    line("diameter", diameter, "of the equator");
+    line("volume inside V", body.enclosed, "(|Ω| + ∫φ)/2");
+    line("surface S", body.surface_area(), "B/c, c = 2√2/3");
+    line(
+        "reduced volume v",
+        v,
+        "3V/(4πR₀³), S = 4πR₀²: 1 for a sphere",
+    );
+    line("W", body.surface.energy, "½∫(2H)² dS / 8π: 1 for a sphere");
+    for branch in Branch::ALL.into_iter().filter(|it| *it != body.branch) {
+        if let Ok(other) = branch.surface(v) {
+            line("", other.energy, &format!("{} at this v", branch.name()));
+        }
     }
-    let left_out: Vec<&str> = scene.effects().filter(|name| *name != "area").collect();
-    if !left_out.is_empty() {
-        text += &format!("\nleft out: {}\n", left_out.join(", "));
-    }
-    text
 }
 
 /// What the tension means: by how much the membrane is longer than β has it.
 fn tension_note(strain: f64) -> String {
-    let words = if strain < 0.0 { "shorter" } else { "longer" };
+    let words = if strain < 0.0 { "smaller" } else { "larger" };
     format!(
         "c(B − β)/η: the membrane is {:.2} % {words} than its target",
         100.0 * strain.abs()
@@ -130,7 +174,7 @@ fn save(
     folder: &std::path::Path,
 ) -> Result<(), CliError> {
     let state = simulation.state();
-    let (center, axis) = center_and_axis(simulation.mesh(), &state.phi);
+    let outline = outline_beside(shape, simulation.mesh(), &state.phi);
     let mut command = format!(
         "vesica shape {}",
         quoted(&arguments.scene.to_string_lossy())
@@ -156,7 +200,7 @@ fn save(
         },
         ..arguments.size.options()
     };
-    let files = save_shape(&view, &shape.outline(center, axis), &options, folder)?;
+    let files = save_shape(&view, &outline, &options, folder)?;
     let names: Vec<String> = files
         .iter()
         .map(|file| file.display().to_string())

@@ -112,6 +112,12 @@ impl Contour {
             .map(|_| self.segments.iter().map(ring).sum::<f64>())
     }
 
+    /// The heights at which the zero set meets the axis of rotation.
+    pub fn poles(&self) -> Vec<f64> {
+        let ends = self.segments.iter().flatten();
+        ends.filter(|it| it.x < 1e-9).map(|it| it.y).collect()
+    }
+
     /// The least distance from the zero set to the wall; `None` where the zero set is empty.
     pub fn wall_distance(&self, wall: &Wall) -> Option<f64> {
         let places = self.segments.iter().flatten();

@@ -146,6 +146,7 @@ mod tests {
     /// A thin vesicle, and the circle of a larger area.
     #[test]
     fn a_frame_holds_the_shape_at_rest_too() {
+        use crate::theory::CurveAtRest;
         let mesh = Mesh::structured(40, 0.0, 0).expect("a fair mesh");
         let inside =
             |at: &crate::geometry::Point| 0.1 - (at.x - 0.5).abs().max(0.3 * (at.y - 0.5).abs());
@@ -157,7 +158,8 @@ mod tests {
             mu: zeros,
             director: None,
         };
-        let circle = ShapeAtRest::new(0.2, None).expect("a circle");
+        let circle = CurveAtRest::new(0.2, None).map(ShapeAtRest::Curve);
+        let circle = circle.expect("a circle");
         let domain = mesh.bounding_box();
         let frame = |theory| Frame::around(&domain, [(&mesh, &state, theory)], Zoom::Fit, 0.1);
         let [without, with] = [None, Some(&circle)].map(|theory| frame(theory).sides[0]);

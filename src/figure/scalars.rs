@@ -10,7 +10,7 @@ use crate::fem::center_and_axis;
 use crate::geometry::Point;
 use crate::record::RunMark;
 use crate::scene::{Boundary, Mesh, Timetable};
-use crate::theory::RoundVesicle;
+use crate::theory::{RoundBody, RoundVesicle, ShapeAtRest};
 use std::f64::consts::PI;
 
 /// A figure of scalars: its plots, and the same as a table.
@@ -217,7 +217,7 @@ fn outline(runs: &[RunData]) -> Vec<Scalar> {
     scalars
 }
 
-/// ln a of the vesicles that become round, r = R(1 + a cos 2θ), with the line of theory from its first value on.
+/// ln a of the vesicles that become round, r = R(1 + a cos 2θ), or r = R(1 + a P₂(cos θ)) in space, with the line of theory from its first value on.
 fn amplitude(runs: &[RunData]) -> Scalar {
     let mut lines = Vec::new();
     let mut values = Vec::new();
@@ -256,12 +256,23 @@ fn log_amplitude(run: &RunData) -> Option<Vec<f64>> {
     )
 }
 
-/// The rate at which the mode n = 2 of a run's vesicle decays, where theory foresees a circle.
+/// The rate at which the mode n = 2 of a run's vesicle decays, where theory foresees a circle or a sphere.
 fn decay_rate(run: &RunData) -> Option<f64> {
-    let shape = run
-        .theory
-        .as_deref()
-        .filter(|shape| shape.elastica.reduced_area == 1.0)?;
+    let membrane = &run.scene.membrane;
+    let (mobility, interface_width) = (membrane.mobility, membrane.interface_width);
+    let shape = match run.theory.as_deref()? {
+        ShapeAtRest::Curve(shape) if shape.elastica.reduced_area == 1.0 => shape,
+        ShapeAtRest::Body(body) if body.surface.reduced_volume == 1.0 => {
+            let vesicle = RoundBody {
+                radius: body.radius,
+                mobility,
+                interface_width,
+                tension: body.tension,
+            };
+            return vesicle.decay_rate(2);
+        }
+        _ => return None,
+    };
     let first = run.snapshots.first()?;
     let (center, axis) = center_and_axis(&first.mesh, &first.state.phi);
     let is_square =
@@ -270,8 +281,8 @@ fn decay_rate(run: &RunData) -> Option<f64> {
     let is_along_a_side = (axis.x * axis.y).abs() < 0.05;
     let vesicle = RoundVesicle {
         radius: (shape.enclosed / PI).sqrt(),
-        mobility: run.scene.membrane.mobility,
-        interface_width: run.scene.membrane.interface_width,
+        mobility,
+        interface_width,
         tension: shape.tension,
         is_in_unit_square: is_square && is_in_the_middle && is_along_a_side,
     };

@@ -13,6 +13,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use differential_equations::prelude::{BVP, Boundary, ExplicitRungeKutta, ODE, Shooting};
 
+use super::root::root;
 use crate::geometry::Point;
 
 /// The integration begins so far from a pole, by the series about it, whose next terms are below 1e-13.
@@ -24,6 +25,8 @@ const PIECES: usize = 128;
 /// The reduced volume from which a branch begins beside the sphere, and how far it is followed at a time.
 const NEAR_SPHERE: f64 = 0.995;
 const VOLUME_STEP: f64 = 0.01;
+/// P and Σ of a sphere whose mode of two is marginal.
+const MARGINAL: [f64; 2] = [12.0, -6.0];
 /// Where cups branch off from the oblate shapes, nearly, and how far the difference of the curvatures at the poles is
 /// followed at a time.
 const CUPS_FROM: f64 = 0.5105;
@@ -65,6 +68,8 @@ pub struct ClosedSurface {
     pub radius: f64,
     /// The curvatures at the poles, the lower one last.
     pub pole_curvatures: [f64; 2],
+    /// P, over the bending rigidity: −6 dW/dv along its branch.
+    pub pressure: f64,
     /// The meridian in (r, z) from the upper pole to the lower one, with the equator at z = 0.
     pub meridian: Vec<Point>,
 }
@@ -73,12 +78,18 @@ pub struct ClosedSurface {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ClosedSurfaceError {
     /// The branch does not reach this volume.
-    #[error("there is no {} surface of the reduced volume {reduced_volume}", branch.name())]
+    #[error("there is no {} surface of the reduced volume {reduced_volume:.4}", branch.name())]
     NotOnBranch {
         /// Which.
         branch: Branch,
         /// v.
         reduced_volume: f64,
+    },
+    /// The vesicle encloses nothing.
+    #[error("the vesicle encloses no volume: V = {enclosed}")]
+    NoVolume {
+        /// V.
+        enclosed: f64,
     },
     /// The boundary value problem was not solved.
     #[error("the surface with {condition} was not found: {reason}")]
@@ -287,6 +298,71 @@ impl Branch {
         Ok(ClosedSurface::of(&states))
     }
 
+    /// The branch of a vesicle by its extents: the heights of its poles, the least and the greatest height, and the greatest radius.
+    /// The poles of a cup are both on one side of the middle, or one is far nearer to it.
+    pub fn of_extents(poles: [f64; 2], [lowest, highest]: [f64; 2], radius: f64) -> Self {
+        let middle = 0.5 * (lowest + highest);
+        let height = highest - lowest;
+        if (0.5 * (poles[0] + poles[1]) - middle).abs() > 0.1 * height {
+            Self::Stomatocyte
+        } else if height > 2.0 * radius {
+            Self::Prolate
+        } else {
+            Self::Oblate
+        }
+    }
+
+    /// The surface at which a force is zero that is negative on rounder ones; `least` is a reduced volume at which it is positive.
+    /// A sphere where it is positive already there.
+    ///
+    /// # Errors
+    /// [`ClosedSurfaceError`]: `NotOnBranch` where the force is negative as far as the branch is known, or positive all along
+    /// a branch that does not begin at the sphere.
+    pub fn balanced(
+        self,
+        least: f64,
+        force: impl Fn(&ClosedSurface) -> f64,
+    ) -> Result<ClosedSurface, ClosedSurfaceError> {
+        let sign = match self {
+            Self::Prolate => Some(1.0),
+            Self::Oblate => Some(-1.0),
+            Self::Stomatocyte => None,
+        };
+        let sphere = ClosedSurface::sphere();
+        if sign.is_some() && force(&sphere) >= 0.0 {
+            return Ok(sphere);
+        }
+        let mut solutions = self.follow(least)?;
+        if let Some(last) = solutions.last().filter(|_| least >= LEAST_REDUCED_VOLUME)
+            && volume_of(&last[PIECES]) > least
+        {
+            let end = solve(Condition::Volume(least), last[0])?;
+            solutions.push(end);
+        }
+        let not_on_branch = ClosedSurfaceError::NotOnBranch {
+            branch: self,
+            reduced_volume: least,
+        };
+        let surfaces: Vec<ClosedSurface> =
+            solutions.iter().map(|it| ClosedSurface::of(it)).collect();
+        let Some(longer) = surfaces.iter().position(|it| force(it) >= 0.0) else {
+            return Err(not_on_branch);
+        };
+        let (rounder, start) = match (longer, sign) {
+            (0, Some(_)) => (&sphere, None),
+            (0, None) => return Err(not_on_branch),
+            _ => (&surfaces[longer - 1], Some(solutions[longer][0])),
+        };
+        let mut found = surfaces[longer].clone();
+        let ends = [rounder, &found].map(|it| (it.reduced_volume, force(it)));
+        root(ends, |volume| {
+            let start = start.unwrap_or_else(|| beside_sphere(sign.unwrap_or(1.0), volume));
+            found = ClosedSurface::of(&solve(Condition::Volume(volume), start)?);
+            Ok(force(&found))
+        })?;
+        Ok(found)
+    }
+
     fn follow(self, least: f64) -> Result<Vec<Vec<State>>, ClosedSurfaceError> {
         match self {
             Self::Prolate => symmetric(1.0, least),
@@ -296,20 +372,24 @@ impl Branch {
     }
 }
 
-/// The shapes with a plane of symmetry that begin beside the sphere, r = 1 + a P₂(cos θ), with a of this sign.
-fn symmetric(sign: f64, least: f64) -> Result<Vec<Vec<State>>, ClosedSurfaceError> {
-    let mut volume = NEAR_SPHERE;
-    // v = 1 − 3a²/5; the curvature of a pole is 1 + 2a, the meridian's length π(1 + a/4).
+/// A guess of the state beside the poles of r = 1 + a P₂(cos θ) with a small a of this sign: v = 1 − 3a²/5, the curvature of a pole
+/// is 1 + 2a, the meridian's length π(1 + a/4).
+fn beside_sphere(sign: f64, volume: f64) -> State {
     let amplitude = sign * ((1.0 - volume) / 0.6).sqrt();
-    // Where the mode of two is marginal.
-    let (pressure, tension) = (12.0, -6.0);
     let mut start = [0.0; 20];
     for (half, length) in HALVES.into_iter().zip(LENGTHS) {
-        let series = beside_pole(1.0 + 2.0 * amplitude, [pressure, tension]);
+        let series = beside_pole(1.0 + 2.0 * amplitude, MARGINAL);
         start[half..half + 8].copy_from_slice(&series);
         start[length] = FRAC_PI_2 * (1.0 + 0.25 * amplitude);
     }
-    (start[PRESSURE], start[TENSION]) = (pressure, tension);
+    [start[PRESSURE], start[TENSION]] = MARGINAL;
+    start
+}
+
+/// The shapes with a plane of symmetry that begin beside the sphere, r = 1 + a P₂(cos θ), with a of this sign.
+fn symmetric(sign: f64, least: f64) -> Result<Vec<Vec<State>>, ClosedSurfaceError> {
+    let mut volume = NEAR_SPHERE;
+    let mut start = beside_sphere(sign, volume);
     let mut solutions = Vec::new();
     loop {
         let states = solve(Condition::Volume(volume), start)?;
@@ -389,7 +469,22 @@ impl ClosedSurface {
             height: heights[0] + heights[1],
             radius: end[upper + 3],
             pole_curvatures: HALVES.map(|half| pole_curvature(start, half)),
+            pressure: start[PRESSURE],
             meridian: meridian.collect(),
+        }
+    }
+
+    /// A sphere under the pressure at which its mode of two is marginal: there prolate and oblate shapes begin.
+    pub fn sphere() -> Self {
+        let angles = (0..=2 * PIECES).map(|piece| PI * piece as f64 / (2 * PIECES) as f64);
+        Self {
+            reduced_volume: 1.0,
+            energy: 1.0,
+            height: 2.0,
+            radius: 1.0,
+            pole_curvatures: [1.0; 2],
+            pressure: MARGINAL[0],
+            meridian: angles.map(|it| Point::new(it.sin(), it.cos())).collect(),
         }
     }
 }

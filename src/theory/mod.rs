@@ -4,12 +4,17 @@
 //! A membrane of interface width ε tends to a curve as ε → 0: its area B to c times the length of the curve, and its
 //! bending energy to c/2 ∫κ² ds, with the factor c = [`MEMBRANE_FACTOR`].
 
+mod body_at_rest;
 mod closed_surface;
+mod curve_at_rest;
 mod elastica;
 mod relaxation;
+mod root;
 mod shape_at_rest;
 
+pub use body_at_rest::BodyAtRest;
 pub use closed_surface::{Branch, CROSSINGS, ClosedSurface, ClosedSurfaceError};
+pub use curve_at_rest::CurveAtRest;
 pub use elastica::ElasticaError;
 pub use relaxation::{RoundBody, RoundVesicle, relaxation_time, relaxation_time_of_sphere};
 pub use shape_at_rest::{AreaPenalty, ShapeAtRest};

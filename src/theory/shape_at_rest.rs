@@ -1,14 +1,17 @@
 //! The shape that a membrane without nematic takes at rest.
 
-use std::f64::consts::PI;
-
-use super::MEMBRANE_FACTOR;
-use super::elastica::{Elastica, ElasticaError, LEAST_REDUCED_AREA};
+use super::body_at_rest::BodyAtRest;
+use super::curve_at_rest::CurveAtRest;
 use crate::geometry::{Point, Vector};
 
-/// The least step of the reduced area in the search for the length at rest, and how many are made at most.
-const CLOSE: f64 = 1e-12;
-const MOST_ATTEMPTS: usize = 100;
+/// The shape at which bending energy and penalty of the area are least in all, about what the membrane encloses.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ShapeAtRest {
+    /// In the plane.
+    Curve(CurveAtRest),
+    /// In space, a body of rotation.
+    Body(BodyAtRest),
+}
 
 /// The penalty (B − β)²/(2η) of the membrane's area.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,190 +22,18 @@ pub struct AreaPenalty {
     pub penalty: f64,
 }
 
-/// The curve of length L about the area A at which c/2 ∫κ² ds + (cL − β)²/(2η) is least.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ShapeAtRest {
-    /// The curve.
-    pub elastica: Elastica,
-    /// L.
-    pub perimeter: f64,
-    /// A.
-    pub enclosed: f64,
-    /// σ = c(cL − β)/η: negative where the membrane is compressed.
-    pub tension: f64,
-    /// c/2 ∫κ² ds: the limit of E_ben.
-    pub bending: f64,
-    /// (cL − β)²/(2η).
-    pub stretching: f64,
+/// (B − β)/η; zero without a penalty.
+pub(super) fn strain(surface_area: f64, penalty: Option<AreaPenalty>) -> f64 {
+    penalty.map_or(0.0, |it| (surface_area - it.target) / it.penalty)
 }
 
 impl ShapeAtRest {
-    /// About this area; without a penalty the membrane may have any length, and the curve is a circle.
-    ///
-    /// # Errors
-    /// [`ElasticaError::Touching`]: at rest opposite sides would meet; `TooRound` for an area that is no positive number.
-    pub fn new(enclosed: f64, penalty: Option<AreaPenalty>) -> Result<Self, ElasticaError> {
-        if !(enclosed > 0.0 && enclosed.is_finite()) {
-            return Err(ElasticaError::NoArea { enclosed });
-        }
-        // dE/dL at constant A, over c: positive where the membrane would rather be shorter.
-        let force = |elastica: &Elastica| {
-            let perimeter = perimeter(enclosed, elastica.reduced_area);
-            strain(perimeter, penalty) - elastica.tension / (perimeter * perimeter)
-        };
-        let circle = Elastica::circle();
-        let mut rounder = (force(&circle), circle);
-        if rounder.0 >= 0.0 {
-            return Ok(Self::of(rounder.1, enclosed, penalty));
-        }
-        let longest = Elastica::new(LEAST_REDUCED_AREA)?;
-        let mut longer = (force(&longest), longest);
-        if longer.0 < 0.0 {
-            let aimed = penalty.map_or(f64::NAN, |penalty| penalty.target / MEMBRANE_FACTOR);
-            let reduced_area = 4.0 * PI * enclosed / (aimed * aimed);
-            return Err(ElasticaError::Touching { reduced_area });
-        }
-        // Regula falsi, with the force at an end halved that has stayed twice (Illinois).
-        let mut stayed = 0_i32;
-        for _ in 0..MOST_ATTEMPTS {
-            let [from, to] = [&rounder, &longer].map(|(_, elastica)| elastica.reduced_area);
-            let between = from + (to - from) * rounder.0 / (rounder.0 - longer.0);
-            let elastica = Elastica::new(between)?;
-            let value = force(&elastica);
-            let (is_longer, moved) = match value > 0.0 {
-                true => (true, (to - between).abs()),
-                false => (false, (from - between).abs()),
-            };
-            if moved < CLOSE || value == 0.0 {
-                return Ok(Self::of(elastica, enclosed, penalty));
-            }
-            if is_longer {
-                longer = (value, elastica);
-                stayed = stayed.max(0) + 1;
-                if stayed > 1 {
-                    rounder.0 *= 0.5;
-                }
-            } else {
-                rounder = (value, elastica);
-                stayed = stayed.min(0) - 1;
-                if stayed < -1 {
-                    longer.0 *= 0.5;
-                }
-            }
-        }
-        Ok(Self::of(longer.1, enclosed, penalty))
-    }
-
-    fn of(elastica: Elastica, enclosed: f64, penalty: Option<AreaPenalty>) -> Self {
-        let perimeter = perimeter(enclosed, elastica.reduced_area);
-        let strain = strain(perimeter, penalty);
-        Self {
-            bending: MEMBRANE_FACTOR * 2.0 * PI * PI / perimeter * elastica.energy,
-            tension: MEMBRANE_FACTOR * strain,
-            stretching: penalty.map_or(0.0, |it| 0.5 * it.penalty * strain * strain),
-            elastica,
-            perimeter,
-            enclosed,
-        }
-    }
-
-    /// Its extents: length, waist, greatest width.
-    pub fn extents(&self) -> [f64; 3] {
-        let Elastica {
-            length,
-            waist,
-            width,
-            ..
-        } = self.elastica;
-        [length, waist, width].map(|extent| extent * self.perimeter)
-    }
-
-    /// The closed curve about a centre, with its long axis along a unit vector.
+    /// The closed curve about a centre, in the plane with its long axis along a unit vector; the cross-section of a body, whose axis is
+    /// that of y.
     pub fn outline(&self, center: Point, axis: Vector) -> Vec<Point> {
-        self.elastica.outline(self.perimeter, center, axis)
-    }
-}
-
-/// L of α and A.
-fn perimeter(enclosed: f64, reduced_area: f64) -> f64 {
-    (4.0 * PI * enclosed / reduced_area).sqrt()
-}
-
-/// (cL − β)/η.
-fn strain(perimeter: f64, penalty: Option<AreaPenalty>) -> f64 {
-    penalty.map_or(0.0, |it| {
-        (MEMBRANE_FACTOR * perimeter - it.target) / it.penalty
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn at_rest(enclosed: f64, target: f64, penalty: f64) -> Result<ShapeAtRest, ElasticaError> {
-        ShapeAtRest::new(enclosed, Some(AreaPenalty { target, penalty }))
-    }
-
-    /// The total energy of the elastica of the same area at another length.
-    fn energy(shape: &ShapeAtRest, target: f64, penalty: f64, perimeter: f64) -> f64 {
-        let alpha = 4.0 * PI * shape.enclosed / (perimeter * perimeter);
-        let elastica = Elastica::new(alpha).expect("it is near one that there is");
-        let excess = MEMBRANE_FACTOR * perimeter - target;
-        MEMBRANE_FACTOR * 2.0 * PI * PI / perimeter * elastica.energy
-            + excess * excess / (2.0 * penalty)
-    }
-
-    #[test]
-    fn the_length_at_rest_has_the_least_energy() {
-        for (target, penalty) in [(1.6, 1e-3), (1.6, 3e-3), (1.9, 3e-4)] {
-            let enclosed = 0.13;
-            let shape = at_rest(enclosed, target, penalty).expect("there is one");
-            let own = shape.bending + shape.stretching;
-            assert!((own - energy(&shape, target, penalty, shape.perimeter)).abs() < 1e-9 * own);
-            for step in [-1e-3, 1e-3] {
-                let other = energy(&shape, target, penalty, shape.perimeter * (1.0 + step));
-                assert!(other > own, "{target} {penalty} {step}: {other} {own}");
-            }
-            // The membrane's tension is that of the elastica.
-            let lambda = shape.elastica.tension / shape.perimeter.powi(2);
-            assert!((shape.tension / (MEMBRANE_FACTOR * lambda) - 1.0).abs() < 1e-6);
-            assert!(shape.tension < 0.0 && MEMBRANE_FACTOR * shape.perimeter < target);
-        }
-    }
-
-    #[test]
-    fn a_membrane_that_is_too_short_or_free_is_a_circle() {
-        let enclosed = 0.05;
-        let radius = (enclosed / PI).sqrt();
-        for penalty in [
-            None,
-            Some(AreaPenalty {
-                target: 0.2,
-                penalty: 1e-3,
-            }),
-        ] {
-            let shape = ShapeAtRest::new(enclosed, penalty).expect("a circle");
-            assert_eq!(shape.elastica.reduced_area, 1.0);
-            for extent in shape.extents() {
-                assert!((extent - 2.0 * radius).abs() < 1e-12);
-            }
-            // 2√2π/(3R)
-            let energy = MEMBRANE_FACTOR * PI / radius;
-            assert!((shape.bending / energy - 1.0).abs() < 1e-12);
-            assert_eq!(shape.tension > 0.0, penalty.is_some());
-        }
-    }
-
-    #[test]
-    fn sides_that_would_meet_and_no_area_are_errors() {
-        let error = at_rest(0.05, 3.0, 1e-4).expect_err("too long");
-        assert!(
-            matches!(error, ElasticaError::Touching { reduced_area } if reduced_area < 0.27),
-            "{error}"
-        );
-        for enclosed in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-            let error = ShapeAtRest::new(enclosed, None).expect_err("no area");
-            assert!(error.to_string().contains("encloses no area"), "{error}");
+        match self {
+            Self::Curve(curve) => curve.outline(center, axis),
+            Self::Body(body) => body.outline(center),
         }
     }
 }

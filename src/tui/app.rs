@@ -1,7 +1,7 @@
 //! The app and its runs at their beginning, and what is often looked up in them.
 
 use std::collections::VecDeque;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use super::brake::Brake;
 use super::frame_history::{self, FrameHistory};
@@ -9,14 +9,13 @@ use super::history::History;
 use super::run_control::RunControl;
 use super::state::{
     App, Director, Expectation, Field, Keeping, Notice, Overlay, Panel, Question, Run, Save,
-    Saving, Screen, Slot, Status, View, Zoom,
+    Saving, Screen, Slot, Status, Theory, View, Zoom,
 };
 use super::throughput::Throughput;
 use super::update::SNAPSHOTS;
 use crate::scene::{AnchoringKind, Scene};
-use crate::simulation::{NoShapeAtRest, Report, RunId, RunSnapshot, cores, shape_at_rest};
+use crate::simulation::{Report, RunId, RunSnapshot, cores};
 use crate::study::PresetFigures;
-use crate::theory::ShapeAtRest;
 
 impl App {
     /// Asks whether to resume the runs of an earlier session, if there are any; no run starts before
@@ -259,7 +258,7 @@ impl Run {
             saved: None,
             keeping: Keeping::default(),
             rising: false,
-            theory: OnceLock::new(),
+            theory: Theory::default(),
         }
     }
 
@@ -284,18 +283,6 @@ impl Run {
         pictures.sort_by_key(|picture| picture.report.step);
         pictures.dedup_by_key(|picture| picture.report.step);
         pictures
-    }
-
-    /// The shape at rest that theory foresees for its membrane alone; `None` until there is a picture.
-    pub fn shape_at_rest(&self) -> Option<&Result<Arc<ShapeAtRest>, NoShapeAtRest>> {
-        let (setting, picture) = (self.setting.as_ref()?, self.picture.as_ref()?);
-        let surface_area = self.history.surface_area.at_start()?;
-        Some(self.theory.get_or_init(|| {
-            // ∫φ is conserved.
-            let start = [picture.report.phase_integral, surface_area];
-            let state = (&*picture.mesh, &*picture.state.phi);
-            shape_at_rest(&setting.scene, state, start).map(Arc::new)
-        }))
     }
 
     /// Whether its error is being measured.

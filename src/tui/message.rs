@@ -11,6 +11,7 @@ use super::measuring::MeasuringJob;
 use super::state::{Keeping, MeasuringNews, Slot};
 use crate::scene::Scene;
 use crate::simulation::{Command, Message as WorkerMessage, RunId, RunSnapshot, WorkerConfig};
+use crate::theory::ShapeAtRest;
 
 /// What happens to the app.
 #[derive(Debug)]
@@ -37,6 +38,8 @@ pub enum Message {
     Expected(String, Option<Result<String, String>>),
     /// Something about the measured error of a run.
     Measured(RunId, MeasuringNews),
+    /// The shape at rest that theory foresees for a run, or why there is none.
+    Foreseen(RunId, Result<Arc<ShapeAtRest>, String>),
     /// What was to be saved is saved, or why not.
     Saved(Result<PathBuf, String>),
     /// A signal asks the process to end.
@@ -74,6 +77,8 @@ pub enum Effect {
     Price(Arc<Scene>),
     /// Measure what a scene would take on this machine: a given one, or that of the name; in the background.
     Expect(String, Option<Arc<Scene>>),
+    /// Solve for the shape at rest of the run of a picture, in the background.
+    Foresee(Arc<RunSnapshot>, Box<TheoryJob>),
     /// Measure the error of a run, in the background, until it is measured or the run says that it is not to be.
     Measure(RunId, Box<MeasuringJob>),
     /// Edit the scene of the slot in $EDITOR and load it again. A preset is written to a file first.
@@ -88,4 +93,13 @@ pub enum Effect {
     Suspend,
     /// Leave.
     Quit,
+}
+
+/// What the shape at rest of a run is solved for from, beside a picture.
+#[derive(Debug)]
+pub struct TheoryJob {
+    /// The scene with the parameters of that time.
+    pub scene: Scene,
+    /// B(φ⁰).
+    pub surface_area: f64,
 }

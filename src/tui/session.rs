@@ -439,6 +439,7 @@ impl Session {
             Effect::Price(scene) => self.price(scene)?,
             Effect::Measure(run, job) => self.measure(run, *job)?,
             Effect::Expect(name, scene) => self.expect(name, scene)?,
+            Effect::Foresee(picture, job) => self.foresee(picture, job)?,
             Effect::Edit(slot) => return self.edit(slot),
             Effect::SaveView(picture, slot) => return self.save_view(picture, slot),
             Effect::SaveSet(slot) => return self.save_set(slot),
@@ -520,13 +521,12 @@ impl Session {
             let reason = "the run has no state yet".to_owned();
             return self.message(Message::Saved(Err(reason)));
         };
-        let theory = run.shape_at_rest().filter(|_| self.app.view.theory);
-        let theory = theory.and_then(|shape| shape.as_ref().ok().cloned());
+        let theory = run.theory.shape().filter(|_| self.app.view.theory);
         self.saver.give(Job {
             name: slot.name.clone(),
             scene: Arc::clone(&slot.scene),
             marks: run.history.marks.clone(),
-            theory,
+            theory: theory.cloned(),
             what: what(run),
         });
         Ok(())

@@ -4,15 +4,15 @@ use super::knobs::Knobs;
 use crate::scene::Assignment;
 use std::collections::VecDeque;
 use std::path::PathBuf;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use super::autosave::Kept;
 use super::brake::{Brake, Replay};
 use super::frame_history::FrameHistory;
 use super::run_control::RunControl;
 use crate::record::KeptAt;
-use crate::scene::{AnchoringKind, Scene};
-use crate::simulation::{NoShapeAtRest, Report, RunId, RunSnapshot, SetUp, Setting, StepProgress};
+use crate::scene::{AnchoringKind, Area, Scene};
+use crate::simulation::{Report, RunId, RunSnapshot, SetUp, Setting, StepProgress};
 use crate::study::{ErrorRow, Offer};
 use crate::theory::ShapeAtRest;
 
@@ -167,8 +167,26 @@ pub struct Run {
     pub keeping: Keeping,
     /// Whether the energy rose in the last step: said once, when it begins.
     pub rising: bool,
-    /// The shape at rest that theory foresees for its membrane alone, or why there is none; computed when it is first shown.
-    pub theory: OnceLock<Result<Arc<ShapeAtRest>, NoShapeAtRest>>,
+    /// The shape at rest that theory foresees for its membrane alone.
+    pub theory: Theory,
+}
+
+/// The shape at rest that theory foresees for a run, once it is to be shown.
+#[derive(Debug, Clone, Default)]
+pub struct Theory {
+    /// The penalty of the area for which it was asked last, and whether there was a spontaneous curvature.
+    pub asked: Option<(Option<Area>, bool)>,
+    /// Whether it is being computed.
+    pub is_going: bool,
+    /// The last one that was found, or why there is none.
+    pub known: Option<Result<Arc<ShapeAtRest>, String>>,
+}
+
+impl Theory {
+    /// The shape.
+    pub fn shape(&self) -> Option<&Arc<ShapeAtRest>> {
+        self.known.as_ref()?.as_ref().ok()
+    }
 }
 
 /// The measured error of a run, as far as it is measured.

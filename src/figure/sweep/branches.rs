@@ -94,9 +94,7 @@ pub(super) fn rest_points(
 pub(super) fn rest_point(name: String, bending: f64, mut contour: Contour) -> Option<RestPoint> {
     let reduced_volume = contour.reduced_size()?;
     let length = (contour.surface()? / (4.0 * PI)).sqrt();
-    let ends = contour.segments.iter().flatten();
-    let on_axis: Vec<f64> = ends.filter(|it| it.x < 1e-9).map(|it| it.y).collect();
-    let [one, other] = on_axis[..] else {
+    let [one, other] = contour.poles()[..] else {
         return None;
     };
     contour.mirror();
@@ -105,14 +103,7 @@ pub(super) fn rest_point(name: String, bending: f64, mut contour: Contour) -> Op
     let highest = ends().map(|it| it.y).fold(f64::NEG_INFINITY, f64::max);
     let widest = ends().map(|it| it.x).fold(f64::NEG_INFINITY, f64::max);
     let middle = 0.5 * (lowest + highest);
-    // The poles of a cup are both on one side of the middle, or one is far nearer to it.
-    let branch = if (0.5 * (one + other) - middle).abs() > 0.1 * (highest - lowest) {
-        Branch::Stomatocyte
-    } else if highest - lowest > 2.0 * widest {
-        Branch::Prolate
-    } else {
-        Branch::Oblate
-    };
+    let branch = Branch::of_extents([one, other], [lowest, highest], widest);
     let curves = chain(&contour).into_iter().map(|curve| {
         let place = |[x, y]: [f64; 2]| [x / length, (y - middle) / length];
         curve.into_iter().map(place).collect()

@@ -19,7 +19,7 @@ use crate::tui::canvas::Canvas;
 use crate::tui::field_image;
 use crate::tui::layout::{Step, centred};
 use crate::tui::numbers::brief;
-use crate::tui::state::{Director, Field, Run, View, Zoom};
+use crate::tui::state::{Director, Field, View, Zoom};
 use crate::tui::theme::{Role, Theme};
 use crate::tui::window::Window;
 
@@ -59,9 +59,10 @@ pub fn draw(
     let title = title(view, theme);
     // The title has marks and gaps around it, and so have the notes.
     let room = usize::from(area.width).saturating_sub(title.width() + 7);
-    let shape = (shown.run.filter(|_| view.theory)).and_then(Run::shape_at_rest);
+    let shape = shown.run.filter(|_| view.theory);
+    let shape = shape.and_then(|run| run.theory.shape());
     let outline = match (shape, shown.picture) {
-        (Some(Ok(shape)), Some(now)) => outline_beside(shape, &now.mesh, &now.state.phi),
+        (Some(shape), Some(now)) => outline_beside(shape, &now.mesh, &now.state.phi),
         _ => Vec::new(),
     };
     let notes = notes(shown, view, !outline.is_empty(), theme, room);

@@ -8,12 +8,12 @@ use std::sync::mpsc::{self, Sender};
 
 use super::super::event::{AppEvent, spawn};
 use super::super::measuring::{self, MeasuringJob};
-use super::super::message::Message;
+use super::super::message::{Message, TheoryJob};
 use super::super::state::{MeasuringNews, Slot};
 use super::super::{autosave, estimates, opening};
 use super::{AppError, Session};
 use crate::scene::Scene;
-use crate::simulation::{RunId, RunSnapshot};
+use crate::simulation::{RunId, RunSnapshot, shape_at_rest};
 
 /// A measurement of the error of a run; it ends when this is dropped.
 pub(super) struct Measuring {
@@ -108,6 +108,26 @@ impl Session {
             let _ = incoming.send(AppEvent::Message(Message::Expected(name, words)));
         });
         thread.or_else(|words| self.message(Message::Expected(asked, Some(Err(words)))))
+    }
+
+    /// Solves for the shape at rest of a run.
+    pub(super) fn foresee(
+        &mut self,
+        picture: Arc<RunSnapshot>,
+        job: Box<TheoryJob>,
+    ) -> Result<(), AppError> {
+        let incoming = self.incoming.clone();
+        let run = picture.run;
+        let thread = self.aside("theory", move || {
+            // ∫φ is conserved.
+            let start = [picture.report.phase_integral, job.surface_area];
+            let state = (&*picture.mesh, &*picture.state.phi);
+            let shape = shape_at_rest(&job.scene, state, start);
+            let shape = shape.map(Arc::new).map_err(|reason| reason.to_string());
+            // If the loop has ended, nobody wants it.
+            let _ = incoming.send(AppEvent::Message(Message::Foreseen(run, shape)));
+        });
+        thread.or_else(|words| self.message(Message::Foreseen(run, Err(words))))
     }
 
     /// Measures the error of a run, until it is measured or the run says that it is not to be.

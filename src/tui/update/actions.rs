@@ -8,7 +8,7 @@ use super::super::state::{
     App, Beyond, Director, Ending, Field, Keeping, Notice, Overlay, Panel, Question, Run, Save,
     Screen, Severity, Slot, Status, Zoom,
 };
-use super::{accuracy, knobs, leave, measuring, pacing, remark, saving};
+use super::{accuracy, knobs, leave, measuring, pacing, remark, saving, theory};
 use crate::record::ShortNumber;
 use crate::scene::{AnchoringKind, Change};
 use crate::simulation::{Command, RunId, step_count};
@@ -41,7 +41,7 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
         Action::Zoom => app.view.zoom = next_zoom(app.view.zoom),
         Action::ColourMap => app.view.colour_map = app.view.colour_map.wrapping_add(1),
         Action::Logarithmic => app.view.logarithmic = !app.view.logarithmic,
-        Action::Theory => turn_theory(app),
+        Action::Theory => theory::turn(app),
         Action::NextField => next_field(app),
         Action::Next => next(app, 1),
         Action::Previous => next(app, -1),
@@ -426,19 +426,6 @@ fn next_field(app: &mut App) {
     let fields = fields(slot);
     let present = fields.iter().position(|field| *field == app.view.field);
     app.view.field = fields[present.map_or(0, |index| (index + 1) % fields.len())];
-}
-
-/// Shows the shape at rest that theory foresees, or hides it; says why there is none.
-fn turn_theory(app: &mut App) {
-    app.view.theory = !app.view.theory;
-    let run = app.active_slot().and_then(|slot| slot.run.as_ref());
-    if app.view.theory
-        && let Some(Err(reason)) = run.and_then(Run::shape_at_rest)
-    {
-        let reason = reason.to_string();
-        app.view.theory = false;
-        remark(app, reason);
-    }
 }
 
 /// The next panel, or in the gallery the next run.

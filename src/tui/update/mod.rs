@@ -9,6 +9,7 @@ mod overlays;
 mod pacing;
 mod saving;
 mod scheduling;
+mod theory;
 #[cfg(test)]
 mod tests;
 mod worker_events;
@@ -66,6 +67,7 @@ pub fn update(app: &mut App, message: Message) -> Vec<Effect> {
         Message::Signal(number) => leave(app, Ending::Signal(number), &mut effects),
         Message::HungUp => leave(app, Ending::HungUp, &mut effects),
         Message::FreeMemory(free) => worker_events::find_room(app, free),
+        Message::Foreseen(run, shape) => theory::foreseen(app, run, shape),
         Message::Measured(run, news) => measuring::measured(app, run, news),
         Message::NotEdited => {
             app.editing = None;
@@ -80,6 +82,7 @@ pub fn update(app: &mut App, message: Message) -> Vec<Effect> {
     }
     if app.ending.is_none() {
         estimates::follow(app, &mut effects);
+        theory::follow(app, &mut effects);
         scheduling::direct(app, &mut effects);
     }
     effects

@@ -2,9 +2,13 @@
 
 use crossterm::event::KeyCode;
 
-use super::super::super::message::Effect;
+use super::super::super::message::{Effect, Message};
 use super::super::super::state::{Director, Field, Panel, Zoom};
 use super::rig::{Rig, scene, slot};
+use crate::scene::{Assignment, Change, ParameterValue};
+use crate::simulation::{Message as WorkerMessage, RunId, WorkerEvent};
+use crate::theory::{CurveAtRest, ShapeAtRest};
+use std::sync::Arc;
 
 /// A run with pictures of the steps 3, 6, …, 3n.
 fn with_past(pictures: usize) -> Rig {
@@ -145,4 +149,72 @@ fn a_remark_is_gone_with_the_next_key() {
     assert!(rig.app.remark.is_some());
     rig.keys("c");
     assert!(rig.app.remark.is_none());
+}
+
+/// The run whose shape at rest the app asks for, and the target β of its area.
+fn asked_for(rig: &mut Rig) -> Vec<(RunId, f64)> {
+    let asked = rig.effects.drain(..).filter_map(|effect| match effect {
+        Effect::Foresee(picture, job) => {
+            let target = job.scene.area.map_or(f64::NAN, |area| area.target);
+            Some((picture.run, target))
+        }
+        _ => None,
+    });
+    asked.collect()
+}
+
+#[test]
+fn the_shape_at_rest_is_solved_for_once_and_again_where_the_parameters_change() {
+    let mut with_area = slot("case1");
+    with_area.scene = scene(&["area.target=1.25"]).into();
+    let mut rig = Rig::with(vec![with_area]);
+    rig.work(3);
+    rig.fetch();
+    assert_eq!(asked_for(&mut rig), []);
+    rig.keys("T");
+    let runs: Vec<RunId> = rig.workers.keys().copied().collect();
+    let own = rig.run(0).id;
+    let with_target = |target| runs.iter().map(|run| (*run, target)).collect::<Vec<_>>();
+    assert_eq!(asked_for(&mut rig), with_target(1.25));
+    rig.work(3);
+    rig.fetch();
+    assert_eq!(asked_for(&mut rig), [], "it is being solved for");
+    let circle = CurveAtRest::new(0.2, None).map(ShapeAtRest::Curve).unwrap();
+    for run in &runs {
+        rig.tell(Message::Foreseen(*run, Ok(Arc::new(circle.clone()))));
+    }
+    rig.work(3);
+    assert_eq!(asked_for(&mut rig), [], "it is known");
+    assert!(rig.run(0).theory.shape().is_some());
+    let at = rig.run(0).report.t;
+    let set = vec![Assignment {
+        key: "area.target".to_owned(),
+        value: ParameterValue::Number(1.3),
+    }];
+    let change = Change { at, over: 0.0, set };
+    let event = WorkerEvent::Changed(change);
+    rig.tell(Message::Solver(WorkerMessage { run: own, event }));
+    assert_eq!(asked_for(&mut rig), [(own, 1.3)]);
+    assert!(
+        rig.run(0).theory.shape().is_some(),
+        "the last one, until then"
+    );
+    // Hidden, nothing is asked for.
+    rig.keys("Ta");
+    rig.work(3);
+    assert_eq!(asked_for(&mut rig), []);
+}
+
+#[test]
+fn where_there_is_no_shape_at_rest_its_reason_is_told_and_it_is_hidden() {
+    let mut rig = with_past(2);
+    rig.keys("T");
+    let own = rig.run(2).id;
+    let reason = Err("there are two vesicles".to_owned());
+    rig.tell(Message::Foreseen(own, reason));
+    assert!(!rig.app.view.theory);
+    assert_eq!(rig.app.remark.as_deref(), Some("there are two vesicles"));
+    rig.keys("T");
+    assert!(!rig.app.view.theory, "the reason is known");
+    assert_eq!(rig.app.remark.as_deref(), Some("there are two vesicles"));
 }
