@@ -8,7 +8,7 @@ use super::set_up::{Outcome, set_up};
 use super::signals::EndSignal;
 use crate::figure::{Existing, FigureOptions, View, save_shape};
 use crate::record::load_scene;
-use crate::scene::Scene;
+use crate::scene::{Scene, Timetable};
 use crate::simulation::{Simulation, check_memory, check_outlines, outline_beside, shape_at_rest};
 use crate::theory::{BodyAtRest, Branch, CurveAtRest, MEMBRANE_FACTOR, ShapeAtRest};
 use std::ffi::OsString;
@@ -20,7 +20,8 @@ use std::path::PathBuf;
 The shape is a closed elastica: the curve of least bending energy about the area of the vesicle, as long as the penalty of \
 the membrane's area has it. By rotation it is a surface on the branch that the initial shape is like: prolate, oblate or \
 stomatocyte. It is the limit of ε → 0 for the membrane alone: nematic, anchoring, fields and noise are left out. The area (the \
-volume) and the membrane at the start are those of the initial state on the mesh of the scene.")]
+volume) and the membrane at the start are those of the initial state on the mesh of the scene; parameters that change have \
+their last values.")]
 pub(super) struct Arguments {
     /// A preset's name (see `vesica presets`) or a TOML file
     scene: OsString,
@@ -60,8 +61,12 @@ pub(super) fn shape(arguments: &Arguments) -> Result<(), CliError> {
     };
     let (mesh, report) = (simulation.mesh(), simulation.report());
     let start = [report.phase_integral, report.surface_area];
-    let shape = shape_at_rest(scene, (mesh, &simulation.state().phi), start)?;
-    output::print(&description(scene, &shape))?;
+    let at_end = Scene {
+        name: scene.name.clone(),
+        ..Timetable::of(scene).at(scene.time.end)
+    };
+    let shape = shape_at_rest(&at_end, (mesh, &simulation.state().phi), start)?;
+    output::print(&description(&at_end, &shape))?;
     if let Some(folder) = &arguments.out {
         let name = loaded.name.to_string_lossy();
         save(arguments, &name, &simulation, &shape, folder)?;
