@@ -245,7 +245,7 @@ fn at_rest(spheroid: &Spheroid) -> [f64; 2] {
     [volume, bending / (8.0_f64.sqrt() / 3.0 * 8.0 * PI)]
 }
 
-/// Near the branch of the sharp interface, and not near the other one, which is 4 to 5 % away.
+/// Above the branch of the sharp interface, for ε is not small, by less than 2 %, and not above the other one, which is 3 to 5 % away.
 #[test]
 fn spheroids_come_to_rest_on_their_branches() {
     for (branch, other, spheroid) in [
@@ -255,24 +255,25 @@ fn spheroids_come_to_rest_on_their_branches() {
         let [volume, energy] = at_rest(&spheroid);
         let off = |branch: Branch| {
             let theory = branch.surface(volume).expect("it is on the branch");
-            (energy / theory.energy - 1.0).abs()
+            energy / theory.energy - 1.0
         };
         let [own, other] = [branch, other].map(off);
         assert!((0.78..0.88).contains(&volume), "{branch:?}: {volume}");
+        let above = 0.0..0.02;
         assert!(
-            own < 0.02 && other > 0.02,
+            above.contains(&own) && !above.contains(&other),
             "{branch:?} at {volume}: {own} {other}"
         );
     }
 }
 
-/// A fine mesh and a stiff area: what a linear system leaves in the equations of μ and ω may not keep the residual from falling. (With
-/// shares of 0.3 and 0.01 in scheme/membrane/linear.rs four steps are refused up to here, and then one in two.)
+/// A fine mesh and a stiff area: what a linear system leaves in the equations of μ and ω may not keep the residual from falling.
+/// (Where it never counts more than at first, as in `STRICTER` = 1 in scheme/membrane/iteration.rs, these are 147 steps.)
 #[test]
-fn the_steps_of_a_stiff_body_are_solved() {
+fn the_steps_of_a_stiff_body_at_rest_become_long() {
     let text = find_preset("prolate").expect("a preset");
     let mut no_files = |_: &str| Err(std::io::ErrorKind::NotFound.into());
-    let scene = Scene::parse(text, "prolate", &["time.end=6.2e-4".into()], &mut no_files);
+    let scene = Scene::parse(text, "prolate", &["time.end=3e-3".into()], &mut no_files);
     let scene = scene.expect("a scene");
     let mut simulation = Simulation::new(&scene).expect("it can be set up");
     let mut refused = Vec::new();
@@ -281,5 +282,7 @@ fn the_steps_of_a_stiff_body_are_solved() {
         let report = simulation.report();
         refused.extend((report.refused > 0).then_some((report.step, report.refused)));
     }
-    assert!(refused.len() <= 1, "(step, attempts): {refused:?}");
+    assert!(refused.len() <= 2, "(step, attempts): {refused:?}");
+    let steps = simulation.report().step;
+    assert!(steps <= 45, "{steps}");
 }

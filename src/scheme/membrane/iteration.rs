@@ -87,6 +87,12 @@ const LARGEST_THETA: f64 = 0.1;
 /// Above this ratio of a residual to the one before the next iteration has a derivative of its own.
 const FALLS_FAST: f64 = 5e-2;
 
+/// After a correction within the tolerance the residual is smaller than this part of the one before, or what is left is of the linear
+/// system: the next one is solved so much more strictly. Without that one in three steps of the preset `prolate` was refused once
+/// its vesicle was at rest, and the run took 896 steps in place of 55; with 0.1 it took half as many more.
+const FALLS_SLOWLY: f64 = 0.03;
+const STRICTER: f64 = 30.0;
+
 /// The part of the law's tolerance that substep 2 may use up. The rest is for what else misses: substep 1
 /// and the solves with the mass matrix. Without it a step that ends just within the tolerance is refused
 /// when its books are closed.
@@ -195,6 +201,7 @@ impl MembraneStep {
         // How Newton's method converged in the last two undamped iterations.
         let mut contraction = None;
         let mut keep_jacobian = false;
+        self.linear.strictness = 1.0;
         (context.watch)(Phase::Residual);
         loop {
             work.newton += 1;
@@ -208,6 +215,9 @@ impl MembraneStep {
             work.krylov += advance.krylov;
             work.damping = work.damping.min(advance.damping);
             let changes = self.changes(context);
+            if fell > FALLS_SLOWLY && changes[0] <= options.tolerance {
+                self.linear.strictness *= STRICTER;
+            }
             // The lagged iteration does not speed up, and a damped correction says nothing about the next.
             let undamped = options.iteration == Iteration::Newton && advance.damping == 1.0;
             if let Some(before) = before.filter(|_| undamped) {

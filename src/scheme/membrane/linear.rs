@@ -27,8 +27,8 @@ const LEAST_OF_A_LONG_STEP: f64 = 1e-5;
 
 /// What the relative residuals of the equations for μ and ω count in GMRES's norm, over that of the first one.
 /// Both fields are computed again from the new φ, but what is left in their equations is in φ too, where two products with the
-/// stiffness matrix magnify it: with 0.3 and 0.01 the residual of the preset `prolate` at rest did not fall any more, a tenth of its
-/// steps were refused, and `redcell` took 175 steps in place of 73. Shares that are larger by three take more iterations.
+/// stiffness matrix magnify it: with 0.3 and 0.01 `redcell` took 175 steps in place of 73. Shares that are larger by three
+/// take more iterations; where they are too small, a correction makes them [stricter](LinearSolver::strictness).
 const SHARE_OF_MU: f64 = 3.0;
 const SHARE_OF_OMEGA: f64 = 0.3;
 
@@ -55,6 +55,8 @@ pub(super) struct LinearSolver {
     gmres: Gmres,
     right_side: Vec<f64>,
     pub(super) increment: Vec<f64>,
+    /// With the factor: by how much the residuals of the equations for μ and ω count more than by their shares.
+    pub(super) strictness: f64,
 }
 
 impl LinearSolver {
@@ -83,6 +85,7 @@ impl LinearSolver {
             gmres: Gmres::new(unknowns, RESTART),
             right_side: vec![0.0; unknowns],
             increment: vec![0.0; unknowns],
+            strictness: 1.0,
         }
     }
 
@@ -312,10 +315,11 @@ impl MembraneStep {
                     vector::weighted_square(field, weights).sqrt().max(least)
                 };
                 let [mu, omega] = [self.least.mu, self.least.omega];
+                let strictness = self.linear.strictness;
                 let row_scales = [
                     1.0,
-                    SHARE_OF_MU / size_of(&context.to.mu, mu),
-                    SHARE_OF_OMEGA / (width * size_of(&context.to.omega, omega)),
+                    strictness * SHARE_OF_MU / size_of(&context.to.mu, mu),
+                    strictness * SHARE_OF_OMEGA / (width * size_of(&context.to.omega, omega)),
                 ];
                 let rows = r2.iter_mut().zip(&self.residual[1]).zip(&self.root_weights);
                 rows.for_each(|((b, r), root)| *b = -row_scales[1] * r / root);

@@ -9,9 +9,9 @@ mod overlays;
 mod pacing;
 mod saving;
 mod scheduling;
-mod theory;
 #[cfg(test)]
 mod tests;
+mod theory;
 mod worker_events;
 
 use crossterm::event::{KeyEvent, KeyEventKind, KeyModifiers};
