@@ -333,6 +333,33 @@ pub(super) enum CliError {
         /// The file.
         path: PathBuf,
     },
+    /// A run has no scene to be computed again.
+    #[error(
+        "{0} holds a run, but no scene.toml, its scene: nothing can be computed again. Put back the scene that the run \
+         was begun with, as {1}",
+        folder.display(),
+        folder.join("scene.toml").display()
+    )]
+    NothingToRepeat {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A signal ended an export.
+    #[error("ended by {}; nothing is exported", .0.name)]
+    ExportEnded(EndingSignal),
+    /// The steps of a run could not be counted.
+    #[error(
+        "{end_key} has the run end at t = {end:e}, more steps of length {step:e} away than can be counted: lower it, or raise \
+         time.step"
+    )]
+    TooManySteps {
+        /// Where T comes from.
+        end_key: &'static str,
+        /// T.
+        end: f64,
+        /// Δt.
+        step: f64,
+    },
     /// A run cannot be computed again.
     #[error("the run failed when it was repeated: {0}")]
     Repeat(#[source] SimulationError),
@@ -368,6 +395,8 @@ impl CliError {
             | CliError::NoCommand { .. }
             | CliError::Preset(_)
             | CliError::NoStep { .. }
+            | CliError::TooManySteps { .. }
+            | CliError::NothingToRepeat { .. }
             | CliError::NothingToRevolve { .. }
             | CliError::StepsOfChosen
             | CliError::Folder(_)
@@ -438,6 +467,7 @@ impl CliError {
             | CliError::AccuracyInterrupted { number, .. }
             | CliError::StudyEnded { number, .. }
             | CliError::VerifyEnded(EndingSignal { number, .. })
+            | CliError::ExportEnded(EndingSignal { number, .. })
             | CliError::AppEnded { number } => 128_u8.saturating_add(*number as u8),
         }
     }
@@ -452,6 +482,7 @@ impl CliError {
             | CliError::PointSaved { .. }
             | CliError::AccuracyInterrupted { .. }
             | CliError::VerifyEnded(_)
+            | CliError::ExportEnded(_)
             | CliError::Differs { .. }
             | CliError::StudyEnded { .. } => output::tell(self),
             // It has left a line that says how far it came, and what failed.

@@ -3,13 +3,15 @@
 use super::error::CliError;
 use super::figures;
 use super::output;
+use super::signals::EndSignal;
 use crate::figure::{FigureOptions, save_set};
 use crate::record::{
     CRATE_FILE, CrateDescription, CrateFile, LoadError, RecordError, RecordedSummary, Role,
-    RunFolder, files_of_run, read_run, read_summary, ro_crate, sha256, write_whole,
+    RunFolder, clean, files_of_run, read_run, read_summary, ro_crate, sha256, try_to_write,
+    write_new, write_whole,
 };
 use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 use zip::write::SimpleFileOptions;
@@ -82,6 +84,17 @@ pub(super) fn export(arguments: &Arguments) -> Result<(), CliError> {
     if out.exists() && !arguments.force {
         return Err(CliError::Exists { path: out });
     }
+    let signal = EndSignal::listen()?;
+    // What an export that was killed had left there.
+    clean(match out.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    });
+    try_to_write(&out)?;
+    let go_on = || match signal.received() {
+        Some(signal) => Err(CliError::ExportEnded(signal)),
+        None => Ok(()),
+    };
     let temporary = tempfile::tempdir().map_err(|reason| RecordError::MakeFolder {
         path: std::env::temp_dir(),
         reason,
@@ -97,6 +110,7 @@ pub(super) fn export(arguments: &Arguments) -> Result<(), CliError> {
     if !arguments.no_figures {
         packed.extend(figures_of(run, &name, &temporary.path().join("figures"))?);
     }
+    go_on()?;
     let readme = temporary.path().join("README.md");
     write_whole(&readme, |file| {
         file.write_all(readme_of(&summary, &name).as_bytes())
@@ -106,7 +120,11 @@ pub(super) fn export(arguments: &Arguments) -> Result<(), CliError> {
         role: Role::Words,
         source: readme,
     });
-    let files: Vec<CrateFile> = packed.iter().map(described).collect::<Result<_, _>>()?;
+    let mut files: Vec<CrateFile> = Vec::new();
+    for file in &packed {
+        go_on()?;
+        files.push(described(file)?);
+    }
     let description = CrateDescription {
         files: &files,
         date: &today(),
@@ -114,10 +132,19 @@ pub(super) fn export(arguments: &Arguments) -> Result<(), CliError> {
         license: arguments.license.as_deref(),
     };
     let description = ro_crate(&summary, &description);
-    write_whole(&out, |file| {
+    let content = |file: &mut dyn Write| {
         let text = serde_json::to_string_pretty(&description)?;
-        pack(file, text.as_bytes(), &packed)
-    })?;
+        pack(file, text.as_bytes(), &packed, &signal)
+    };
+    let written = match arguments.force {
+        true => write_whole(&out, content),
+        false => write_new(&out, content),
+    };
+    if written.is_err() {
+        // It may be that of the signal; what was written is removed.
+        go_on()?;
+    }
+    written?;
     output::summary(format_args!(
         "{} files of {}, with a description, in {}",
         files.len(),
@@ -158,7 +185,12 @@ fn described(packed: &Packed) -> Result<CrateFile, RecordError> {
 }
 
 /// Writes the archive. Its files have no dates: the same run is the same file, but for the day of the export.
-fn pack(to: &mut dyn Write, description: &[u8], packed: &[Packed]) -> io::Result<()> {
+fn pack(
+    to: &mut dyn Write,
+    description: &[u8],
+    packed: &[Packed],
+    signal: &EndSignal,
+) -> io::Result<()> {
     let mut archive = ZipWriter::new_stream(to);
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Deflated)
@@ -169,10 +201,26 @@ fn pack(to: &mut dyn Write, description: &[u8], packed: &[Packed]) -> io::Result
     archive.write_all(description)?;
     for file in packed {
         archive.start_file(file.path.as_str(), options)?;
-        io::copy(&mut File::open(&file.source)?, &mut archive)?;
+        let source = File::open(&file.source)?;
+        io::copy(&mut Stoppable { source, signal }, &mut archive)?;
     }
     archive.finish()?;
     Ok(())
+}
+
+/// A file that is read until a signal comes.
+struct Stoppable<'a> {
+    source: File,
+    signal: &'a EndSignal,
+}
+
+impl Read for Stoppable<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        match self.signal.received() {
+            Some(_) => Err(io::Error::other("the export was ended")),
+            None => self.source.read(buffer),
+        }
+    }
 }
 
 /// The day, in UTC.

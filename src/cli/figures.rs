@@ -1,24 +1,24 @@
 //! `vesica figures SCENE...`: the figures of a report.
 
 use super::error::CliError;
+use super::one_of_many::{self, Ended};
 use super::output;
 use super::picture_size::PictureSize;
 use super::progress::Progress;
-use super::run::{Events, Stop, simulate, some_step};
+use super::run::some_step;
 use super::shell::{scenes, settings};
 use super::signals::EndSignal;
 use crate::figure::{
     Director, Existing, FigureOptions, RunData, Snapshot, Zoom, check_free, save_set,
 };
 use crate::record::{
-    Ending, IfOccupied, RecordError, RecordedRun, RecorderBuilder, RunFolder, Settings, clean,
-    load_scene, read_run,
+    IfOccupied, RecordError, RecordedRun, RecorderBuilder, RunFolder, Settings, clean, load_scene,
+    read_run,
 };
 use crate::scene::{Geometry, Scene, Timetable, preset};
 use crate::signals::EndingSignal;
 use crate::simulation::{
-    NoShapeAtRest, Simulation, SimulationError, check_outlines, cores, free_memory, memory_needed,
-    shape_at_rest, threads_that_pay,
+    NoShapeAtRest, check_outlines, cores, free_memory, memory_needed, shape_at_rest,
 };
 use crate::theory::ShapeAtRest;
 use clap_complete::ArgValueCompleter;
@@ -117,13 +117,13 @@ pub(super) fn figures(arguments: &Arguments) -> Result<(), CliError> {
 
     let mut failed = 0;
     for (job, outcome) in jobs.iter().zip(&outcomes) {
-        if let Outcome::Failed(error) = outcome {
+        if let Ended::Failed(error) = outcome {
             failed += 1;
             output::error(format_args!("{}: {error}", job.name));
         }
     }
     let stopped = outcomes.iter().find_map(|outcome| match outcome {
-        Outcome::Stopped(signal) => Some(*signal),
+        Ended::Stopped(signal) => Some(*signal),
         _ => None,
     });
     if let Some(EndingSignal { name, number, .. }) = stopped {
@@ -145,7 +145,7 @@ pub(super) fn figures(arguments: &Arguments) -> Result<(), CliError> {
             Source::Run { name, run } => (name, *run),
             Source::Scene { .. } => match jobs_left.next() {
                 // A run whose record does not reach to its first row has nothing to draw.
-                Some((job, Outcome::Failed(_))) => match read_run(job.folder.path()) {
+                Some((job, Ended::Failed(_))) => match read_run(job.folder.path()) {
                     Ok(run) => (job.name.clone(), run),
                     Err(_) => continue,
                 },
@@ -330,15 +330,8 @@ fn jobs(sources: &[Source], folder: &Path, force: bool) -> Result<Vec<Job>, CliE
     Ok(jobs)
 }
 
-/// How a run went.
-enum Outcome {
-    Done,
-    Stopped(EndingSignal),
-    Failed(String),
-}
-
 /// Simulates the jobs side by side, as many at a time as there are processors and memory.
-fn compute(jobs: &[Job], signal: &EndSignal) -> Vec<Outcome> {
+fn compute(jobs: &[Job], signal: &EndSignal) -> Vec<Ended> {
     let processors = cores();
     let needed = jobs.iter().map(|job| memory_needed(&job.scene)).max();
     let threads = match (free_memory(), needed) {
@@ -351,11 +344,11 @@ fn compute(jobs: &[Job], signal: &EndSignal) -> Vec<Outcome> {
     let at_once = threads.min(jobs.len()).max(1);
     let bars = MultiProgress::with_draw_target(output::progress_target());
     let next = AtomicUsize::new(0);
-    let outcomes: Vec<Mutex<Option<Outcome>>> = jobs.iter().map(|_| Mutex::new(None)).collect();
+    let outcomes: Vec<Mutex<Option<Ended>>> = jobs.iter().map(|_| Mutex::new(None)).collect();
     let work = || {
         while let Some(job) = jobs.get(next.fetch_add(1, Ordering::Relaxed)) {
             let outcome = compute_one(job, processors / at_once, signal, &bars)
-                .unwrap_or_else(|error| Outcome::Failed(error.to_string()));
+                .unwrap_or_else(|error| Ended::Failed(error.to_string()));
             let place = jobs.iter().position(|other| std::ptr::eq(other, job));
             if let Some(place) = place
                 && let Ok(mut place) = outcomes[place].lock()
@@ -374,8 +367,8 @@ fn compute(jobs: &[Job], signal: &EndSignal) -> Vec<Outcome> {
         }
         work();
     });
-    let outcome = |outcome: Mutex<Option<Outcome>>| outcome.into_inner().ok().flatten();
-    let unknown = || Outcome::Failed("its thread ended too early".to_owned());
+    let outcome = |outcome: Mutex<Option<Ended>>| outcome.into_inner().ok().flatten();
+    let unknown = || Ended::Failed("its thread ended too early".to_owned());
     outcomes
         .into_iter()
         .map(|result| outcome(result).unwrap_or_else(unknown))
@@ -388,48 +381,24 @@ fn compute_one(
     threads: usize,
     signal: &EndSignal,
     bars: &MultiProgress,
-) -> Result<Outcome, RecordError> {
+) -> Result<Ended, RecordError> {
     let preparation = RecorderBuilder::begin(job.folder.clone(), &job.scene, Settings::default())?;
     let begun = Instant::now();
-    let mut ended = None;
-    let simulation = Simulation::new_unless(&job.scene, &mut |_| {
-        ended = signal.received();
-        ended.is_some()
-    });
-    let mut simulation = match (simulation, ended) {
-        (Ok(simulation), _) => simulation,
-        (Err(SimulationError::Ended), Some(signal)) => {
-            preparation.end(Ending::Interrupted(signal.name))?;
-            return Ok(Outcome::Stopped(signal));
-        }
-        (Err(error), _) => {
-            preparation.end(Ending::Failed(error.to_string()))?;
-            return Ok(Outcome::Failed(error.to_string()));
+    let simulation = match one_of_many::set_up(&job.scene, signal) {
+        Ok(simulation) => simulation,
+        Err(ended) => {
+            preparation.end(ended.ending())?;
+            return Ok(ended);
         }
     };
-    let nodes = simulation.mesh().nodes().len();
-    simulation.set_threads(threads_that_pay(nodes, threads));
-    simulation.follow(preparation.schedule());
-    let mut recorder = preparation.start(&simulation, begun.elapsed())?;
+    let recorder = preparation.start(&simulation, begun.elapsed())?;
     let progress = Progress::among(bars, &job.name, recorder.schedule());
     progress.above(|| {
         for warning in simulation.warnings() {
             output::warning(format_args!("{}: {warning}", job.name));
         }
     });
-    let stop = simulate(
-        &mut simulation,
-        &mut recorder,
-        signal,
-        progress,
-        Events::Untold,
-    );
-    let finished = recorder.finish(&mut simulation, stop.ending());
-    match stop {
-        Stop::Failed(error) => Ok(Outcome::Failed(error.to_string())),
-        Stop::Signal(signal) => finished.map(|_| Outcome::Stopped(signal)),
-        Stop::Done => finished.map(|_| Outcome::Done),
-    }
+    one_of_many::complete(simulation, recorder, threads, signal, progress)
 }
 
 /// What is drawn of a run; nothing, if no fields were saved.

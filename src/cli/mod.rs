@@ -14,6 +14,7 @@ mod export;
 mod figures;
 mod measure_error;
 mod numbers;
+mod one_of_many;
 mod output;
 mod overrides;
 mod picture_size;
@@ -32,7 +33,7 @@ use crate::scene::preset;
 use clap::{CommandFactory, Parser, Subcommand};
 use error::CliError;
 use std::env;
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -92,11 +93,12 @@ enum Command {
 pub fn main() -> ExitCode {
     shell::answer();
     allocator::share_one();
-    let arguments = match Arguments::try_parse() {
+    let (words, is_quiet) = without_leading_quiet(env::args_os().collect());
+    let arguments = match Arguments::try_parse_from(words) {
         Ok(arguments) => arguments,
         Err(error) => return refuse(&error),
     };
-    if arguments.quiet {
+    if arguments.quiet || is_quiet {
         output::be_quiet();
     }
     let result = match arguments.command {
@@ -127,6 +129,29 @@ pub fn main() -> ExitCode {
     }
 }
 
+/// The arguments without `--quiet` where it comes before a command, and whether it did: there clap takes it for an argument
+/// of the app, which excludes all commands.
+fn without_leading_quiet(mut words: Vec<OsString>) -> (Vec<OsString>, bool) {
+    let mut command = Arguments::command();
+    let mut is_quiet = false;
+    for at in 1.. {
+        let flags = words.iter().skip(at).take_while(|word| is_quiet_flag(word));
+        let flags = flags.count();
+        let word = words.get(at + flags);
+        let Some(inner) = word.and_then(|word| command.find_subcommand(word)) else {
+            break;
+        };
+        command = inner.clone();
+        words.drain(at..at + flags);
+        is_quiet |= flags > 0;
+    }
+    (words, is_quiet)
+}
+
+fn is_quiet_flag(word: &OsStr) -> bool {
+    word == "-q" || word == "--quiet"
+}
+
 fn end(error: &CliError) -> ExitCode {
     error.tell();
     ExitCode::from(error.exit_status())
@@ -140,7 +165,9 @@ fn refuse(error: &clap::Error) -> ExitCode {
         return ExitCode::SUCCESS;
     }
     // A misspelt command passes for the app's SCENE, and the blame falls on what follows it.
-    if let Some(mistaken) = env::args_os().nth(1).as_deref().and_then(mistaken_command) {
+    let mut words = env::args_os().skip(1);
+    let word = words.find(|word| !is_quiet_flag(word));
+    if let Some(mistaken) = word.as_deref().and_then(mistaken_command) {
         return end(&mistaken);
     }
     let _ = error.print();
@@ -176,5 +203,29 @@ mod tests {
     #[test]
     fn the_arguments_are_consistent() {
         Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn quiet_may_come_before_a_command() {
+        for (given, left, is_quiet) in [
+            ("vesica -q run case3", "vesica run case3", true),
+            ("vesica run -q case3", "vesica run -q case3", false),
+            (
+                "vesica --quiet -q sweep -q table a",
+                "vesica sweep table a",
+                true,
+            ),
+            ("vesica sweep -q plan", "vesica sweep -q plan", false),
+            ("vesica -q case3", "vesica -q case3", false),
+            ("vesica -q", "vesica -q", false),
+        ] {
+            let words = given.split(' ').map(OsString::from).collect();
+            let expected: Vec<OsString> = left.split(' ').map(OsString::from).collect();
+            assert_eq!(
+                without_leading_quiet(words),
+                (expected, is_quiet),
+                "{given}"
+            );
+        }
     }
 }

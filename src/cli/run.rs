@@ -450,9 +450,10 @@ fn scene(arguments: &Arguments) -> Result<(Scene, OsString), CliError> {
         (None, Some(steps)) => time.end = steps as f64 * time.step,
         (None, None) => {}
     }
-    let end_key = match arguments.until {
-        Some(_) => "--until",
-        None => "time.end",
+    let end_key = match (arguments.until, arguments.steps) {
+        (Some(_), _) => "--until",
+        (None, Some(_)) => "--steps",
+        (None, None) => "time.end",
     };
     some_step_before(end_key, time)?;
     Ok((loaded.scene, loaded.name))
@@ -463,14 +464,12 @@ pub(super) fn some_step(time: &Time) -> Result<(), CliError> {
     some_step_before("time.end", time)
 }
 
-/// The same, of an end that is given by this key or option.
+/// The same, of an end that is given by this key or option, and one that is too many steps away.
 fn some_step_before(end_key: &'static str, time: &Time) -> Result<(), CliError> {
+    let Time { end, step, .. } = *time;
     match step_count(time) {
-        Some(0) => Err(CliError::NoStep {
-            end_key,
-            end: time.end,
-            step: time.step,
-        }),
+        Some(0) => Err(CliError::NoStep { end_key, end, step }),
+        _ if time.has_too_many_steps() => Err(CliError::TooManySteps { end_key, end, step }),
         _ => Ok(()),
     }
 }

@@ -101,7 +101,7 @@ pub(super) fn sweep(arguments: &Arguments) -> Result<(), CliError> {
         Some(Command::Point(arguments)) => point::points(arguments),
         None => match &arguments.here.plan {
             Some(plan) if arguments.here.list => list::list(plan, arguments.here.quick),
-            Some(plan) => here::run(plan, &arguments.here).map(drop),
+            Some(plan) => here::run(plan, &arguments.here, |_| Ok(())).map(drop),
             None => Ok(()),
         },
     }

@@ -7,8 +7,8 @@ use super::progress::Progress;
 use super::set_up::{Outcome, set_up};
 use super::signals::EndSignal;
 use crate::record::{
-    Build, Columns, Ending, IfOccupied, RecordError, RecordedSummary, Recorder, RecorderBuilder,
-    RunFolder, Settings, changed_inputs, load_run_scene, read_summary,
+    Build, Columns, Ending, IfOccupied, LoadError, RecordError, RecordedSummary, Recorder,
+    RecorderBuilder, RunFolder, Settings, changed_inputs, load_run_scene, read_summary,
 };
 use crate::simulation::{Simulation, check_memory, cores, threads_that_pay};
 use serde::Serialize;
@@ -91,7 +91,11 @@ pub(super) fn verify(arguments: &Arguments) -> Result<(), CliError> {
     let run = &arguments.run;
     let summary = read_summary(run)?;
     let recorded = Columns::read(run)?;
-    let scene = load_run_scene(run, &[])?.scene;
+    let scene = load_run_scene(run, &[]).map_err(|error| match error {
+        LoadError::NoScene { folder } => CliError::NothingToRepeat { folder },
+        error => CliError::Load(error),
+    })?;
+    let scene = scene.scene;
     // Of a run that was killed the table is ahead of run.json; of no run it is behind.
     let end = last_step(&recorded).max(summary.steps);
     let last = end.min(arguments.steps.unwrap_or(end));

@@ -16,7 +16,8 @@ use super::save::Files;
 use super::text::Label;
 use super::{FigureError, FigureOptions, TEXT_SIZES_A_WIDTH, text_size};
 use crate::fem::Contour;
-use crate::study::sweep::{Spacing, SweepFolder, Table, last_outline, plain};
+use crate::scene::{Geometry, Scene};
+use crate::study::sweep::{Plan, Point, Spacing, Sweep, SweepFolder, Table, last_outline, plain};
 use crate::theory::{Branch, ClosedSurfaceError};
 use axis::PlaceAxis;
 use std::path::{Path, PathBuf};
@@ -41,6 +42,63 @@ pub struct SweepView {
     pub branches: bool,
 }
 
+impl SweepView {
+    /// Refuses what no run could make a figure of: to be asked before a sweep is run.
+    ///
+    /// # Errors
+    /// [`SweepFigureError`].
+    pub fn check(&self, sweep: &Sweep) -> Result<(), SweepFigureError> {
+        let (plan, points, keys) = (&sweep.plan, &sweep.points, sweep.plan.varied_keys());
+        if self.branches {
+            self.check_keys()?;
+            let mut fixed = self.fixed.iter().map(|(key, _)| key);
+            if let Some(key) = fixed.find(|key| !keys.contains(key)) {
+                let key = key.clone();
+                return Err(SweepFigureError::NoAxis { key, keys });
+            }
+            let is_body = |scene: &Scene| scene.geometry == Geometry::Axisymmetric;
+            let has_body = match keys.iter().any(|key| key.starts_with("domain")) {
+                false => is_body(&sweep.base),
+                true => {
+                    let mut scenes = points.iter().filter_map(|point| sweep.scene(point).ok());
+                    scenes.any(|scene| is_body(&scene))
+                }
+            };
+            return match has_body {
+                true => Ok(()),
+                false => Err(SweepFigureError::NoBodies),
+            };
+        }
+        let columns = Table::columns_of(plan);
+        // The energies are those of the effects that the points have.
+        if !columns.contains(&self.column) && !self.column.starts_with("E_") {
+            let column = self.column.clone();
+            return Err(SweepFigureError::NoColumn { column, columns });
+        }
+        Axes::choose(plan, &keys, points, self).map(drop)
+    }
+
+    /// Refuses a key that is asked for twice.
+    fn check_keys(&self) -> Result<(), SweepFigureError> {
+        let axes = [("--x", &self.x), ("--y", &self.y)];
+        let axes = axes
+            .into_iter()
+            .filter_map(|(place, key)| Some((place, key.as_ref()?)));
+        let fixed = self.fixed.iter().map(|(key, _)| ("--where", key));
+        let mut seen: Vec<(&'static str, &String)> = Vec::new();
+        for (place, key) in axes.chain(fixed) {
+            if let Some((other, _)) = seen.iter().find(|(_, other)| *other == key) {
+                return Err(SweepFigureError::Twice {
+                    key: key.clone(),
+                    places: [other, place],
+                });
+            }
+            seen.push((place, key));
+        }
+        Ok(())
+    }
+}
+
 /// Why there is no figure of a sweep.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepFigureError {
@@ -59,6 +117,14 @@ pub enum SweepFigureError {
         key: String,
         /// What there is.
         keys: Vec<String>,
+    },
+    /// A key is asked for twice.
+    #[error("the key {key} is given twice, with {}: give it once", places.join(" and "))]
+    Twice {
+        /// The key.
+        key: String,
+        /// Where: `--x`, `--y` or `--where`.
+        places: [&'static str; 2],
     },
     /// An axis does not have this value.
     #[error("{key} is never {value} in the sweep; it is {}", values.join(", "))]
@@ -205,50 +271,20 @@ impl Arranged {
                 column: view.column.clone(),
                 columns: table.columns.clone(),
             })?;
-        let mut dimensions = dimensions(sweep, table);
-        let keys: Vec<String> = dimensions.iter().map(|it| it.key.clone()).collect();
-        let no_axis = |key: &String| SweepFigureError::NoAxis {
-            key: key.clone(),
-            keys: keys.clone(),
-        };
+        let Axes {
+            held,
+            x,
+            y,
+            others: dimensions,
+        } = Axes::choose(&sweep.plan, &table.keys, sweep.points(), view)?;
         let mut rows: Vec<usize> = grid_rows(sweep);
-        for (key, value) in &view.fixed {
-            let at = dimensions.iter().position(|it| it.key == *key);
-            let dimension = dimensions.remove(at.ok_or_else(|| no_axis(key))?);
-            let place = dimension
-                .place(value)
-                .ok_or_else(|| SweepFigureError::NoValue {
-                    key: key.clone(),
-                    value: value.clone(),
-                    values: dimension.values.iter().map(|it| plain(it)).collect(),
-                })?;
+        for (dimension, place) in &held {
             rows.retain(|row| {
                 let own = &table.rows[*row].values[dimension.number];
-                dimension.place(own) == Some(place)
+                dimension.place(own) == Some(*place)
             });
         }
-        dimensions.retain(|dimension| dimension.values.len() > 1);
-        let mut choose = |key: &Option<String>| {
-            let Some(key) = key else {
-                return Ok::<_, SweepFigureError>(None);
-            };
-            let at = dimensions.iter().position(|it| it.key == *key);
-            Ok(Some(dimensions.remove(at.ok_or_else(|| no_axis(key))?)))
-        };
-        let (x, y) = (choose(&view.x)?, choose(&view.y)?);
-        let mut widest = || {
-            let of_numbers = |it: &Dimension| (it.is_of_numbers(), it.values.len());
-            let best = dimensions.iter().map(of_numbers).max()?;
-            let at = dimensions.iter().position(|it| of_numbers(it) == best)?;
-            Some(dimensions.remove(at))
-        };
-        let x = x.or_else(&mut widest).ok_or(SweepFigureError::NoAxes)?;
-        let y = y.or_else(&mut widest);
         let panels: usize = dimensions.iter().map(|it| it.values.len()).product();
-        if panels > MOST_PANELS {
-            let keys = dimensions.into_iter().map(|it| it.key).collect();
-            return Err(SweepFigureError::TooManyPanels { panels, keys });
-        }
         let places = x.values.len() * y.as_ref().map_or(1, |y| y.values.len());
         let mut grids: Vec<Panel> = (0..panels)
             .map(|panel| Panel {
@@ -305,11 +341,80 @@ impl Arranged {
     }
 }
 
+/// The axes of a sweep as a view has them.
+struct Axes {
+    /// Those that are held, at the place of a value.
+    held: Vec<(Dimension, usize)>,
+    x: Dimension,
+    y: Option<Dimension>,
+    /// Those that make the panels.
+    others: Vec<Dimension>,
+}
+
+impl Axes {
+    /// Those of a plan with these varied keys and these points.
+    fn choose(
+        plan: &Plan,
+        keys: &[String],
+        points: &[Point],
+        view: &SweepView,
+    ) -> Result<Self, SweepFigureError> {
+        view.check_keys()?;
+        let mut dimensions = dimensions(plan, keys, points);
+        let keys: Vec<String> = dimensions.iter().map(|it| it.key.clone()).collect();
+        let no_axis = |key: &String| SweepFigureError::NoAxis {
+            key: key.clone(),
+            keys: keys.clone(),
+        };
+        let mut held = Vec::new();
+        for (key, value) in &view.fixed {
+            let at = dimensions.iter().position(|it| it.key == *key);
+            let dimension = dimensions.remove(at.ok_or_else(|| no_axis(key))?);
+            let place = dimension
+                .place(value)
+                .ok_or_else(|| SweepFigureError::NoValue {
+                    key: key.clone(),
+                    value: value.clone(),
+                    values: dimension.values.iter().map(|it| plain(it)).collect(),
+                })?;
+            held.push((dimension, place));
+        }
+        dimensions.retain(|dimension| dimension.values.len() > 1);
+        let mut choose = |key: &Option<String>| {
+            let Some(key) = key else {
+                return Ok::<_, SweepFigureError>(None);
+            };
+            let at = dimensions.iter().position(|it| it.key == *key);
+            Ok(Some(dimensions.remove(at.ok_or_else(|| no_axis(key))?)))
+        };
+        let (x, y) = (choose(&view.x)?, choose(&view.y)?);
+        let mut widest = || {
+            let of_numbers = |it: &Dimension| (it.is_of_numbers(), it.values.len());
+            let best = dimensions.iter().map(of_numbers).max()?;
+            let at = dimensions.iter().position(|it| of_numbers(it) == best)?;
+            Some(dimensions.remove(at))
+        };
+        let x = x.or_else(&mut widest).ok_or(SweepFigureError::NoAxes)?;
+        let y = y.or_else(&mut widest);
+        let panels: usize = dimensions.iter().map(|it| it.values.len()).product();
+        if panels > MOST_PANELS {
+            let keys = dimensions.into_iter().map(|it| it.key).collect();
+            return Err(SweepFigureError::TooManyPanels { panels, keys });
+        }
+        Ok(Axes {
+            held,
+            x,
+            y,
+            others: dimensions,
+        })
+    }
+}
+
 /// The axes of a sweep, each by its first key. A plan of single points alone has one for each key.
-fn dimensions(sweep: &SweepFolder, table: &Table) -> Vec<Dimension> {
+fn dimensions(plan: &Plan, keys: &[String], points: &[Point]) -> Vec<Dimension> {
     let one_line = |value: &String| value.split_whitespace().collect::<Vec<_>>().join(" ");
-    let number = |key: &String| table.keys.iter().position(|it| it == key);
-    let axes = sweep.plan.axes.iter().filter_map(|axis| {
+    let number = |key: &String| keys.iter().position(|it| it == key);
+    let axes = plan.axes.iter().filter_map(|axis| {
         let key = axis.keys.first()?;
         let values = axis.values.iter().filter_map(|values| values.first());
         Some(Dimension {
@@ -321,16 +426,16 @@ fn dimensions(sweep: &SweepFolder, table: &Table) -> Vec<Dimension> {
     });
     let mut dimensions: Vec<Dimension> = axes.collect();
     if dimensions.is_empty() {
-        for (number, key) in table.keys.iter().enumerate() {
+        for (number, key) in keys.iter().enumerate() {
             let mut dimension = Dimension {
                 key: key.clone(),
                 number,
                 spacing: Spacing::Listed,
                 values: Vec::new(),
             };
-            for row in &table.rows {
-                if dimension.place(&row.values[number]).is_none() {
-                    dimension.values.push(row.values[number].clone());
+            for point in points {
+                if dimension.place(&point.values[number]).is_none() {
+                    dimension.values.push(point.values[number].clone());
                 }
             }
             dimensions.push(dimension);
@@ -407,6 +512,7 @@ pub fn save_sweep(
     options.check()?;
     let table = Table::read(sweep);
     if view.branches {
+        view.check_keys()?;
         return save_branches(sweep, &table, view, command, options, folder);
     }
     let arranged = Arranged::new(sweep, &table, view)?;

@@ -51,7 +51,7 @@ impl Gmres {
     /// Solves A x = b to ‖b − A x‖ ≤ `goal`, with x = 0 as the guess and at most `limit` products.
     ///
     /// # Errors
-    /// `NotFinite` when a NaN or an infinity comes up.
+    /// `NotFinite` when a NaN or an infinity comes up, or is the goal.
     pub fn solve(
         &mut self,
         matrix: &mut impl LinearOperator,
@@ -61,6 +61,13 @@ impl Gmres {
         goal: f64,
         limit: usize,
     ) -> Result<Outcome, LinalgError> {
+        // A residual is neither above nor below NaN, so no iteration would be made and none would end.
+        if !goal.is_finite() {
+            return Err(LinalgError::NotFinite {
+                place: "the goal of GMRES",
+                iteration: 0,
+            });
+        }
         let restart = self.hessenberg.len();
         x.fill(0.0);
         self.basis[0].copy_from_slice(b);
@@ -276,5 +283,18 @@ mod tests {
         let b = [1.0, f64::NAN, 3.0];
         let outcome = Gmres::new(3, 3).solve(&mut Identity, &mut Identity, &b, &mut x, 0.1, 10);
         assert!(matches!(outcome, Err(LinalgError::NotFinite { .. })));
+    }
+
+    #[test]
+    fn a_goal_that_is_not_finite_is_an_error_and_not_an_iteration_without_end() {
+        let mut x = vec![0.0; 3];
+        for goal in [f64::NAN, f64::INFINITY] {
+            let mut method = Gmres::new(3, 3);
+            let outcome = method.solve(&mut Convection, &mut Identity, &[1.0; 3], &mut x, goal, 10);
+            assert!(
+                matches!(outcome, Err(LinalgError::NotFinite { .. })),
+                "{goal}: {outcome:?}"
+            );
+        }
     }
 }

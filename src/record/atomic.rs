@@ -153,7 +153,10 @@ pub(crate) fn write_new(
 ///
 /// # Errors
 /// [`RecordError::Write`] with the path and the system's reason.
-pub(super) fn try_to_write(path: &Path) -> Result<(), RecordError> {
+pub(crate) fn try_to_write(path: &Path) -> Result<(), RecordError> {
+    if path.is_dir() {
+        return Err(RecordError::write(path)(io::ErrorKind::IsADirectory.into()));
+    }
     let tried = write_beside(path, |_| Ok(()));
     tried.map(drop).map_err(RecordError::write(path))
 }
@@ -280,6 +283,18 @@ mod tests {
         assert!(error.to_string().contains("exists"), "{error}");
         assert_eq!(fs::read_to_string(&path).unwrap(), "first");
         assert_eq!(names(folder.path()), ["a.txt"]);
+    }
+
+    #[test]
+    fn what_cannot_be_written_is_found_out_beforehand() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a");
+        try_to_write(&path).unwrap();
+        assert!(names(folder.path()).is_empty());
+        try_to_write(&path.join("b")).unwrap_err();
+        fs::create_dir(&path).unwrap();
+        let error = try_to_write(&path).unwrap_err().to_string();
+        assert!(error.contains("directory"), "{error}");
     }
 
     #[test]

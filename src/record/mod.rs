@@ -56,7 +56,7 @@ const LARGEST_SUMMARY: u64 = 1 << 28;
 
 pub use app_checkpoint::{KeptAt, KeptRows, KeptRun, KeptRuns, RunKeeper};
 pub use atomic::Leftover;
-pub(crate) use atomic::{clean, unfinished_name, write_new, write_whole};
+pub(crate) use atomic::{clean, try_to_write, unfinished_name, write_new, write_whole};
 pub(crate) use bounded_read::{read_bytes, read_file_text, read_text};
 pub use checkpoint::CheckpointError;
 pub use error::RecordError;

@@ -7,7 +7,8 @@ use thiserror::Error;
 
 use super::expression::ExpressionError;
 use super::mesh_file::MeshFileError;
-use super::significant::significant;
+use super::significant::{brief, significant};
+use super::tables::MOST_STEPS;
 
 /// Characters of a line that an error shows at most.
 const EXCERPT_WIDTH: usize = 96;
@@ -40,6 +41,13 @@ impl SceneError {
             place: Box::new(Place::new(origin, text, range)),
             problem: Box::new(problem),
         }
+    }
+
+    /// Whether it is about this override.
+    pub(crate) fn is_of_override(&self, argument: &str) -> bool {
+        let mut lines = argument.split('\n');
+        self.place.origin == Origin::Override
+            && lines.any(|line| Shortened(line).to_string() == self.place.content)
     }
 }
 
@@ -104,7 +112,8 @@ pub enum Problem {
     AskewOnAxis,
     /// A field across the axis of rotation.
     #[error(
-        "by rotation (domain.geometry = \"axisymmetric\") a field can only be along the axis: field.angle must be 90 or -90, not {angle}"
+        "by rotation (domain.geometry = \"axisymmetric\") a field can only be along the axis: field.angle must be 90 or -90, not {}",
+        brief(*angle)
     )]
     FieldAcrossAxis {
         /// The angle in degrees.
@@ -112,7 +121,8 @@ pub enum Problem {
     },
     /// A mesh beyond the axis of rotation.
     #[error(
-        "by rotation (domain.geometry = \"axisymmetric\") x is the radius: the mesh has a node at x = {x}, and none may be at x < 0"
+        "by rotation (domain.geometry = \"axisymmetric\") x is the radius: the mesh has a node at x = {}, and none may be at x < 0",
+        brief(*x)
     )]
     MeshBeyondAxis {
         /// Where.
@@ -173,6 +183,17 @@ pub enum Problem {
     /// Δt cannot be given and chosen.
     #[error("time.step keeps Δt, time.tolerance has it chosen: give one of them, not both")]
     StepAndTolerance,
+    /// More steps than can be counted.
+    #[error(
+        "time.end = {end:?} and time.step = {step:?} make more than {MOST_STEPS:e} steps, more than can be counted: raise \
+         time.step, or lower time.end"
+    )]
+    TooManySteps {
+        /// T.
+        end: f64,
+        /// Δt.
+        step: f64,
+    },
     /// A mesh cannot be given and chosen.
     #[error(
         "accuracy has a mesh of the unit square made: give one of accuracy and [mesh], not both; --accuracy takes the place \
@@ -247,7 +268,8 @@ pub enum Problem {
     },
     /// A ramp that is not from a number to a number.
     #[error(
-        "over = {over} makes a ramp from number to number, and {key} {reason}: leave 'over' out, or set {key} in a [[change]] of its own"
+        "over = {} makes a ramp from number to number, and {key} {reason}: leave 'over' out, or set {key} in a [[change]] of its own",
+        brief(*over)
     )]
     RampWithoutNumbers {
         /// The parameter.
@@ -308,6 +330,40 @@ pub enum Problem {
         path: String,
         /// What is wrong, and where.
         error: MeshFileError,
+    },
+    /// The scene that a plan names cannot be had.
+    #[error("the plan's scene: {reason}")]
+    PlanScene {
+        /// Why.
+        reason: String,
+    },
+    /// There is nothing random to repeat.
+    #[error(
+        "repeat needs a seed, and the scene of point {point} has none; name its keys, as in \
+         repeat = {{ count = {count}, seeds = [\"noise.seed\"] }}"
+    )]
+    NoSeed {
+        /// Which point.
+        point: usize,
+        /// How often it is to be repeated.
+        count: u64,
+    },
+    /// A plan of more points than can be handled.
+    #[error("the plan has {count} points; at most {most} can be handled")]
+    TooManyPoints {
+        /// How many.
+        count: usize,
+        /// How many there may be.
+        most: usize,
+    },
+    /// A column of a sweep's table with the name of another.
+    #[error(
+        "the table has a column {} already: give this one another name",
+        Quoted(name)
+    )]
+    TakenColumn {
+        /// The name.
+        name: String,
     },
     /// A mesh that is to be finer about a membrane that is not known beforehand.
     #[error(

@@ -99,7 +99,7 @@ impl<'a> Reader<'a> {
     }
 
     /// An error about the whole table.
-    pub(super) fn error(&self, problem: Problem) -> SceneError {
+    pub(crate) fn error(&self, problem: Problem) -> SceneError {
         self.sources.error(self.location, problem)
     }
 

@@ -23,9 +23,36 @@ pub fn significant(value: f64, digits: usize) -> String {
     }
 }
 
+/// Digits of a number that are read at a glance, about.
+const BRIEF: usize = 20;
+
+/// A number with all its digits, as `{}` writes it, but with an exponent where that would be hundreds of zeros.
+pub(crate) fn brief(value: f64) -> String {
+    let plain = value.to_string();
+    match plain.len() <= BRIEF {
+        true => plain,
+        false => format!("{value:e}"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::significant;
+    use super::{brief, significant};
+
+    #[test]
+    fn a_number_is_not_hundreds_of_zeros() {
+        let table = [
+            (200.0, "200"),
+            (-0.25, "-0.25"),
+            (1e-4, "0.0001"),
+            (1e300, "1e300"),
+            (2.5e-300, "2.5e-300"),
+            (f64::INFINITY, "inf"),
+        ];
+        for (value, text) in table {
+            assert_eq!(brief(value), text);
+        }
+    }
 
     #[test]
     fn significant_digits() {

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::significant::significant;
+use super::significant::{brief, significant};
 use super::tables::{Geometry, Mesh, Quadrature, Scene};
 
 /// Cells that an interface of width ε should span, for accurate energies.
@@ -218,10 +218,13 @@ impl fmt::Display for Warning {
                 };
                 write!(
                     f,
-                    "the director turns {winding} times around ({x}, {y}), which is no whole number: it is \
+                    "the director turns {} times around ({}, {}), which is no whole number: it is \
                      a vector here, for which d and −d are not the same, so it jumps from d {jump} along a \
                      line that begins there, and the line costs energy as a wall does; take whole numbers \
                      for the winding, such as 1 or −1",
+                    brief(winding),
+                    brief(x),
+                    brief(y),
                 )
             }
             Self::EndBetweenSteps { end, step, steps } => write!(
@@ -258,8 +261,9 @@ impl fmt::Display for Warning {
             Self::FieldTooStrong { pull, bound } => write!(
                 f,
                 "the field draws the director out without end: field.weight · field.strength² = \
-                 {pull} must be below 2 · nematic.weight/nematic.penalty² = {}, or nothing keeps |d| \
+                 {} must be below 2 · nematic.weight/nematic.penalty² = {}, or nothing keeps |d| \
                  near 1",
+                brief(pull),
                 significant(bound, 6),
             ),
             Self::TargetOutOfReach {

@@ -37,12 +37,18 @@ pub enum SimulationError {
     NoVesicle(#[from] NoVesicle),
     /// The initial state has values that are not finite.
     #[error(
-        "the initial state has a {place} that is not finite, for a value or a weight of the scene is too \
-         large to compute with: make it smaller"
+        "the initial state has a {place} that is not finite, for {}: give one nearer to 1",
+        match &values[..] {
+            [] => "a value or a weight of the scene is too large or too small to compute with".to_owned(),
+            [value] => format!("{value} is too large or too small to compute with"),
+            values => format!("one of {} is too large or too small to compute with", values.join(", ")),
+        }
     )]
-    TooLarge {
+    NotFinite {
         /// What is not finite.
         place: &'static str,
+        /// The values of the scene that may be to blame, as `key = value`.
+        values: Vec<String>,
     },
     /// The sparse factor cannot be set up.
     #[error("the linear solver: {0}")]
@@ -78,11 +84,11 @@ pub enum SimulationError {
 }
 
 impl SimulationError {
-    /// Whether the scene asks for what cannot be, for its mesh, its vesicle or its size.
+    /// Whether the scene asks for what cannot be, for its mesh, its vesicle, its size or a value.
     pub fn is_of_scene(&self) -> bool {
         matches!(
             self,
-            Self::Mesh(_) | Self::NoVesicle(_) | Self::Memory { .. }
+            Self::Mesh(_) | Self::NoVesicle(_) | Self::Memory { .. } | Self::NotFinite { .. }
         )
     }
 }

@@ -7,6 +7,7 @@ mod controller;
 mod error;
 mod error_estimates;
 mod event;
+mod extreme_values;
 mod free_memory;
 mod last_whole_step;
 mod memory_estimate;
@@ -64,6 +65,7 @@ pub use worker::{
 };
 
 use controller::Controller;
+use extreme_values::extreme_values;
 use last_whole_step::LastWholeStep;
 use memory_estimate::claim_memory;
 use mesh_follower::MeshFollower;
@@ -254,7 +256,8 @@ impl Simulation {
         };
         simulation.report.take(simulation.scheme.report());
         if let Some(place) = simulation.first_not_finite() {
-            return Err(SimulationError::TooLarge { place });
+            let values = extreme_values(scene);
+            return Err(SimulationError::NotFinite { place, values });
         }
         simulation.look();
         Ok(simulation)

@@ -68,6 +68,7 @@ impl App {
             replay: None,
             cores: cores(),
             clock: None,
+            shown_time: None,
             gallery_of_opened: false,
             memory: frame_history::BUDGET,
             editing: None,

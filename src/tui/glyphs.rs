@@ -1,6 +1,8 @@
 //! Character sets as data. Beyond ASCII there are box drawing, block elements and the eight arrows
 //! alone, which the fonts of terminals have; words may also have Greek letters and those of Latin-1.
 
+use std::borrow::Cow;
+
 use ratatui::symbols::border;
 use ratatui::symbols::braille::BRAILLE;
 use ratatui::symbols::pixel::{OCTANTS, QUADRANTS};
@@ -185,6 +187,77 @@ impl Glyphs {
     }
 }
 
+/// A text in ASCII as one writes it there: Greek letters by their names, powers as ^2, signs as in a program. What has
+/// no such form stays, for [`ascii`].
+pub fn spelt(text: &str) -> Cow<'_, str> {
+    if text.is_ascii() {
+        return Cow::Borrowed(text);
+    }
+    let mut spelt = String::with_capacity(text.len() + 8);
+    let mut is_after_name = false;
+    for character in text.chars() {
+        let mut own = [0; 4];
+        let words = spelling(character).unwrap_or(character.encode_utf8(&mut own));
+        // A name of more than a letter is a word of its own: 4 pi A, not 4piA.
+        let is_name = !character.is_ascii()
+            && words.len() > 1
+            && words.chars().all(|letter| letter.is_ascii_alphabetic());
+        let is_letter = |it: char| it.is_ascii_alphanumeric();
+        let runs_on = spelt.ends_with(is_letter) && words.starts_with(is_letter);
+        if runs_on && (is_name || is_after_name) {
+            spelt.push(' ');
+        }
+        spelt.push_str(words);
+        is_after_name = is_name;
+    }
+    Cow::Owned(spelt)
+}
+
+/// How a character is written in ASCII, where that is more than another character.
+fn spelling(character: char) -> Option<&'static str> {
+    Some(match character {
+        'α' => "alpha",
+        'β' => "beta",
+        'γ' => "gamma",
+        'δ' => "delta",
+        'Δ' => "d",
+        'ε' => "eps",
+        'η' => "eta",
+        'θ' => "theta",
+        'κ' => "kappa",
+        'λ' => "lambda",
+        'μ' | 'µ' => "mu",
+        'ξ' => "xi",
+        'π' => "pi",
+        'σ' => "sigma",
+        'τ' => "tau",
+        'φ' | 'Φ' => "phi",
+        'χ' => "chi",
+        'ω' | 'Ω' => "omega",
+        '²' => "^2",
+        '³' => "^3",
+        '⁰' => "^0",
+        '½' => "1/2",
+        '√' => "sqrt ",
+        '∫' => "integral of ",
+        '∂' => "d",
+        '≤' => "<=",
+        '≥' => ">=",
+        '≠' => "!=",
+        '≈' => "about ",
+        '∞' => "infinity",
+        '·' => "*",
+        '×' => "x",
+        '±' => "+-",
+        '−' | '–' | '—' => "-",
+        '°' => " deg",
+        '→' => "->",
+        '←' => "<-",
+        '…' => "...",
+        _ => return None,
+    })
+}
+
 /// One ASCII character in place of any other: the last resort for words that are not our own (a
 /// scene's name, an error's text), one cell for one cell.
 pub fn ascii(character: char) -> char {
@@ -290,6 +363,23 @@ mod tests {
         assert!(glyphs.iter().all(|glyph| glyph.is_ascii()));
         for character in ['φ', '…', '漢', '\u{7f}', '\n', 'é', '💧'] {
             assert!((' '..='~').contains(&ascii(character)));
+        }
+    }
+
+    #[test]
+    fn formulas_are_spelt_out() {
+        for (text, expected) in [
+            ("penalty (B - β)²/(2η)", "penalty (B - beta)^2/(2 eta)"),
+            ("∫φ, conserved", "integral of phi, conserved"),
+            ("4π·area/(length)²: 1", "4 pi*area/(length)^2: 1"),
+            ("ε/2 ω²", "eps/2 omega^2"),
+            ("φ⁰ ≥ −1", "phi^0 >= -1"),
+            ("Δt", "dt"),
+            ("4πA/L²", "4 pi A/L^2"),
+            ("plain", "plain"),
+            ("漢", "漢"),
+        ] {
+            assert_eq!(spelt(text), expected);
         }
     }
 

@@ -66,6 +66,8 @@ pub struct App {
     pub cores: usize,
     /// The time that no run of the gallery goes beyond at present; `None` outside the gallery.
     pub clock: Option<f64>,
+    /// The time at which the runs of the gallery were shown last.
+    pub shown_time: Option<f64>,
     /// Whether the gallery is that of the scenes that were opened, not of the four cases.
     pub gallery_of_opened: bool,
     /// Bytes that the older fields of all runs together may take.
@@ -350,6 +352,8 @@ pub enum Overlay {
         title: String,
         /// The words.
         text: String,
+        /// First line shown.
+        scroll: u16,
     },
 }
 

@@ -2,10 +2,12 @@
 //! in the terminal's own colour, on its own background, and what is set apart has a colour of middle
 //! luminance, legible on dark and on light.
 
+use std::borrow::Cow;
+
 use ratatui::style::{Color, Modifier, Style};
 
 use super::colour_map::{COLOUR_MAPS, ColourMap, LEVELS, luminance, palette_rgb};
-use super::glyphs::{ASCII, Glyphs, Parts, UNICODE};
+use super::glyphs::{ASCII, Glyphs, Parts, UNICODE, spelt};
 
 /// How many colours a terminal shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -99,6 +101,15 @@ impl Theme {
     /// The Greek word where it can be shown, the spelt one where not.
     pub fn word<'a>(&self, unicode: &'a str, ascii: &'a str) -> &'a str {
         if self.unicode { unicode } else { ascii }
+    }
+
+    /// Words as they can be shown: with their signs, or spelt out in ASCII.
+    pub fn spelt<'a>(&self, words: &'a str) -> Cow<'a, str> {
+        if self.unicode {
+            Cow::Borrowed(words)
+        } else {
+            spelt(words)
+        }
     }
 
     fn shade(&self, (rgb, palette, basic): Shade) -> Color {

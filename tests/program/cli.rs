@@ -525,6 +525,7 @@ fn a_folder_that_cannot_be_made_is_refused() {
 
 #[cfg(unix)]
 mod signals;
+mod values;
 
 #[test]
 fn the_effects_are_priced() {

@@ -5,6 +5,7 @@ use super::cli::{command, done, folder_with_scene, stderr, stdout, vesica};
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
 
 #[track_caller]
 fn ok(output: &Output) -> &str {
@@ -330,6 +331,77 @@ fn a_run_is_exported_unpacked_verified_and_run_again() {
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
     let output = vesica(path, &["export", "runs/small", "--license", "mine"]);
     assert!(stderr(&output).contains("it must be a URL"));
+}
+
+/// Whether it can be written is found out first, and what a signal ends leaves nothing.
+#[test]
+fn an_export_leaves_nothing_half_done() {
+    let folder = folder_with_scene();
+    let path = folder.path();
+    ok(&vesica(path, &["run", "small.toml", "--quiet"]));
+    fs::create_dir(path.join("taken.zip")).expect("a folder");
+    // A figure that cannot be drawn is not even tried.
+    let export = ["export", "runs/small", "--out"];
+    for (arguments, words) in [
+        (&["taken.zip", "--force"][..], "directory"),
+        (&["gone/a.zip"], "gone/a.zip"),
+    ] {
+        let arguments = [&export, arguments].concat();
+        let begun = Instant::now();
+        let output = vesica(path, &arguments);
+        assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+        assert!(stderr(&output).contains(words), "{}", stderr(&output));
+        assert!(begun.elapsed() < Duration::from_secs(20));
+    }
+
+    // Some seconds of work, and a file that a killed export has left.
+    let large = fs::File::create(path.join("runs/small/final.vtu")).expect("a file");
+    large.set_len(1 << 29).expect("room");
+    let is_part = |name: &str| name.starts_with(".vesica-") && name.ends_with(".part");
+    let parts = || {
+        let entries = fs::read_dir(path).expect("a folder");
+        let names = entries.map(|entry| entry.expect("an entry").file_name());
+        names
+            .filter(|name| is_part(&name.to_string_lossy()))
+            .count()
+    };
+    fs::write(path.join(".vesica-old.part"), "half").expect("written");
+    let arguments = ["export", "runs/small", "--no-figures", "--out", "a.zip"];
+    let mut child = command(path, &arguments)
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("vesica starts");
+    let deadline = Instant::now() + Duration::from_secs(60);
+    let is_written = || !path.join(".vesica-old.part").exists() && parts() > 0;
+    while !is_written() && child.try_wait().expect("a status").is_none() {
+        assert!(Instant::now() < deadline, "nothing is written");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let kill = Command::new("kill").arg(child.id().to_string()).status();
+    assert!(kill.is_ok_and(|status| status.success()));
+    let output = child.wait_with_output().expect("it ends");
+    assert_eq!(output.status.code(), Some(143), "{}", stderr(&output));
+    assert!(
+        stderr(&output).contains("ended by SIGTERM"),
+        "{}",
+        stderr(&output)
+    );
+    assert_eq!(parts(), 0);
+    assert!(!path.join("a.zip").exists());
+}
+
+#[test]
+fn a_run_without_its_scene_is_not_verified_and_says_what_is_missing() {
+    let folder = folder_with_scene();
+    let path = folder.path();
+    ok(&vesica(path, &["run", "small.toml", "--quiet"]));
+    fs::remove_file(path.join("runs/small/scene.toml")).expect("it was there");
+    let output = vesica(path, &["verify", "runs/small"]);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    let error = stderr(&output);
+    assert!(error.contains("no scene.toml"), "{error}");
+    assert!(error.contains("as runs/small/scene.toml"), "{error}");
+    assert!(!error.contains("resume"), "{error}");
 }
 
 /// Needs Python with rocrate-validator and runcrate:

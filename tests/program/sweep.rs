@@ -319,3 +319,29 @@ fn a_task_is_saved_and_continued() {
     let (status, _) = vesica(path, &["sweep", "status", "a"], 0);
     assert!(status.contains("1 saved"), "{status}");
 }
+
+/// Nothing is computed for a figure that there cannot be.
+#[test]
+fn a_figure_that_cannot_be_is_refused_before_any_run() {
+    let folder = folder(PLAN);
+    let path = folder.path();
+    let figure = ["sweep", "figure", "plan.toml"];
+    for (arguments, words) in [
+        (&["--branches"][..], "no point is a body of rotation"),
+        (&["--x", "time.step"], "'time.step' is no axis of the sweep"),
+        (&["--where", "area.target=7"], "area.target is never 7"),
+        (&["--column", "wasit"], "no column 'wasit'"),
+        (
+            &["--x", "area.target", "--y", "area.target"],
+            "the key area.target is given twice, with --x and --y",
+        ),
+        (
+            &["--x", "area.target", "--where", "area.target=1.0"],
+            "the key area.target is given twice, with --x and --where",
+        ),
+    ] {
+        let (_, error) = vesica(path, &[&figure, arguments].concat(), 2);
+        assert!(error.contains(words), "{arguments:?}: {error}");
+        assert!(!path.join("sweeps").exists(), "{arguments:?}");
+    }
+}

@@ -9,7 +9,7 @@ use crate::cli::signals::EndSignal;
 use crate::record::write_whole;
 use crate::signals::EndingSignal;
 use crate::simulation::{cores, free_memory};
-use crate::study::sweep::{Point, PointState, SweepFolder, Table};
+use crate::study::sweep::{Point, PointState, Sweep, SweepFolder, Table};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
@@ -26,9 +26,14 @@ const PARTS: u64 = 1000;
 /// Before so long there is no telling how long it will take.
 const LEAST_FOR_ESTIMATE: Duration = Duration::from_secs(2);
 
-/// Runs all points that are not done, and gives the sweep's folder.
-pub(super) fn run(plan: &Path, arguments: &Here) -> Result<SweepFolder, CliError> {
+/// Runs all points that are not done, and gives the sweep's folder. `check` may refuse a new sweep.
+pub(super) fn run(
+    plan: &Path,
+    arguments: &Here,
+    check: impl FnOnce(&Sweep) -> Result<(), CliError>,
+) -> Result<SweepFolder, CliError> {
     let folder = open(plan, arguments.out.as_deref(), arguments.resume, |sweep| {
+        check(sweep)?;
         Ok(sweep.needs.clone())
     })?;
     let signal = EndSignal::listen()?;

@@ -1,16 +1,16 @@
 //! One point of a sweep: its run, begun or continued. All that run sweeps come here, each with the point's lock.
 
 use crate::cli::error::CliError;
+use crate::cli::one_of_many;
 use crate::cli::output;
 use crate::cli::progress::Progress;
-use crate::cli::run::{Events, Stop, simulate};
 use crate::cli::signals::EndSignal;
 use crate::record::{
-    CheckpointError, Ending, Found, IfOccupied, RecordError, RecorderBuilder, Resumption,
-    RunFolder, Schedule, Settings, clear_run,
+    CheckpointError, Found, IfOccupied, RecordError, RecorderBuilder, Resumption, RunFolder,
+    Schedule, Settings, clear_run,
 };
 use crate::signals::EndingSignal;
-use crate::simulation::{Simulation, SimulationError, cores, threads_that_pay};
+use crate::simulation::cores;
 use crate::study::sweep::{
     Holder, Point, PointLock, PointState, SweepError, SweepFolder, Taken, Values,
 };
@@ -96,6 +96,16 @@ pub(super) enum Ended {
     Busy(Holder),
 }
 
+impl From<one_of_many::Ended> for Ended {
+    fn from(ended: one_of_many::Ended) -> Self {
+        match ended {
+            one_of_many::Ended::Done => Self::Done,
+            one_of_many::Ended::Stopped(signal) => Self::Stopped(signal),
+            one_of_many::Ended::Failed(reason) => Self::Failed(reason),
+        }
+    }
+}
+
 /// Why there was none.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum PointRunError {
@@ -147,24 +157,14 @@ pub(super) fn run_point(
         }
     };
     let begun = Instant::now();
-    let mut ended = None;
-    let simulation = Simulation::new_unless(&scene, &mut |_| {
-        ended = signal.received();
-        ended.is_some()
-    });
-    let mut simulation = match (simulation, ended) {
-        (Ok(simulation), _) => simulation,
-        (Err(SimulationError::Ended), Some(signal)) => {
-            preparation.map_or(Ok(()), |it| it.end(Ending::Interrupted(signal.name)))?;
-            return Ok(Ended::Stopped(signal));
-        }
-        (Err(error), _) => {
-            let reason = error.to_string();
-            preparation.map_or(Ok(()), |it| it.end(Ending::Failed(reason.clone())))?;
-            return Ok(Ended::Failed(reason));
+    let mut simulation = match one_of_many::set_up(&scene, signal) {
+        Ok(simulation) => simulation,
+        Err(ended) => {
+            preparation.map_or(Ok(()), |it| it.end(ended.ending()))?;
+            return Ok(ended.into());
         }
     };
-    let mut recorder = match (preparation, found) {
+    let recorder = match (preparation, found) {
         (Some(preparation), _) => preparation.start(&simulation, begun.elapsed())?,
         (None, Some(resumption)) => {
             let settings = resumption.settings();
@@ -177,23 +177,9 @@ pub(super) fn run_point(
         // There is one of the two.
         (None, None) => return Ok(Ended::WasDone),
     };
-    let nodes = simulation.mesh().nodes().len();
-    simulation.set_threads(threads_that_pay(nodes, threads));
-    simulation.follow(recorder.schedule());
     let progress = progress(recorder.schedule());
-    let stop = simulate(
-        &mut simulation,
-        &mut recorder,
-        signal,
-        progress,
-        Events::Untold,
-    );
-    let finished = recorder.finish(&mut simulation, stop.ending());
-    match stop {
-        Stop::Failed(error) => Ok(Ended::Failed(error.to_string())),
-        Stop::Signal(signal) => finished.map(|_| Ended::Stopped(signal)).map_err(Into::into),
-        Stop::Done => finished.map(|_| Ended::Done).map_err(Into::into),
-    }
+    let ended = one_of_many::complete(simulation, recorder, threads, signal, progress)?;
+    Ok(ended.into())
 }
 
 /// The folder for a run that begins, without what one before it had left.

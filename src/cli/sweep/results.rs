@@ -6,7 +6,7 @@ use crate::cli::figures::quoted;
 use crate::cli::output;
 use crate::cli::picture_size::PictureSize;
 use crate::figure::{Existing, FigureOptions, SweepView, save_sweep};
-use crate::record::write_whole;
+use crate::record::{clean, write_whole};
 use crate::study::sweep::{Point, PointState, SweepFolder, Table, Values};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -115,14 +115,6 @@ impl FigureArguments {
 
 /// Draws.
 pub(super) fn figure(arguments: &FigureArguments) -> Result<(), CliError> {
-    let sweep = match arguments.folder.is_file() {
-        true => here::run(&arguments.folder, &Here::default())?,
-        false => SweepFolder::open(&arguments.folder)?,
-    };
-    let folder = arguments
-        .out
-        .clone()
-        .unwrap_or_else(|| sweep.path().join("figures"));
     let view = SweepView {
         column: arguments.column.clone(),
         x: arguments.x.clone(),
@@ -138,6 +130,18 @@ pub(super) fn figure(arguments: &FigureArguments) -> Result<(), CliError> {
         },
         ..arguments.size.options()
     };
+    let sweep = match arguments.folder.is_file() {
+        true => here::run(&arguments.folder, &Here::default(), |sweep| {
+            Ok(view.check(sweep)?)
+        })?,
+        false => SweepFolder::open(&arguments.folder)?,
+    };
+    let folder = arguments
+        .out
+        .clone()
+        .unwrap_or_else(|| sweep.path().join("figures"));
+    // What a process that was killed had left there.
+    clean(&folder);
     let files = save_sweep(&sweep, &view, &arguments.command(), &options, &folder)?;
     let pictures = files
         .iter()

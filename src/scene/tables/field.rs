@@ -6,6 +6,7 @@ use crate::scene::change::{Assignment, Change};
 use crate::scene::error::{Problem, SceneError};
 use crate::scene::parameter::ParameterValue;
 use crate::scene::reader::{FINITE, NOT_NEGATIVE, Reader};
+use crate::scene::significant::brief;
 use crate::scene::warning::Warning;
 
 // The paper has no field: the default is as strong as the elastic forces of a vesicle of Table 1.
@@ -51,7 +52,7 @@ impl Rules for Field {
         let from = self.from;
         match (self.until, table.get("until")) {
             (Some(until), Some(field)) if until <= from => {
-                Err(field.out_of_range(format!("a number > field.from = {from}")))
+                Err(field.out_of_range(format!("a number > field.from = {}", brief(from))))
             }
             _ => Ok(()),
         }

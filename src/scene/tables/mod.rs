@@ -261,6 +261,7 @@ pub use mesh::{Mesh, Refinement};
 pub use nematic::{Defect, InitialDirector};
 pub use rest::Rest;
 pub use solver::{Iteration, LinearMethod, Quadrature, Solver};
+pub(super) use time::MOST_STEPS;
 pub use time::{Time, TimeScheme};
 pub use vesicle::{Curve, Outline, Projection, Shape, Vesicle};
 

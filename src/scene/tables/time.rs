@@ -27,6 +27,9 @@ table! {
 /// is then in proportion to τ; with this number it is about τ where it is largest (docs/guide/accuracy.md).
 const SECANT_BOUND: f64 = 5.0;
 
+/// Steps of a run at most: no run makes so many, and they can still be counted.
+pub(in crate::scene) const MOST_STEPS: f64 = 1e18;
+
 impl Time {
     /// The bound of the estimated error of φ in one step, in L2, and the power of Δt with which that error grows; `None` where
     /// Δt is not chosen.
@@ -36,6 +39,12 @@ impl Time {
             TimeScheme::FirstOrder => (tolerance, 2),
             TimeScheme::Secant => (SECANT_BOUND * tolerance.powf(1.5), 3),
         })
+    }
+
+    /// Whether a run of steps of one length would have more of them than can be counted.
+    pub fn has_too_many_steps(&self) -> bool {
+        // Infinite where even the quotient is too large.
+        self.tolerance.is_none() && self.end / self.step > MOST_STEPS
     }
 
     /// The number of steps: T/Δt, rounded. `None` where Δt is chosen on the way.
@@ -64,7 +73,17 @@ impl Rules for Time {
         if self.tolerance.is_some() && table.get("scheme").is_none() {
             self.scheme = TimeScheme::Secant;
         }
-        Ok(())
+        if !self.has_too_many_steps() {
+            return Ok(());
+        }
+        let (step, end) = (self.step, self.end);
+        let problem = Problem::TooManySteps { end, step };
+        let given = ["step", "end"].map(|key| table.get(key));
+        let of_override = given.iter().flatten().find(|field| field.is_override());
+        Err(match of_override.or(given.iter().flatten().next()) {
+            Some(field) => field.error(problem),
+            None => table.error(problem),
+        })
     }
 
     fn leaves_out(&self, key: &str) -> bool {

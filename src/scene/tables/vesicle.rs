@@ -253,7 +253,7 @@ impl Rules for Vesicle {
         else {
             return Ok(());
         };
-        let is_askew = |outline: &&Outline| {
+        let is_askew = |outline: &Outline| {
             // A stomatocyte has one axis of symmetry, the others have two.
             let period = match outline.curve {
                 Curve::Stomatocyte { .. } => 180.0,
@@ -263,12 +263,24 @@ impl Rules for Vesicle {
             let is_on_axis = outline.center[0] == 0.0 && is_upright;
             !is_on_axis && OutlineDistance::new(outline).bounding_box().lower.x <= 0.0
         };
-        if outlines.iter().find(is_askew).is_none() {
+        let Some(part) = outlines.iter().position(is_askew) else {
             return Ok(());
-        }
-        let key = ["center", "parts", "shape"]
-            .into_iter()
-            .find_map(|key| table.get(key));
+        };
+        // Of several outlines the table of this one.
+        let parts = table.get("parts").map(|parts| parts.items("tables"));
+        let part_table = match parts
+            .transpose()?
+            .and_then(|parts| parts.into_iter().nth(part))
+        {
+            Some(field) => Some(field.table()?),
+            None => None,
+        };
+        let table = part_table.as_ref().unwrap_or(table);
+        let wrong = match outlines[part].center[0] == 0.0 {
+            true => "angle",
+            false => "center",
+        };
+        let key = [wrong, "shape"].into_iter().find_map(|key| table.get(key));
         Err(match key {
             Some(field) => field.error(Problem::AskewOnAxis),
             None => table.error(Problem::AskewOnAxis),

@@ -393,3 +393,72 @@ fn a_stomatocyte_must_be_open() {
     );
     assert!(cup(360.0, 0.1).contains("a number > 0 and < 360"));
 }
+
+#[test]
+fn of_an_outline_askew_on_the_axis_the_wrong_value_is_shown() {
+    let axisymmetric = "[domain]\ngeometry = 'axisymmetric'\n";
+    let place = |text: &str| {
+        let error = error(&format!("{axisymmetric}{text}"));
+        assert!(error.to_string().contains("mirror image"), "{error}");
+        let lines = error.to_string();
+        let shown = lines.lines().nth(2).unwrap_or_default().to_owned();
+        let carets = lines.lines().nth(3).unwrap_or_default().to_owned();
+        let begin = carets.find('^').expect("carets");
+        shown[begin..carets.len()].to_owned()
+    };
+    let ellipse = "[vesicle]\nshape = 'ellipse'\nhalf_axes = [0.3, 0.2]\n";
+    assert_eq!(
+        place(&format!("{ellipse}center = [0.0, 0.5]\nangle = 30")),
+        "30"
+    );
+    assert_eq!(
+        place(&format!("{ellipse}center = [0.1, 0.5]\nangle = 30")),
+        "[0.1, 0.5]"
+    );
+    // The center is not given, and is beside the axis.
+    let wide = "[vesicle]\nshape = 'ellipse'\nhalf_axes = [0.3, 0.6]\nangle = 90";
+    assert_eq!(place(wide), "'ellipse'");
+    let first = "{ shape = 'ellipse', half_axes = [0.1, 0.05], center = [0.0, 0.2], angle = 90 }";
+    let second = "{ shape = 'ellipse', half_axes = [0.1, 0.05], center = [0.0, 0.7], angle = 31 }";
+    assert_eq!(
+        place(&format!("[vesicle]\nparts = [\n{first},\n{second},\n]")),
+        "31"
+    );
+}
+
+#[test]
+fn more_steps_than_can_be_counted_are_refused() {
+    for (text, place) in [
+        ("[time]\nstep = 1e-300", "a.toml:2:8"),
+        ("[time]\nend = 1e300", "a.toml:2:7"),
+        ("[time]\nstep = 1e-300\nend = 1e300", "a.toml:2:8"),
+    ] {
+        let message = message(text);
+        assert!(message.starts_with(place), "{message}");
+        assert!(message.contains("more than 1e18 steps"), "{message}");
+        assert!(message.chars().count() < 200, "{message}");
+    }
+    let set = ["time.end=1e300"];
+    let error = read_with("[time]\nstep = 1e-7", &set, &[]).expect_err("too many");
+    assert!(
+        error.to_string().starts_with("--set time.end=1e300"),
+        "{error}"
+    );
+    for text in ["[time]\nend = 1e9", "[time]\ntolerance = 1e-3\nend = 1e300"] {
+        assert!(read_with(text, &[], &[]).is_ok(), "{text}");
+    }
+}
+
+#[test]
+fn a_number_in_a_message_is_not_hundreds_of_zeros() {
+    for text in [
+        "[nematic]\n[field]\nfrom = 1e300\nuntil = 1e299",
+        "[[change]]\nat = 1e-4\nover = 1e300\nset = { \"anchoring.kind\" = \"parallel\" }\n[nematic]\n[anchoring]",
+        "[[change]]\nat = 1e-4\nover = 1e-300\nset = { \"anchoring.kind\" = \"parallel\" }\n[nematic]\n[anchoring]",
+        "[domain]\ngeometry = 'axisymmetric'\n[nematic]\n[field]\nangle = 1e300",
+    ] {
+        let message = message(text);
+        assert!(message.contains("1e"), "{message}");
+        assert!(!message.contains("000000000"), "{message}");
+    }
+}

@@ -75,6 +75,10 @@ impl NewtonOptions {
     }
 }
 
+/// Krylov iterations for each iteration that may be made, on average: Newton's method needs about ten with a new factor. Where
+/// every solve ends at its limit an attempt would take hundreds of times as long as a step, in which no signal is answered.
+const KRYLOV_ON_AVERAGE: u32 = 50;
+
 /// The smallest damping factor that is tried: a smaller Δt is the better way from there on.
 const LEAST_DAMPING: f64 = 1.0 / 64.0;
 
@@ -245,7 +249,9 @@ impl MembraneStep {
                 return Ok(work);
             }
             keep_jacobian = undamped && serves_again(fell, law, options);
-            if progress.is_stalled([norm, changes[0]]) || work.newton >= options.iterations() {
+            let is_too_long = work.newton >= options.iterations()
+                || work.krylov >= KRYLOV_ON_AVERAGE * options.iterations();
+            if progress.is_stalled([norm, changes[0]]) || is_too_long {
                 return Err(self.not_converged(context, options, work.newton, norm));
             }
         }

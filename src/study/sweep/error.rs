@@ -29,25 +29,6 @@ pub enum SweepError {
     /// Its scene cannot be had.
     #[error("the plan's scene: {0}")]
     Scene(#[from] LoadError),
-    /// There is nothing random to repeat.
-    #[error(
-        "repeat needs a seed, and the scene of point {point} has none; name its keys, as in \
-         repeat = {{ count = {count}, seeds = [\"noise.seed\"] }}"
-    )]
-    NoSeed {
-        /// Which point.
-        point: usize,
-        /// How often it is to be repeated.
-        count: u64,
-    },
-    /// There are more points than can be handled.
-    #[error("the plan has {count} points; at most {most} can be handled")]
-    TooMany {
-        /// How many.
-        count: usize,
-        /// How many there may be.
-        most: usize,
-    },
     /// Points are wrong.
     #[error("{}", wrong_points(errors, *points))]
     Points {

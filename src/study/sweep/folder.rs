@@ -82,7 +82,8 @@ impl Sweep {
             }
         };
         let overrides: Vec<String> = plan.set.iter().map(|set| set.argument()).collect();
-        let LoadedScene { scene: base, .. } = load_scene(source.as_os_str(), &overrides)?;
+        let loaded = load_scene(source.as_os_str(), &overrides);
+        let LoadedScene { scene: base, .. } = loaded.map_err(|error| plan.scene_error(error))?;
         let origin = Origin {
             text: base.to_toml(),
             folders: vec![folder],

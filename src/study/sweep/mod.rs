@@ -19,7 +19,7 @@ pub use error::{SweepError, Values};
 pub use folder::{PointState, Sweep, SweepFolder};
 pub use lock::{Holder, PointLock, Taken};
 pub use outline::{last_fields, last_outline};
-pub use plan::Spacing;
+pub use plan::{Plan, Spacing};
 pub use points::{Needs, Point};
 pub use predict::predict;
 pub use table::{Table, plain};

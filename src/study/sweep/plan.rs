@@ -19,8 +19,10 @@
 //! thinnest = "min(waist)"
 //! ```
 
+use super::error::SweepError;
 use super::measure::Measure;
-use crate::record::Number;
+use super::table::is_own_column;
+use crate::record::{LoadError, Number};
 use crate::scene::{
     FINITE, Problem, SceneError, TomlField, TomlReader, TomlValue, nearest, read_document, tables,
 };
@@ -107,6 +109,8 @@ pub struct Plan {
     pub results: Vec<ResultColumn>,
     /// As it was read.
     pub text: String,
+    /// What it is called in messages.
+    pub origin: String,
 }
 
 impl Plan {
@@ -154,20 +158,24 @@ impl Plan {
             Some(field) => assignments(&field, "set.")?,
             None => Vec::new(),
         };
-        let mut singles = Vec::new();
+        let mut singles: Vec<Vec<Assignment>> = Vec::new();
         if let Some(field) = top.get("point") {
             for point in field.items("an array of tables, each [[point]]")? {
                 singles.push(assignments(&point, &format!("{}.", point.path))?);
             }
         }
-        let results = match top.get("result") {
-            Some(field) => field
-                .table()?
-                .fields()
-                .map(result)
-                .collect::<Result<_, _>>()?,
-            None => Vec::new(),
-        };
+        let mut results = Vec::new();
+        if let Some(field) = top.get("result") {
+            for (name, field) in field.table()?.fields() {
+                let of_axes = axes.iter().flat_map(|axis| &axis.keys);
+                let of_singles = singles.iter().flatten().map(|single| &single.key);
+                if is_own_column(name) || of_axes.chain(of_singles).any(|key| key == name) {
+                    let name = name.to_owned();
+                    return Err(field.key_error(Problem::TakenColumn { name }));
+                }
+                results.push(result(name, &field)?);
+            }
+        }
         let name = match top.get("name") {
             Some(field) => Some(field.text()?.to_owned()),
             None => None,
@@ -182,7 +190,60 @@ impl Plan {
             repeat,
             results,
             text: text.to_owned(),
+            origin: origin.to_owned(),
         })
+    }
+
+    /// An error about a key of the top level, with its place in the text.
+    pub(super) fn error_at(&self, key: &str, problem: Problem) -> SceneError {
+        let error = |top: &TomlReader<'_>| {
+            let field = top.get(key);
+            field.map_or_else(
+                || top.error(problem.clone()),
+                |it| it.error(problem.clone()),
+            )
+        };
+        match read_document(&self.text, &self.origin, &[]) {
+            Ok((sources, node)) => error(&TomlReader::top(&sources, &node)),
+            Err(error) => error,
+        }
+    }
+
+    /// An error about the value that `[set]` gives a key.
+    fn error_in_set(&self, key: &str, problem: &Problem) -> SceneError {
+        let in_set = || {
+            let (sources, node) = read_document(&self.text, &self.origin, &[])?;
+            let Some(set) = TomlReader::top(&sources, &node).get("set") else {
+                return Ok(());
+            };
+            set.table()?.fields().try_for_each(|(_, field)| {
+                leaves(&field, "set.", false, &mut |own, field| match own == key {
+                    true => Err(field.error(problem.clone())),
+                    false => Ok(()),
+                })
+            })
+        };
+        match in_set() {
+            Ok(()) => self.error_at("set", problem.clone()),
+            Err(error) => error,
+        }
+    }
+
+    /// That its scene cannot be had, with the place in the plan where that is to blame.
+    pub(super) fn scene_error(&self, error: LoadError) -> SweepError {
+        match error {
+            LoadError::Scene(error) => {
+                let mut set = self.set.iter();
+                match set.find(|set| error.is_of_override(&set.argument())) {
+                    Some(set) => self.error_in_set(&set.key, &error.problem).into(),
+                    None => SweepError::Scene(error.into()),
+                }
+            }
+            error => {
+                let reason = error.to_string();
+                self.error_at("scene", Problem::PlanScene { reason }).into()
+            }
+        }
     }
 
     /// What its runs are called by: its title, or the file's name.
@@ -445,9 +506,14 @@ fn repeat(field: &TomlField<'_>) -> Result<Repeat, SceneError> {
     let mut seeds = Vec::new();
     if let Some(field) = table.get("seeds") {
         for item in field.items("a list of keys, such as [\"noise.seed\"]")? {
-            known_key(&item, item.text()?)?;
-            seeds.push(item.text()?.to_owned());
+            let key = item.text()?;
+            known_key(&item, key)?;
+            if !key.ends_with(".seed") {
+                return Err(item.out_of_range("the key of a seed, such as \"noise.seed\""));
+            }
+            seeds.push(key.to_owned());
         }
+        once_each(&field, seeds.iter())?;
     }
     Ok(Repeat {
         count: table.require("count", "repeat")?.integer(&counts)?,
@@ -459,7 +525,7 @@ fn repeat(field: &TomlField<'_>) -> Result<Repeat, SceneError> {
     })
 }
 
-fn result((name, field): (&str, TomlField<'_>)) -> Result<ResultColumn, SceneError> {
+fn result(name: &str, field: &TomlField<'_>) -> Result<ResultColumn, SceneError> {
     let text = field.text()?;
     let measure = Measure::parse(text).map_err(|error| match error.column {
         Some(column) => field.error(Problem::UnknownChoice {

@@ -3,7 +3,7 @@
 use super::error::{PointError, PointProblem, SweepError};
 use super::plan::{Assignment, Plan, Repeat};
 use crate::record::{LARGEST_INPUT, read_bytes, scene_identity, step_count};
-use crate::scene::{Boundary, Geometry, Mesh, Scene, SceneError, Solver, Time, Vesicle};
+use crate::scene::{Boundary, Geometry, Mesh, Problem, Scene, SceneError, Solver, Time, Vesicle};
 use crate::simulation::{check_memory, check_outlines, memory_held, node_count};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -62,12 +62,20 @@ impl Origin {
 /// The points of a plan, every one checked, with what each needs; how long it takes is not known yet.
 ///
 /// # Errors
-/// [`SweepError::Points`] with all that is wrong, `TooMany`, `NoSeed`.
+/// [`SweepError::Points`] with all that is wrong; `Plan` where there are too many, or no seeds to repeat them with.
 pub fn points(plan: &Plan, origin: &Origin) -> Result<(Vec<Point>, Vec<Needs>), SweepError> {
     let count = plan.count();
     if count > MOST_POINTS {
         let most = MOST_POINTS;
-        return Err(SweepError::TooMany { count, most });
+        let problem = Problem::TooManyPoints { count, most };
+        let repeats = plan.repeat.as_ref().map_or(1, |it| it.count as usize);
+        // What makes them too many.
+        let key = match (count / repeats > most, plan.axes.is_empty()) {
+            (false, _) => "repeat",
+            (true, false) => "vary",
+            (true, true) => "point",
+        };
+        return Err(plan.error_at(key, problem).into());
     }
     let keys = plan.varied_keys();
     let mut points: Vec<Point> = Vec::with_capacity(count);
@@ -143,7 +151,8 @@ fn repetitions(
     };
     if seeds.is_empty() {
         let count = *count;
-        return Err(SweepError::NoSeed { point, count });
+        let problem = Problem::NoSeed { point, count };
+        return Err(plan.error_at("repeat", problem).into());
     }
     let with_seed = |number: u64| {
         let seed = |key: &String| Assignment {

@@ -1,7 +1,9 @@
 //! The table of a sweep: one row a point, the varied keys first.
 
 use super::folder::{PointState, SweepFolder};
+use super::plan::Plan;
 use super::points::Point;
+use crate::physics::EFFECTS;
 use crate::record::{Columns, EventRecord, Number, read_file_text};
 use serde::Deserialize;
 use std::path::Path;
@@ -12,11 +14,19 @@ const AFTER: [&str; 6] = ["A", "B", "law_residual", "length", "waist", "width"];
 /// The first column that is no value of the scene.
 const STATE: &str = "state";
 const REPETITION: &str = "repetition";
+const POINT: &str = "point";
 /// Between a round vesicle, 1, and one that is pinched, 0.
 const RATIO: &str = "waist/length";
 
 /// Bytes of a run.json, at most.
 const LARGEST: u64 = 1 << 28;
+
+/// Whether a name is that of a column that the table has of itself, or may have: an effect's energy is `E_` and its name.
+pub(super) fn is_own_column(name: &str) -> bool {
+    let of_points = [POINT, STATE, REPETITION, RATIO, "E_bending"];
+    let mut own = of_points.into_iter().chain(BEFORE).chain(AFTER);
+    own.any(|own| own == name) || EFFECTS.iter().any(|it| name.strip_prefix("E_") == Some(it))
+}
 
 /// One point of the table.
 #[derive(Debug, Clone, PartialEq)]
@@ -110,12 +120,19 @@ impl Table {
         self.columns.iter().position(|column| bare(column))
     }
 
+    /// The columns of numbers that the table of a plan has, whatever effects there are.
+    pub fn columns_of(plan: &Plan) -> Vec<String> {
+        let own = BEFORE.into_iter().chain(AFTER).chain([RATIO]);
+        let asked = plan.results.iter().map(|result| result.name.clone());
+        own.map(str::to_owned).chain(asked).collect()
+    }
+
     /// As CSV: the varied keys with their units, the repetition, the point, how it stands, the numbers. All numbers
     /// are dimensionless where no unit is given; they read back exactly, and what there is not is an empty cell.
     pub fn to_csv(&self) -> String {
         let mut head: Vec<String> = self.keys.iter().map(|key| with_unit(key)).collect();
         head.extend(self.has_repetitions.then(|| REPETITION.to_owned()));
-        head.extend(["point".to_owned(), STATE.to_owned()]);
+        head.extend([POINT.to_owned(), STATE.to_owned()]);
         head.extend(self.columns.iter().cloned());
         let mut text = line(head);
         for row in &self.rows {

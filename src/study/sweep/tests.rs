@@ -172,6 +172,80 @@ fn mistakes_are_reported_with_place_near_miss_and_the_points_values() {
     );
 }
 
+#[test]
+fn mistakes_of_the_plan_itself_have_their_place() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("plan.toml");
+    fs::write(&path, "name = \"A\"\nscene = \"nope\"\n").expect("written");
+    let error = Sweep::read(&path).expect_err("no scene").to_string();
+    assert!(
+        error.contains("plan.toml:2:9: the plan's scene: there is no file"),
+        "{error}"
+    );
+    refused(
+        "[set]\n\"time.end\" = -1\n",
+        &["plan.toml:3:14: time.end must be", "3 | \"time.end\" = -1"],
+    );
+    refused(
+        "[set.time]\nend = -1\n",
+        &["plan.toml:3:7: time.end must be"],
+    );
+    refused("repeat = 2\n", &["plan.toml:2:10: repeat needs a seed"]);
+    let many = "[vary]\n\"area.target\" = { from = 1, to = 2, count = 1000 }\n\
+         \"anchoring.weight\" = { from = 1, to = 2, count = 1000 }\n";
+    refused(many, &["plan.toml:2:", "at most 100000"]);
+    // A mistake of the scene's own file is told with the place there.
+    fs::write(&path, "scene = \"wrong.toml\"\n").expect("written");
+    fs::write(folder.path().join("wrong.toml"), "[area]\ntarget = -1\n").expect("written");
+    let error = Sweep::read(&path).expect_err("wrong").to_string();
+    assert!(
+        error.contains("wrong.toml:2:10: area.target must be"),
+        "{error}"
+    );
+}
+
+#[test]
+fn columns_have_names_of_their_own() {
+    for name in [
+        "point",
+        "state",
+        "repetition",
+        "waist",
+        "t",
+        "E_total",
+        "E_bending",
+        "E_field",
+        "\"waist/length\"",
+    ] {
+        refused(
+            &format!("[result]\n{name} = \"min(waist)\"\n"),
+            &["plan.toml:3:1: the table has a column", "already"],
+        );
+    }
+    refused(
+        "[vary]\n\"area.target\" = [1, 2]\n[result]\n\"area.target\" = \"min(waist)\"\n",
+        &["plan.toml:5:1: the table has a column 'area.target' already"],
+    );
+    sweep("[result]\nthinnest = \"min(waist)\"\nE_least = \"min(E_total)\"\n");
+}
+
+#[test]
+fn only_seeds_are_repeated() {
+    let repeat = |seeds: &str| format!("repeat = {{ count = 2, seeds = [{seeds}] }}\n");
+    refused(
+        &repeat("\"time.step\""),
+        &["plan.toml:2:32: repeat.seeds[0] must be the key of a seed"],
+    );
+    refused(
+        &repeat("\"noise.seed\", \"noise.seed\""),
+        &["noise.seed is given more than once"],
+    );
+    sweep(&format!(
+        "{}[set]\n\"noise.strength\" = 1e-3\n",
+        repeat("\"noise.seed\"")
+    ));
+}
+
 /// The folder is enough: a point's scene is the same as the plan's, and changes are noticed.
 #[test]
 fn a_folder_keeps_the_sweep() {

@@ -1,9 +1,17 @@
 //! When keys do something, why they do not, and their words that depend on it.
 
-use super::super::state::{App, Run, Screen, Slot, Status};
+use super::super::panel::message_overflow;
+use super::super::state::{App, Overlay, Run, Screen, Slot, Status};
 
 pub(super) fn always(_: &App) -> Result<(), &'static str> {
     Ok(())
+}
+
+pub(super) fn with_more_lines(app: &App) -> Result<(), &'static str> {
+    match &app.overlay {
+        Some(Overlay::Message { text, .. }) if message_overflow(text, app.size) > 0 => Ok(()),
+        _ => Err("all of it is shown"),
+    }
 }
 
 pub(super) fn on_one_run(app: &App) -> Result<(), &'static str> {

@@ -5,8 +5,8 @@ use crossterm::event::KeyCode;
 use super::conditions::{
     always, at_present_with_director, brake, gallery, gallery_of_opened, in_gallery, measure,
     next_panel, on_a_case, on_one_run, other_form, pause_or_resume, play, when_a_step_is_left,
-    when_it_can_change, when_not_over, with_a_change, with_a_past, with_director, with_notices,
-    with_opened_scenes, with_picture,
+    when_it_can_change, when_not_over, with_a_change, with_a_past, with_director, with_more_lines,
+    with_notices, with_opened_scenes, with_picture,
 };
 use super::{Action, Binding, Key, Place};
 
@@ -452,6 +452,24 @@ pub static BINDINGS: &[Binding] = &[
         brief: |_| "close",
         words: "close the help",
         when: always,
+    },
+    Binding {
+        place: Place::Message,
+        keys: &[
+            named(KeyCode::Up, Action::Scroll(-1)),
+            named(KeyCode::Down, Action::Scroll(1)),
+            key('k', Action::Scroll(-1)),
+            key('j', Action::Scroll(1)),
+            named(KeyCode::PageUp, Action::Scroll(-PAGE)),
+            named(KeyCode::PageDown, Action::Scroll(PAGE)),
+            named(KeyCode::Home, Action::Scroll(i32::MIN)),
+            named(KeyCode::End, Action::Scroll(i32::MAX)),
+        ],
+        label: "↑ ↓",
+        plain_label: "Up Down",
+        brief: |_| "scroll",
+        words: "scroll",
+        when: with_more_lines,
     },
     Binding {
         place: Place::Message,

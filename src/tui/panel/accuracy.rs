@@ -21,7 +21,7 @@ const NOTE: &str = "The mesh follows the membrane, and time steps are chosen. Ab
 pub fn draw(list: &PriceList, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
     let width = WIDTH.min(screen.width.saturating_sub(4));
     let inner = usize::from(width).saturating_sub(4);
-    let note = text::wrap(NOTE, inner);
+    let note = text::wrap(&theme.spelt(NOTE), inner);
     let height = list.rows.len() + note.len() + 4;
     let area = centred(screen, width, height as u16);
     let title = format!("What accuracy costs: {}", list.name);

@@ -27,8 +27,10 @@ const SHARE: usize = 20;
 
 /// The rows that the banner needs in a given width: one at least, so that the screen does not jump
 /// when there is something to say, and more for a text that must be read whole.
-pub fn rows(app: &App, shown: Option<&Shown<'_>>, width: u16) -> u16 {
-    words(app, shown).map_or(1, |words| lines(app, &words, width).len().max(1) as u16)
+pub fn rows(app: &App, shown: Option<&Shown<'_>>, theme: &Theme, width: u16) -> u16 {
+    words(app, shown).map_or(1, |words| {
+        lines(app, &words, theme, width).len().max(1) as u16
+    })
 }
 
 /// Draws the banner.
@@ -37,7 +39,10 @@ pub fn draw(app: &App, shown: Option<&Shown<'_>>, theme: &Theme, area: Rect, buf
         return;
     };
     let indent = words.kind.len() + 4;
-    for (row, text) in lines(app, &words, area.width).into_iter().enumerate() {
+    for (row, text) in lines(app, &words, theme, area.width)
+        .into_iter()
+        .enumerate()
+    {
         let mut spans = vec![Span::raw(" ")];
         match (row, words.role) {
             (0, Some(role)) => {
@@ -55,9 +60,9 @@ pub fn draw(app: &App, shown: Option<&Shown<'_>>, theme: &Theme, area: Rect, buf
     }
 }
 
-fn lines(app: &App, words: &Words, width: u16) -> Vec<String> {
+fn lines(app: &App, words: &Words, theme: &Theme, width: u16) -> Vec<String> {
     let width = usize::from(width).saturating_sub(words.kind.len() + 5);
-    let mut lines = text::wrap(&words.text, width);
+    let mut lines = text::wrap(&theme.spelt(&words.text), width);
     let (room, more) = if words.whole {
         (ROWS, String::new())
     } else {

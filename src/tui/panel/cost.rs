@@ -184,15 +184,31 @@ fn phase_row(
 }
 
 fn iterations<'a>(report: &Report, width: u16, theme: &Theme) -> Line<'a> {
+    let line = |names| iterations_with(names, report, width, theme);
+    let whole = line(["Newton", "linear", "director"]);
+    match whole.width() <= usize::from(width) {
+        true => whole,
+        // None of the numbers is left out.
+        false => line(["Newton", "lin.", "dir."]),
+    }
+}
+
+fn iterations_with<'a>(
+    [newton, linear, director]: [&'static str; 3],
+    report: &Report,
+    width: u16,
+    theme: &Theme,
+) -> Line<'a> {
     let counts = [
-        ("Newton", report.newton),
-        ("linear", report.krylov),
-        ("director", report.director_iterations),
+        (newton, report.newton),
+        (linear, report.krylov),
+        (director, report.director_iterations),
     ];
     let prefix = if width >= 50 { " iterations: " } else { " " };
     let mut spans = vec![Span::styled(prefix, theme.muted())];
     let gap = if width >= 40 { "  " } else { " " };
-    for (name, count) in counts {
+    for (number, (name, count)) in counts.into_iter().enumerate() {
+        let gap = if number < 2 { gap } else { "" };
         spans.push(Span::styled(format!("{name} "), theme.muted()));
         spans.push(Span::raw(format!("{count}{gap}")));
     }

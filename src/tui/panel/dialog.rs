@@ -10,6 +10,7 @@ use ratatui::text::{Line, Span};
 use super::text;
 use crate::record::ShortNumber;
 use crate::scene::preset_description;
+use crate::tui::glyphs::spelt;
 use crate::tui::layout::centred;
 use crate::tui::state::{App, Beyond, Keeping, Question, Run};
 use crate::tui::theme::{Role, Theme};
@@ -42,7 +43,7 @@ pub fn confirm(app: &App, question: Question, theme: &Theme, screen: Rect, buffe
         Question::GoBeyond(beyond) => beyond_words(app, beyond),
     };
     let width = 56.min(screen.width.saturating_sub(4));
-    let words = text::wrap(&words, usize::from(width).saturating_sub(4));
+    let words = text::wrap(&theme.spelt(&words), usize::from(width).saturating_sub(4));
     let area = centred(screen, width, words.len() as u16 + 4);
     let inside = text::frame(buffer, area, theme, title, theme.style(Role::Warning));
     let count = words.len() as u16;
@@ -228,7 +229,7 @@ pub fn open(
 ) {
     let width = 76.min(screen.width.saturating_sub(4));
     let inner = usize::from(width).saturating_sub(4);
-    let errors = error.map_or_else(Vec::new, |error| text::wrap(error, inner));
+    let errors = error.map_or_else(Vec::new, |error| text::wrap(&theme.spelt(error), inner));
     let names = offered(typed);
     let height = names.len().max(1) + errors.len() + 7;
     let area = centred(screen, width, height.min(usize::from(u16::MAX)) as u16);
@@ -262,7 +263,7 @@ pub fn open(
             Span::styled(format!(" {name:<12}"), style),
             Span::raw(" "),
             Span::styled(
-                text::shorten(description, inner.saturating_sub(15)),
+                text::shorten(&theme.spelt(description), inner.saturating_sub(15)),
                 theme.muted(),
             ),
         ]);
@@ -309,27 +310,52 @@ pub fn table(title: &str, words: &str, theme: &Theme, screen: Rect, buffer: &mut
     }
 }
 
-/// Draws a long text. Its lines are broken where they are too long; what there is no room for is
-/// said to be missing.
-pub fn message(title: &str, words: &str, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
-    let width = screen.width.saturating_sub(4).min(100);
+/// The lines of a long text, broken where they are too long for a screen of this size, and how many rows of them it shows.
+fn message_lines(words: &str, (columns, rows): (u16, u16)) -> (Vec<String>, usize) {
+    let width = message_width(columns);
     let lines = text::wrap(words, usize::from(width).saturating_sub(4));
-    let height = (lines.len() as u16).saturating_add(2);
-    let area = centred(screen, width, height.min(screen.height.saturating_sub(2)));
+    (lines, usize::from(rows.saturating_sub(4)))
+}
+
+fn message_width(columns: u16) -> u16 {
+    columns.saturating_sub(4).min(100)
+}
+
+/// How many lines of a long text a screen of this size has no room for, with its signs or spelt out.
+pub(in crate::tui) fn message_overflow(words: &str, size: (u16, u16)) -> usize {
+    let overflow = |words: &str| {
+        let (lines, room) = message_lines(words, size);
+        lines.len().saturating_sub(room)
+    };
+    overflow(words).max(overflow(&spelt(words)))
+}
+
+/// Draws a long text from its line `scroll` on. Its lines are broken where they are too long; below it says which are shown,
+/// where those are not all.
+pub fn message(
+    (title, words, scroll): (&str, &str, u16),
+    theme: &Theme,
+    screen: Rect,
+    buffer: &mut Buffer,
+) {
+    let (lines, room) = message_lines(&theme.spelt(words), (screen.width, screen.height));
+    let height = (lines.len().min(room) as u16).saturating_add(2);
+    let area = centred(screen, message_width(screen.width), height);
     let inside = text::frame(buffer, area, theme, title, theme.style(Role::Bad));
-    let room = usize::from(inside.height);
-    let count = lines.len();
-    for (row, line) in lines.into_iter().enumerate().take(room) {
-        if row + 1 == room && count > room {
-            let words = format!("({} more lines)", count - row);
-            text::line(
-                buffer,
-                inside,
-                row as u16,
-                Span::styled(words, theme.muted()),
-            );
-        } else {
-            text::line(buffer, inside, row as u16, line);
-        }
-    }
+    let rows = usize::from(inside.height);
+    text::scrolled(
+        buffer,
+        (area, inside),
+        theme,
+        lines.len(),
+        scroll,
+        |first| {
+            lines
+                .into_iter()
+                .skip(first)
+                .take(rows)
+                .map(Line::from)
+                .collect()
+        },
+    );
 }

@@ -17,27 +17,10 @@ pub fn draw(scroll: u16, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
     let height = (lines.len() as u16 + 2).min(screen.height.saturating_sub(2));
     let area = centred(screen, width, height);
     let inside = text::frame(buffer, area, theme, "Help", theme.style(Role::Accent));
-    // The last line is never scrolled further up than to the end of the frame.
-    let last = lines.len().saturating_sub(usize::from(inside.height));
-    let first = usize::from(scroll).min(last);
     let count = lines.len();
-    for (row, line) in lines.into_iter().skip(first).enumerate() {
-        if row >= usize::from(inside.height) {
-            break;
-        }
-        text::line(buffer, inside, row as u16, line);
-    }
-    if last > 0 {
-        let shown = (first + usize::from(inside.height)).min(count);
-        let words = format!(" {}-{shown} of {count} ", first + 1);
-        let below = Rect {
-            y: area.bottom().saturating_sub(1),
-            height: 1,
-            width: area.width.saturating_sub(2),
-            ..area
-        };
-        text::line_right(buffer, below, 0, Span::styled(words, theme.muted()));
-    }
+    text::scrolled(buffer, (area, inside), theme, count, scroll, |first| {
+        lines.into_iter().skip(first).collect()
+    });
 }
 
 fn lines<'a>(theme: &Theme, width: usize) -> Vec<Line<'a>> {
@@ -81,12 +64,14 @@ fn table(
     theme: &Theme,
     lines: &mut Vec<Line<'_>>,
 ) {
-    let names = entries.iter().map(|(name, _)| name.chars().count());
+    let names = entries.iter().map(|(name, _)| theme.spelt(name));
+    let names = names.map(|name| name.chars().count());
     let column = names.max().unwrap_or(0) + 2;
     for (name, words) in entries {
-        let words = text::wrap(words, width.saturating_sub(column));
+        let name = theme.spelt(name);
+        let words = text::wrap(&theme.spelt(words), width.saturating_sub(column));
         for (row, words) in words.into_iter().enumerate() {
-            let name = if row == 0 { name } else { "" };
+            let name = if row == 0 { &name } else { "" };
             lines.push(Line::from(vec![
                 Span::styled(format!("{name:<column$}"), theme.style(Role::Accent)),
                 Span::raw(words),

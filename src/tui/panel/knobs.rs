@@ -21,12 +21,13 @@ pub fn draw(knobs: &Knobs, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
     let inner = usize::from(width).saturating_sub(4);
     let chosen = knobs.lines.get(knobs.chosen);
     let about = chosen.map_or_else(Vec::new, |knob| {
-        text::wrap(&format!("{} Allowed: {}.", knob.words, knob.allowed), inner)
+        let words = format!("{} Allowed: {}.", knob.words, knob.allowed);
+        text::wrap(&theme.spelt(&words), inner)
     });
     let errors = knobs
         .error
         .as_deref()
-        .map_or_else(Vec::new, |error| text::wrap(error, inner));
+        .map_or_else(Vec::new, |error| text::wrap(&theme.spelt(error), inner));
     let height = knobs.lines.len() + about.len() + errors.len() + 6;
     let area = centred(screen, width, height.min(usize::from(u16::MAX)) as u16);
     let title = "Change parameters from the next step on";

@@ -37,6 +37,7 @@ use super::state::{App, Overlay, Panel, Screen, View};
 use super::theme::{Role, Theme};
 use shown::Shown;
 
+pub(super) use dialog::message_overflow;
 pub use text::wrap;
 
 #[cfg(test)]
@@ -75,7 +76,7 @@ pub fn draw(app: &App, theme: &Theme, canvas: &mut Canvas, frame: &mut Frame<'_>
 /// One run: its field, and its scalars beside it.
 fn one_run(app: &App, theme: &Theme, canvas: &mut Canvas, screen: Rect, buffer: &mut Buffer) {
     let shown = Shown::active(app);
-    let banner_rows = banner::rows(app, shown.as_ref(), screen.width);
+    let banner_rows = banner::rows(app, shown.as_ref(), theme, screen.width);
     let step = Step::of(screen.width, screen.height);
     let wishes = wishes(shown.as_ref(), screen);
     let areas = divide(screen, app.focus, banner_rows, wishes);
@@ -109,7 +110,7 @@ fn several_runs(app: &App, theme: &Theme, canvas: &mut Canvas, screen: Rect, buf
     let shown = Shown::active(app);
     let mut area = screen;
     let footer = take_bottom(&mut area, 1);
-    let rows = banner::rows(app, shown.as_ref(), screen.width);
+    let rows = banner::rows(app, shown.as_ref(), theme, screen.width);
     let banner = take_bottom(&mut area, rows);
     gallery::draw(app, theme, canvas, area, buffer);
     banner::draw(app, shown.as_ref(), theme, banner, buffer);
@@ -141,8 +142,12 @@ fn overlay(app: &App, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
             let words = measured::words(app);
             dialog::table("Measured error", &words, theme, screen, buffer);
         }
-        Some(Overlay::Message { title, text }) => {
-            dialog::message(title, text, theme, screen, buffer);
+        Some(Overlay::Message {
+            title,
+            text,
+            scroll,
+        }) => {
+            dialog::message((title, text, *scroll), theme, screen, buffer);
         }
     }
 }

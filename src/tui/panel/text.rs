@@ -111,6 +111,36 @@ fn styled(line: Line<'_>) -> impl Iterator<Item = Span<'_>> {
     })
 }
 
+/// Draws the lines of a list that a frame has room for, from the line `scroll` on but never beyond the last, and where these
+/// are not all says below which they are. `lines` gives those from a line on.
+pub fn scrolled<'a>(
+    buffer: &mut Buffer,
+    (area, inside): (Rect, Rect),
+    theme: &Theme,
+    count: usize,
+    scroll: u16,
+    lines: impl FnOnce(usize) -> Vec<Line<'a>>,
+) {
+    let room = usize::from(inside.height);
+    // The last line is never scrolled further up than to the end of the frame.
+    let last = count.saturating_sub(room);
+    let first = usize::from(scroll).min(last);
+    for (row, words) in lines(first).into_iter().take(room).enumerate() {
+        line(buffer, inside, row as u16, words);
+    }
+    if last > 0 {
+        let shown = (first + room).min(count);
+        let words = format!(" {}-{shown} of {count} ", first + 1);
+        let below = Rect {
+            y: area.bottom().saturating_sub(1),
+            height: 1,
+            width: area.width.saturating_sub(2),
+            ..area
+        };
+        line_right(buffer, below, 0, Span::styled(words, theme.muted()));
+    }
+}
+
 /// Clears an area, draws a frame around it with a title, and gives back the inside, which has a
 /// free column at either side.
 pub fn frame(buffer: &mut Buffer, area: Rect, theme: &Theme, title: &str, style: Style) -> Rect {

@@ -104,6 +104,7 @@ fn show_notices(app: &mut App) {
     app.overlay = Some(Overlay::Message {
         title: "Warnings and notes".to_owned(),
         text: said.join("\n\n"),
+        scroll: 0,
     });
 }
 
@@ -224,6 +225,7 @@ fn gallery(app: &mut App, of_opened: bool) {
     app.screen = Screen::Gallery;
     app.gallery_of_opened = of_opened;
     app.clock = None;
+    app.shown_time = None;
     let is_case = app.active < app.opened();
     if is_case && !of_opened {
         choose(app, app.active % App::CASES);

@@ -8,6 +8,7 @@ use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
 use super::super::autosave::Kept;
 use super::super::keys::{self, Action};
 use super::super::message::Effect;
+use super::super::panel::message_overflow;
 use super::super::state::{App, Ending, Overlay, Question, Slot};
 use super::actions::{ask, consent, look_at};
 use super::{accuracy, leave, remark};
@@ -81,6 +82,10 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
             *scroll = i32::from(*scroll)
                 .saturating_add(lines)
                 .clamp(0, last.max(0)) as u16;
+        }
+        (Action::Scroll(lines), Some(Overlay::Message { text, scroll, .. })) => {
+            let last = message_overflow(text, app.size) as i32;
+            *scroll = i32::from(*scroll).saturating_add(lines).clamp(0, last) as u16;
         }
         (
             action,
@@ -237,6 +242,7 @@ pub(super) fn not_loaded(app: &mut App, reason: String) {
             *overlay = Some(Overlay::Message {
                 title: "The scene cannot be loaded".to_owned(),
                 text: reason,
+                scroll: 0,
             });
         }
     }

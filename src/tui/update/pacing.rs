@@ -5,7 +5,7 @@ use std::time::Duration;
 use super::super::brake::Replay;
 use super::super::state::{App, Run, Screen, Slot};
 use super::actions;
-use super::scheduling::common_time;
+use super::scheduling::time_in_step;
 
 /// Whether anything happens when time passes: else no message is needed, and the app sleeps.
 pub fn time_counts(app: &App) -> bool {
@@ -42,7 +42,7 @@ fn watched(app: &App) -> Option<Watched> {
     match app.screen {
         Screen::Run => Watched::of(app.active_slot()?),
         Screen::Gallery => {
-            let t = common_time(app)?;
+            let t = time_in_step(app)?;
             let runs = app.slots[app.gallery()].iter().filter_map(Watched::of);
             let ahead = runs.filter(|run| run.t >= t);
             let next = ahead.min_by(|one, other| one.t.total_cmp(&other.t))?;

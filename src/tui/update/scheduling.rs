@@ -29,6 +29,7 @@ pub(super) fn direct(app: &mut App, effects: &mut Vec<Effect>) {
     match app.screen {
         Screen::Run => {
             app.clock = None;
+            app.shown_time = None;
             for index in 0..app.slots.len() {
                 let slot = &app.slots[index];
                 let going = index == app.active && wants(slot);
@@ -42,6 +43,7 @@ pub(super) fn direct(app: &mut App, effects: &mut Vec<Effect>) {
                 guide(app, index, false, None, effects);
             }
             direct_gallery(app, effects);
+            app.shown_time = common_time(app);
         }
     }
     tell_statuses(app);
@@ -207,8 +209,19 @@ fn last_in_step(slots: &[Slot], clock: f64) -> Option<f64> {
     })
 }
 
-/// The time that the runs of the gallery are shown at: those that catch up are shown where they are.
+/// The time that the runs of the gallery are shown at: those that catch up are shown where they are. It does not go back
+/// when one of them has come up and is a little behind the others, but it is never beyond the run that is furthest.
 pub fn common_time(app: &App) -> Option<f64> {
+    let t = time_in_step(app)?;
+    let runs = app.slots[app.gallery()].iter();
+    let runs = runs.filter_map(|slot| slot.run.as_ref());
+    let furthest = runs.map(|run| run.report.t).reduce(f64::max)?;
+    let shown = app.shown_time.unwrap_or(t);
+    Some(t.max(shown.min(furthest)))
+}
+
+/// The time that the runs of the gallery which are in step have reached.
+pub(super) fn time_in_step(app: &App) -> Option<f64> {
     let slots = &app.slots[app.gallery()];
     last_in_step(slots, app.clock.unwrap_or(0.0)).or_else(|| {
         // None of them computes.

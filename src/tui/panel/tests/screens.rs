@@ -173,6 +173,7 @@ const CHANGES: &[Change] = &[
             title: "scene.toml".to_owned(),
             text: "error: unknown key 'cels'\n  --> scene.toml:4:1\n   |\n 4 | cels = 120\n"
                 .repeat(9),
+            scroll: 0,
         });
     }),
     ("hostile", |app| {
@@ -239,7 +240,9 @@ fn all_that_fills_or_covers_the_screen() {
     for change in CHANGES {
         for (columns, rows) in SIZES {
             let theme = Theme::new(ColorTier::None, true);
-            let buffer = drawn(&changed(change), &theme, columns, rows);
+            let mut app = changed(change);
+            app.size = (columns, rows);
+            let buffer = drawn(&app, &theme, columns, rows);
             let text = characters(&buffer, buffer.area);
             insta::assert_snapshot!(format!("{}-{columns}x{rows}", change.0), text);
         }
@@ -331,6 +334,46 @@ fn a_locale_without_utf8_gets_ascii_whatever_is_shown() {
                     .find(|cell| !cell.symbol().is_ascii());
                 assert_eq!(foreign, None, "{}", change.0);
             }
+        }
+    }
+}
+
+#[test]
+fn formulas_can_be_read_in_ascii() {
+    let theme = Theme::new(ColorTier::None, false);
+    let words = |name| {
+        let buffer = drawn(&change(name), &theme, 120, 60);
+        characters(&buffer, Rect::new(0, 0, 120, 60))
+    };
+    let help = words("help");
+    assert!(help.contains("(B - beta)^2/(2 eta)"), "{help}");
+    assert!(help.contains("integral of phi"), "{help}");
+    assert!(!help.contains("??"), "{help}");
+    let mut app = change("running");
+    app.remark = Some("φ⁰ ≥ 0: take ε²".to_owned());
+    let buffer = drawn(&app, &theme, 80, 24);
+    let text = characters(&buffer, Rect::new(0, 0, 80, 24));
+    assert!(text.contains("phi^0 >= 0: take eps^2"), "{text}");
+}
+
+/// Numbers of as many digits as they come to have.
+#[test]
+fn the_iterations_are_never_cut() {
+    for (newton, krylov, director) in [(3, 17, 4), (12, 137, 24), (60, 4000, 200)] {
+        let mut app = change("running");
+        let index = app.active;
+        let run = app.slots[index].run.as_mut().expect("a run");
+        run.report.newton = newton;
+        run.report.krylov = krylov;
+        run.report.director_iterations = director;
+        let buffer = drawn(&app, &Theme::new(ColorTier::None, true), 80, 24);
+        let text = characters(&buffer, Rect::new(0, 0, 80, 24));
+        let numbers = [newton, krylov, director].map(|it| it.to_string());
+        let line = text.lines().find(|line| line.contains("Newton"));
+        let line = line.unwrap_or_default();
+        let words: Vec<&str> = line.split_whitespace().collect();
+        for number in numbers {
+            assert!(words.contains(&number.as_str()), "{number}: {line}");
         }
     }
 }

@@ -84,6 +84,28 @@ fn the_clock_does_not_wait_for_runs_that_are_set_up() {
     assert!(lead(&rig) <= END / 200.0 + STEP, "{:?}", times(&rig));
 }
 
+/// Not when a run comes up to the others, and not without the brake.
+#[test]
+fn the_clock_never_goes_back() {
+    for cores in [1, 2, 3, 4] {
+        let mut rig = Rig::new();
+        rig.app.cores = cores;
+        rig.work(100);
+        rig.keys("g");
+        let mut last = 0.0;
+        for turn in 0..8000 {
+            rig.work(1);
+            let now = common_time(&rig.app).unwrap_or(0.0);
+            assert!(
+                now >= last,
+                "{cores} cores, turn {turn}: from {last} to {now}"
+            );
+            last = now;
+        }
+        assert_eq!(last, END);
+    }
+}
+
 /// From a fresh app: the first run that is set up goes on, also while the others take long for that; it does not go
 /// far without them.
 #[test]

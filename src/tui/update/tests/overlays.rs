@@ -6,6 +6,7 @@ use std::sync::Arc;
 use crossterm::event::{KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 
 use super::super::super::autosave::Kept;
+use super::super::super::keys;
 use super::super::super::message::{Effect, Message};
 use super::super::super::panel::{kept_words, quit_words};
 use super::super::super::state::{Ending, Keeping, Overlay, Question, Slot, Status};
@@ -246,6 +247,40 @@ fn what_was_not_changed_in_the_editor_is_not_waited_for() {
             .unwrap()
             .contains("nothing was changed")
     );
+}
+
+/// More than the screen has room for is scrolled, and the footer names the keys.
+#[test]
+fn long_notes_are_scrolled() {
+    let mut rig = Rig::new();
+    rig.work(3);
+    rig.app.size = (80, 24);
+    let long: Vec<String> = (0..50).map(|line| format!("line {line}")).collect();
+    rig.tell(Message::Loaded(Err(long.join("\n"))));
+    let scroll = |rig: &Rig| match &rig.app.overlay {
+        Some(Overlay::Message { scroll, .. }) => *scroll,
+        other => panic!("{other:?}"),
+    };
+    let named = |rig: &Rig| {
+        let footer = keys::Footer::of(&rig.app);
+        footer
+            .first
+            .iter()
+            .any(|binding| (binding.brief)(&rig.app) == "scroll")
+    };
+    assert!(named(&rig));
+    rig.press(KeyCode::Down);
+    assert_eq!(scroll(&rig), 1);
+    rig.press(KeyCode::End);
+    assert_eq!(scroll(&rig), 30);
+    rig.press(KeyCode::Down);
+    rig.press(KeyCode::Up);
+    assert_eq!(scroll(&rig), 29);
+    rig.press(KeyCode::Home);
+    assert_eq!(scroll(&rig), 0);
+    rig.press(KeyCode::Esc);
+    rig.tell(Message::Loaded(Err("short".to_owned())));
+    assert!(!named(&rig));
 }
 
 #[test]
