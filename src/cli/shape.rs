@@ -7,8 +7,9 @@ use super::picture_size::PictureSize;
 use super::set_up::{Outcome, set_up};
 use super::signals::EndSignal;
 use crate::figure::{Existing, FigureOptions, View, save_shape};
+use crate::geometry::{BoundingBox, Point};
 use crate::record::load_scene;
-use crate::scene::{Scene, Timetable};
+use crate::scene::{Geometry, Scene, Timetable};
 use crate::simulation::{Simulation, check_memory, check_outlines, outline_beside, shape_at_rest};
 use crate::theory::{BodyAtRest, Branch, CurveAtRest, MEMBRANE_FACTOR, ShapeAtRest};
 use std::ffi::OsString;
@@ -65,11 +66,24 @@ pub(super) fn shape(arguments: &Arguments) -> Result<(), CliError> {
         name: scene.name.clone(),
         ..Timetable::of(scene).at(scene.time.end)
     };
+    simulation.warnings().iter().for_each(output::warning);
     let shape = shape_at_rest(&at_end, (mesh, &simulation.state().phi), start)?;
+    let outline = outline_beside(&shape, mesh, &simulation.state().phi);
+    let domain = match mesh.geometry() {
+        Geometry::Planar => mesh.bounding_box(),
+        Geometry::Axisymmetric => {
+            let half = mesh.bounding_box();
+            let lower = [-half.upper.x, half.lower.y].into();
+            BoundingBox { lower, ..half }
+        }
+    };
+    if domain.union(&BoundingBox::around(&outline)) != domain {
+        output::warning("the shape at rest does not fit into the domain");
+    }
     output::print(&description(&at_end, &shape))?;
     if let Some(folder) = &arguments.out {
         let name = loaded.name.to_string_lossy();
-        save(arguments, &name, &simulation, &shape, folder)?;
+        save(arguments, &name, &simulation, (&shape, &outline), folder)?;
     }
     Ok(())
 }
@@ -175,11 +189,10 @@ fn save(
     arguments: &Arguments,
     name: &str,
     simulation: &Simulation,
-    shape: &ShapeAtRest,
+    (shape, outline): (&ShapeAtRest, &[Point]),
     folder: &std::path::Path,
 ) -> Result<(), CliError> {
     let state = simulation.state();
-    let outline = outline_beside(shape, simulation.mesh(), &state.phi);
     let mut command = format!(
         "vesica shape {}",
         quoted(&arguments.scene.to_string_lossy())
@@ -205,7 +218,7 @@ fn save(
         },
         ..arguments.size.options()
     };
-    let files = save_shape(&view, &outline, &options, folder)?;
+    let files = save_shape(&view, outline, &options, folder)?;
     let names: Vec<String> = files
         .iter()
         .map(|file| file.display().to_string())

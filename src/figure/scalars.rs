@@ -245,6 +245,9 @@ fn amplitude(runs: &[RunData]) -> Scalar {
     }
 }
 
+/// Above this amplitude the rate of theory, which is of the first order in it, does not hold.
+const LARGEST_AMPLITUDE: f64 = 0.1;
+
 /// ln of (length − waist)/(length + waist); no number where the vesicle is round.
 fn log_amplitude(run: &RunData) -> Option<Vec<f64>> {
     let [length, waist] = ["length", "waist"].map(|column| run.history.known(column));
@@ -256,8 +259,14 @@ fn log_amplitude(run: &RunData) -> Option<Vec<f64>> {
     )
 }
 
-/// The rate at which the mode n = 2 of a run's vesicle decays, where theory foresees a circle or a sphere.
+/// The rate at which the mode n = 2 of a run's vesicle decays, where theory foresees a circle or a sphere, the amplitude is small at
+/// the start, and no parameter changes.
 fn decay_rate(run: &RunData) -> Option<f64> {
+    let start = log_amplitude(run)?.first().copied()?;
+    let has_changes = !Timetable::of(&run.scene).is_empty();
+    if !(start < LARGEST_AMPLITUDE.ln()) || has_changes {
+        return None;
+    }
     let membrane = &run.scene.membrane;
     let (mobility, interface_width) = (membrane.mobility, membrane.interface_width);
     let shape = match run.theory.as_deref()? {

@@ -18,6 +18,11 @@ pub enum NoShapeAtRest {
         /// How many there are.
         vesicles: usize,
     },
+    /// Its membrane is not closed.
+    #[error(
+        "the theory of the shape at rest is of a closed membrane, and this vesicle is cut by the wall"
+    )]
+    AtWall,
     /// Its energy has another form.
     #[error(
         "the theory of the shape at rest is of a membrane without spontaneous curvature: try it with \
@@ -57,6 +62,11 @@ pub fn shape_at_rest(
     let vesicles = Pieces::default().find(mesh, phi);
     if vesicles != 1 {
         return Err(NoShapeAtRest::Vesicles { vesicles });
+    }
+    let at_wall = mesh.on_boundary().iter().zip(mesh.on_axis());
+    let at_wall = at_wall.map(|(on_wall, on_axis)| *on_wall && !on_axis);
+    if at_wall.zip(phi).any(|(at_wall, phi)| at_wall && *phi > 0.0) {
+        return Err(NoShapeAtRest::AtWall);
     }
     let penalty = scene.area.map(|area| AreaPenalty {
         target: area.target * surface_area,
@@ -146,6 +156,8 @@ mod tests {
         assert_eq!(of(&[two]), Err(NoShapeAtRest::Vesicles { vesicles: 2 }));
         let curved = of(&["membrane.spontaneous_curvature=0.5"]);
         assert_eq!(curved, Err(NoShapeAtRest::SpontaneousCurvature));
+        let cut = of(&["vesicle={ shape = 'circle', radius = 0.2, center = [0, 0.5] }"]);
+        assert_eq!(cut, Err(NoShapeAtRest::AtWall));
         let ring = "vesicle={ shape = 'circle', radius = 0.15, center = [0.5, 0.5] }";
         let ring = of(&[
             "domain.geometry=axisymmetric",

@@ -58,7 +58,11 @@ impl BodyAtRest {
             }
         };
         let radius = radius(&surface);
-        let strain = strain_of(radius);
+        // At rest the membrane resists what the pressure does; a sphere may be under any.
+        let strain = match surface.reduced_volume {
+            1.0 => strain_of(radius),
+            volume => -0.5 * volume * surface.pressure / (radius * radius),
+        };
         Ok(Self {
             branch,
             is_turned,

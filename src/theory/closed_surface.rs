@@ -78,7 +78,9 @@ pub struct ClosedSurface {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ClosedSurfaceError {
     /// The branch does not reach this volume.
-    #[error("there is no {} surface of the reduced volume {reduced_volume:.4}", branch.name())]
+    #[error(
+        "no {} surface of the reduced volume {reduced_volume:.4} is known: {}", branch.name(), branch.reach()
+    )]
     NotOnBranch {
         /// Which.
         branch: Branch,
@@ -261,6 +263,16 @@ impl Branch {
             Self::Prolate => "prolate",
             Self::Oblate => "oblate",
             Self::Stomatocyte => "stomatocyte",
+        }
+    }
+
+    /// From where to where it is followed, in words.
+    fn reach(self) -> &'static str {
+        match self {
+            Self::Prolate | Self::Oblate => "the branch is followed from the sphere down to 0.505",
+            Self::Stomatocyte => {
+                "the branch begins at 0.661, and is followed down to where the neck is nearly closed, about 0.51"
+            }
         }
     }
 

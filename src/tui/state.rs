@@ -176,8 +176,8 @@ pub struct Run {
 /// The shape at rest that theory foresees for a run, once it is to be shown.
 #[derive(Debug, Clone, Default)]
 pub struct Theory {
-    /// The penalty of the area for which it was asked last, and whether there was a spontaneous curvature.
-    pub asked: Option<(Option<Area>, bool)>,
+    /// The penalty of the area for which it was asked last, whether there was a spontaneous curvature, and how many vesicles.
+    pub asked: Option<(Option<Area>, bool, usize)>,
     /// Whether it is being computed.
     pub is_going: bool,
     /// The last one that was found, or why there is none.

@@ -125,7 +125,7 @@ fn progress(shown: &Shown<'_>, theme: &Theme, area: Rect, buffer: &mut Buffer) {
     let left = pace
         .left
         .map(|left| left.max(shown.braked.unwrap_or_default()));
-    if let Some(left) = left.filter(|_| shown.back.is_none()) {
+    if let Some(left) = left.filter(|_| shown.back.is_none() && !run.is_done()) {
         parts.push(Line::from(vec![Span::raw(duration(left)), muted(" left")]));
     }
     if pace.steps_per_second > 0.0 {

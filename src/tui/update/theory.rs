@@ -39,7 +39,7 @@ fn wanted(scene: &Scene, run: &mut Run) -> Option<Effect> {
     let surface_area = run.history.surface_area.at_start()?;
     let scene = Timetable::of(scene).at(run.report.t);
     let is_curved = scene.membrane.spontaneous_curvature != ScalarField::Constant(0.0);
-    let asked = Some((scene.area, is_curved));
+    let asked = Some((scene.area, is_curved, picture.report.vesicles.len()));
     if run.theory.asked == asked {
         return None;
     }
