@@ -264,7 +264,7 @@ fn log_amplitude(run: &RunData) -> Option<Vec<f64>> {
 fn decay_rate(run: &RunData) -> Option<f64> {
     let start = log_amplitude(run)?.first().copied()?;
     let has_changes = !Timetable::of(&run.scene).is_empty();
-    if !(start < LARGEST_AMPLITUDE.ln()) || has_changes {
+    if start.is_nan() || start >= LARGEST_AMPLITUDE.ln() || has_changes {
         return None;
     }
     let membrane = &run.scene.membrane;
