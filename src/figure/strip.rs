@@ -90,13 +90,12 @@ pub(super) fn draw(strips: &[Strip], options: &FigureOptions) -> Result<Drawing,
         let mut top = margin;
         let mut pictures = 0;
         for (number, strip) in strips.iter().enumerate() {
-            top = write_paragraph(
-                page,
-                &strip.title,
-                size,
-                [margin, top],
-                width - 2.0 * margin,
-            )?;
+            let title = strip.title.clone();
+            let title = match strip.theory {
+                Some(_) => title.and(panel::THEORY_NOTE),
+                None => title,
+            };
+            top = write_paragraph(page, &title, size, [margin, top], width - 2.0 * margin)?;
             top += 0.25 * size;
             let lines = strip.snapshots.chunks(columns);
             let count = lines.len();

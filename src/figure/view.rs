@@ -52,7 +52,12 @@ pub(super) fn draw(
         .and_label(energy);
     Drawing::compose(options.width, |page| {
         let mut top = margin;
-        for label in [Label::text(&label.title), time] {
+        let title = Label::text(&label.title);
+        let title = match view.theory {
+            Some(_) => title.and(panel::THEORY_NOTE),
+            None => title,
+        };
+        for label in [title, time] {
             top = write_paragraph(page, &label, size, [margin, top], width - 2.0 * margin)?;
         }
         // The name of the colour bar stands above it.

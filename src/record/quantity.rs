@@ -63,7 +63,7 @@ pub const QUANTITIES: [Quantity; 22] = [
     quantity(
         "B",
         "surface area",
-        "B: 0.943 times the membrane's length in this model",
+        "B: 0.943 times the membrane's length in this model, or in space its surface",
     ),
     quantity(
         "",
@@ -80,7 +80,7 @@ pub const QUANTITIES: [Quantity; 22] = [
     quantity(
         "",
         "reduced area",
-        "4π·enclosed area/(membrane's length)²: 1 for a circle",
+        "4π·enclosed area/(membrane's length)², or in space the reduced volume: 1 for a circle, or a sphere",
     ),
     quantity(
         "A",

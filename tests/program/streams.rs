@@ -61,7 +61,7 @@ const CASES: &[Case] = &[
         "all effects",
         None,
     ),
-    asked(&["shape", "circle.toml"], "reduced area", None),
+    asked(&["shape", "circle.toml"], "reduced area", Some("warning: ")),
     in_files(
         &["run", "warned.toml", "--out", "a", "--force"],
         "3 steps",
