@@ -9,7 +9,7 @@ use super::signals::EndSignal;
 use crate::figure::{Existing, FigureOptions, View, save_shape};
 use crate::geometry::{BoundingBox, Point};
 use crate::record::load_scene;
-use crate::scene::{Geometry, Scene, Timetable};
+use crate::scene::{Scene, Timetable};
 use crate::simulation::{Simulation, check_memory, check_outlines, outline_beside, shape_at_rest};
 use crate::theory::{BodyAtRest, Branch, CurveAtRest, MEMBRANE_FACTOR, ShapeAtRest};
 use std::ffi::OsString;
@@ -69,14 +69,7 @@ pub(super) fn shape(arguments: &Arguments) -> Result<(), CliError> {
     simulation.warnings().iter().for_each(output::warning);
     let shape = shape_at_rest(&at_end, (mesh, &simulation.state().phi), start)?;
     let outline = outline_beside(&shape, mesh, &simulation.state().phi);
-    let domain = match mesh.geometry() {
-        Geometry::Planar => mesh.bounding_box(),
-        Geometry::Axisymmetric => {
-            let half = mesh.bounding_box();
-            let lower = [-half.upper.x, half.lower.y].into();
-            BoundingBox { lower, ..half }
-        }
-    };
+    let domain = mesh.section_box();
     if domain.union(&BoundingBox::around(&outline)) != domain {
         output::warning("the shape at rest does not fit into the domain");
     }
@@ -133,7 +126,7 @@ fn description(scene: &Scene, shape: &ShapeAtRest) -> String {
     text
 }
 
-/// What is told of a curve alone.
+/// The numbers that only a curve has.
 fn describe_curve(shape: &CurveAtRest, line: &mut impl FnMut(&str, f64, &str)) {
     let elastica = &shape.elastica;
     let [length, waist, width] = shape.extents();
@@ -150,7 +143,7 @@ fn describe_curve(shape: &CurveAtRest, line: &mut impl FnMut(&str, f64, &str)) {
     line("Ê", elastica.energy, "½∫κ² ds · L/(2π²): 1 for a circle");
 }
 
-/// What is told of a body of rotation alone.
+/// The numbers that only a body of rotation has.
 fn describe_body(body: &BodyAtRest, line: &mut impl FnMut(&str, f64, &str)) {
     let [height, diameter] = body.extents();
     let v = body.surface.reduced_volume;

@@ -36,9 +36,9 @@ const ARROW: f64 = 0.82;
 const LONGEST: f64 = 1.3;
 /// How much finer than the lattice the inside is known.
 const FINER: usize = 8;
-/// What the outline of theory is, after a title.
-pub(super) const THEORY_NOTE: &str = " (dashed: theory, the membrane alone at rest)";
-/// Its colour, and the lengths of its dashes and of the spaces between, in sizes of the text.
+/// What follows a title where the outline of theory is drawn.
+const THEORY_NOTE: &str = " (dashed: theory, the membrane alone at rest)";
+/// The colour of the outline of theory, and the lengths of its dashes and of the spaces between, in sizes of the text.
 const THEORY: RGBColor = RGBColor(0, 110, 60);
 const THEORY_DASHES: [f64; 2] = [0.5, 0.35];
 /// Shorter ones are not drawn: they have no direction to see.
@@ -85,6 +85,14 @@ pub(super) fn symbol(state: &State, field: Field) -> Label {
         (Field::BendingDensity { .. }, _) => {
             Label::symbol("ε").and("/2 ").and_symbol("ω").above("2")
         }
+    }
+}
+
+/// A title that says what the dashed line is where the outline of theory is drawn.
+pub(super) fn title(title: &Label, theory: Option<&ShapeAtRest>) -> Label {
+    match theory {
+        Some(_) => title.clone().and(THEORY_NOTE),
+        None => title.clone(),
     }
 }
 

@@ -90,11 +90,7 @@ pub(super) fn draw(strips: &[Strip], options: &FigureOptions) -> Result<Drawing,
         let mut top = margin;
         let mut pictures = 0;
         for (number, strip) in strips.iter().enumerate() {
-            let title = strip.title.clone();
-            let title = match strip.theory {
-                Some(_) => title.and(panel::THEORY_NOTE),
-                None => title,
-            };
+            let title = panel::title(&strip.title, strip.theory);
             top = write_paragraph(page, &title, size, [margin, top], width - 2.0 * margin)?;
             top += 0.25 * size;
             let lines = strip.snapshots.chunks(columns);

@@ -52,11 +52,7 @@ pub(super) fn draw(
         .and_label(energy);
     Drawing::compose(options.width, |page| {
         let mut top = margin;
-        let title = Label::text(&label.title);
-        let title = match view.theory {
-            Some(_) => title.and(panel::THEORY_NOTE),
-            None => title,
-        };
+        let title = panel::title(&Label::text(&label.title), view.theory);
         for label in [title, time] {
             top = write_paragraph(page, &label, size, [margin, top], width - 2.0 * margin)?;
         }

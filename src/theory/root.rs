@@ -1,6 +1,6 @@
 //! The zero of a function of one variable between two places.
 
-/// Two values are the same if they are no farther apart, and so many are tried at most.
+/// The search ends where an end moves by less than this, or after so many values.
 const CLOSE: f64 = 1e-12;
 const MOST_ATTEMPTS: usize = 100;
 

@@ -27,7 +27,7 @@ table! {
 /// is then in proportion to τ; with this number it is about τ where it is largest (docs/guide/accuracy.md).
 const SECANT_BOUND: f64 = 5.0;
 
-/// Steps of a run at most: no run makes so many, and they can still be counted.
+/// The greatest number of steps that a run may have. It fits into 64 bits, and no run is as long.
 pub(in crate::scene) const MOST_STEPS: f64 = 1e18;
 
 impl Time {

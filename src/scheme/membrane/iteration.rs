@@ -97,6 +97,9 @@ const FALLS_FAST: f64 = 5e-2;
 const FALLS_SLOWLY: f64 = 0.03;
 const STRICTER: f64 = 30.0;
 
+/// In all at most so much more strictly: an iteration that falls slowly for another reason would go on to infinity.
+const STRICTEST: f64 = 1e5;
+
 /// The part of the law's tolerance that substep 2 may use up. The rest is for what else misses: substep 1
 /// and the solves with the mass matrix. Without it a step that ends just within the tolerance is refused
 /// when its books are closed.
@@ -220,7 +223,7 @@ impl MembraneStep {
             work.damping = work.damping.min(advance.damping);
             let changes = self.changes(context);
             if fell > FALLS_SLOWLY && changes[0] <= options.tolerance {
-                self.linear.strictness *= STRICTER;
+                self.linear.strictness = (STRICTER * self.linear.strictness).min(STRICTEST);
             }
             // The lagged iteration does not speed up, and a damped correction says nothing about the next.
             let undamped = options.iteration == Iteration::Newton && advance.damping == 1.0;

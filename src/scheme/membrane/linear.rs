@@ -27,7 +27,7 @@ const LEAST_OF_A_LONG_STEP: f64 = 1e-5;
 
 /// What the relative residuals of the equations for μ and ω count in GMRES's norm, over that of the first one.
 /// Both fields are computed again from the new φ, but what is left in their equations is in φ too, where two products with the
-/// stiffness matrix magnify it: with 0.3 and 0.01 `redcell` took 175 steps in place of 73. Shares that are larger by three
+/// stiffness matrix magnify it: with 0.3 and 0.01 `redcell` took 175 steps in place of 75. Shares that are larger by three
 /// take more iterations; where they are too small, a correction makes them [stricter](LinearSolver::strictness).
 const SHARE_OF_MU: f64 = 3.0;
 const SHARE_OF_OMEGA: f64 = 0.3;

@@ -194,7 +194,7 @@ fn mistakes_of_the_plan_itself_have_their_place() {
     let many = "[vary]\n\"area.target\" = { from = 1, to = 2, count = 1000 }\n\
          \"anchoring.weight\" = { from = 1, to = 2, count = 1000 }\n";
     refused(many, &["plan.toml:2:", "at most 100000"]);
-    // A mistake of the scene's own file is told with the place there.
+    // A mistake in the file of the scene has the place in that file.
     fs::write(&path, "scene = \"wrong.toml\"\n").expect("written");
     fs::write(folder.path().join("wrong.toml"), "[area]\ntarget = -1\n").expect("written");
     let error = Sweep::read(&path).expect_err("wrong").to_string();
