@@ -99,6 +99,9 @@ impl MeshSize {
         let Some((refinement, membrane)) = &self.refined else {
             return true;
         };
+        if side <= COARSEST * refinement.size {
+            return true;
+        }
         // Nowhere in the square is the distance another one by more than its half diagonal.
         let distance = membrane.distance(center);
         let radius = side * std::f64::consts::FRAC_1_SQRT_2;
