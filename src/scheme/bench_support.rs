@@ -51,7 +51,7 @@ impl Phases {
             (&state.phi, director),
             TimeScheme::FirstOrder,
         );
-        history.extrapolate(*t + dt, next);
+        history.extrapolate(*t + dt, TimeScheme::FirstOrder, next);
         phases.evaluate()?;
         phases.assemble_jacobian();
         Ok(phases)

@@ -311,11 +311,13 @@ impl Scheme {
         self.set_interval(dt);
         let energy_scale = self.energy_scale(&self.report.energies);
         let scheme = self.next_scheme();
-        self.stopping = match scheme {
+        // By the scheme of the run: its first steps are no more accurate than those that follow.
+        self.stopping = match self.scheme {
             TimeScheme::FirstOrder => StoppingCriterion::LastChange,
             TimeScheme::Secant => StoppingCriterion::ChangesToCome,
         };
-        self.history.extrapolate(self.t + dt, &mut self.next);
+        self.history
+            .extrapolate(self.t + dt, self.scheme, &mut self.next);
         let mut report = std::mem::take(&mut self.next_report);
         let outcome = self.solve_step((dt, scheme), energy_scale, &mut report, watch);
         self.tried_work = [report.newton, report.krylov, report.director_iterations];
