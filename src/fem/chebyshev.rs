@@ -1,7 +1,7 @@
 //! Solving with the mass matrix.
 
 use super::{MassForm, Space};
-use crate::linalg::{SparseMatrix, rows, vector};
+use crate::linalg::{Block, SparseMatrix, vector};
 
 /// M⁻¹: a division with the lumped rule, Chebyshev's iteration with the consistent one.
 ///
@@ -79,9 +79,7 @@ impl MassInverse {
     fn residual_of(&mut self, matrix: &SparseMatrix, b: &[f64], x: &[f64]) -> f64 {
         let product = ([&matrix.values[..]], [x]);
         let pattern = &matrix.pattern;
-        pattern.sweep(product, [b], [&mut self.residual], |[p], [b], _| {
-            [rows(|row| b[row] - p[row])]
-        });
+        pattern.sweep(product, [b], [&mut self.residual], |[p], [b], _| [b - p]);
         vector::weighted_square(&self.residual, &self.inverse_weights).sqrt()
     }
 
@@ -113,7 +111,7 @@ impl MassInverse {
         let mut rho = sigma.recip();
         for _ in 0..products {
             let after = (2.0 * sigma - rho).recip();
-            let (keep, add) = (after * rho, 2.0 * after / radius);
+            let [keep, add] = [after * rho, 2.0 * after / radius].map(Block::splat);
             rho = after;
             let direction = &self.direction[..];
             let product = ([&matrix.values[..]], [direction]);
@@ -121,12 +119,8 @@ impl MassInverse {
             let pattern = &matrix.pattern;
             let inputs = [direction, inverse];
             pattern.sweep(product, inputs, outputs, |[p], [d, inverse], [x, r, _]| {
-                let r = rows(|row| r[row] - p[row]);
-                [
-                    rows(|row| x[row] + d[row]),
-                    r,
-                    rows(|row| keep * d[row] + add * r[row] * inverse[row]),
-                ]
+                let r = r - p;
+                [x + d, r, keep * d + add * r * inverse]
             });
             std::mem::swap(&mut self.direction, &mut self.next);
         }

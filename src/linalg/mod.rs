@@ -22,7 +22,7 @@ pub use gmres::Gmres;
 pub use grid_transform::{Basis, GridTransform, Multiplier};
 pub use ordering::minimum_degree;
 pub use shifted_cholesky::ShiftedFactors;
-pub use sparse::{Block, Pattern, SparseMatrix, rows};
+pub use sparse::{Block, Pattern, SparseMatrix};
 
 /// A linear map between vectors of the same length: a matrix, a matrix-free product, or a
 /// preconditioner.

@@ -12,9 +12,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::fem::{MassForm, Space};
-use crate::linalg::{
-    Block, Ldlt, LinalgError, LinearOperator, Pattern, minimum_degree, rows, vector,
-};
+use crate::linalg::{Block, Ldlt, LinalgError, LinearOperator, Pattern, minimum_degree, vector};
 
 use super::super::fault_injection::{self, Place};
 use super::super::jacobian::Jacobian;
@@ -315,20 +313,17 @@ impl LinearOperator for ThreeFieldOperator<'_> {
             let along = term.scale * vector::dot(&term.row, phi);
             vector::add_scaled(y2, along, &term.column);
         }
-        let [s1, s2, s3] = self.row_scales;
-        let (width, step_mobility) = (self.width, self.step_mobility);
+        let [s1, s2, s3] = self.row_scales.map(Block::splat);
+        let [width, step_mobility] = [self.width, self.step_mobility].map(Block::splat);
         let three = |[k_mu, c_phi, a_omega, t_phi]: [Block; 4],
                      [mass_phi, mass_omega, mass_mu]: [Block; 3],
                      root: Block,
                      extra: Block| {
-            let scale = rows(|row| root[row].recip());
+            let scale = Block::ONE / root;
             [
-                rows(|row| s1 * scale[row] * (mass_phi[row] + step_mobility * k_mu[row])),
-                rows(|row| {
-                    let second = extra[row] + c_phi[row] + a_omega[row] - mass_mu[row];
-                    s2 * scale[row] * second
-                }),
-                rows(|row| s3 * scale[row] * width * (mass_omega[row] - t_phi[row])),
+                s1 * scale * (mass_phi + step_mobility * k_mu),
+                s2 * scale * (extra + c_phi + a_omega - mass_mu),
+                s3 * scale * width * (mass_omega - t_phi),
             ]
         };
         let k = &self.space.stiffness().values[..];
@@ -353,7 +348,7 @@ impl LinearOperator for ThreeFieldOperator<'_> {
                 let inputs = [self.root_weights, weights, phi, omega, mu];
                 pattern.sweep(products, inputs, outputs, |of, inputs, [_, extra, _]| {
                     let [root, weights, fields @ ..] = inputs;
-                    let mass = fields.map(|field| rows(|row| weights[row] * field[row]));
+                    let mass = fields.map(|field| weights * field);
                     three(of, mass, root, extra)
                 });
             }
