@@ -43,8 +43,8 @@ const SPARSER: f64 = 1.2;
 /// Angles below this, in degrees, are refined away.
 const LEAST_ANGLE: f64 = 28.0;
 
-/// Cells along a side of the table of sizes, at most; of a coarser mesh they are as long as its shortest edges.
-const MOST_CELLS: usize = 192;
+/// Cells along a side of the table of sizes.
+const TABLE: usize = 192;
 
 /// After so many nodes that others were placed about, it is asked whether to go on.
 const ASKED_EVERY: usize = 1024;
@@ -169,8 +169,6 @@ fn go_on(leave: &mut dyn FnMut() -> bool) -> Result<(), FemError> {
 /// grid is too coarse for it, it is computed.
 struct Table<'a> {
     size: &'a MeshSize,
-    /// Along a side.
-    cells: usize,
     values: Vec<f64>,
     /// For each cell whether the values at its corners tell all of it.
     is_even: Vec<bool>,
@@ -178,34 +176,32 @@ struct Table<'a> {
 
 impl<'a> Table<'a> {
     fn new(size: &'a MeshSize) -> Self {
-        let cells = (size.smallest().recip().ceil() as usize).clamp(1, MOST_CELLS);
-        let side = 1.0 / cells as f64;
         let places = |count: usize, shift: f64| {
-            let at = move |index: usize| (index as f64 + shift) * side;
+            let at = move |index: usize| (index as f64 + shift) / TABLE as f64;
             (0..count)
                 .flat_map(move |row| (0..count).map(move |column| Point::new(at(column), at(row))))
         };
-        let corners = places(cells + 1, 0.0);
-        let centers = places(cells, 0.5);
+        let corners = places(TABLE + 1, 0.0);
+        let centers = places(TABLE, 0.5);
         Self {
             size,
-            cells,
             values: corners.map(|corner| size.at(corner)).collect(),
-            is_even: centers.map(|center| size.is_even(center, side)).collect(),
+            is_even: centers
+                .map(|center| size.is_even(center, 1.0 / TABLE as f64))
+                .collect(),
         }
     }
 
     fn at(&self, place: Point) -> f64 {
-        let count = self.cells;
         let [(column, right), (row, up)] = [place.x, place.y].map(|at| {
-            let cells = (at * count as f64).clamp(0.0, count as f64);
-            let cell = (cells as usize).min(count - 1);
+            let cells = (at * TABLE as f64).clamp(0.0, TABLE as f64);
+            let cell = (cells as usize).min(TABLE - 1);
             (cell, cells - cell as f64)
         });
-        if !self.is_even[row * count + column] {
+        if !self.is_even[row * TABLE + column] {
             return self.size.at(place);
         }
-        let value = |row: usize, column: usize| self.values[row * (count + 1) + column];
+        let value = |row: usize, column: usize| self.values[row * (TABLE + 1) + column];
         let lower = (1.0 - right) * value(row, column) + right * value(row, column + 1);
         let upper = (1.0 - right) * value(row + 1, column) + right * value(row + 1, column + 1);
         (1.0 - up) * lower + up * upper

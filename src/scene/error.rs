@@ -268,7 +268,7 @@ pub enum Problem {
     },
     /// A ramp that is not from a number to a number.
     #[error(
-        "over = {} makes a ramp from number to number, and {key} {reason}: leave 'over' out, or set {key} in a [[change]] of its own",
+        "over = {} makes a ramp from number to number, and {key} {reason}: leave 'over' out, set {key} in a [[change]] of its own, or do without changes (change = [])",
         brief(*over)
     )]
     RampWithoutNumbers {

@@ -33,7 +33,7 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use crate::fem::{Contour, GradientRecovery, Mesh, MeshQuality, Pieces, Vesicles, long_axis};
+use crate::fem::{Contour, GradientRecovery, Mesh, MeshQuality, Vesicles, long_axis};
 use crate::geometry::Vector;
 use crate::scene::{
     Assignment, Change, Geometry, Iteration, Scene, Shape, Time, Timetable, Warning,
@@ -111,7 +111,8 @@ pub struct Examination {
     pub quality: MeshQuality,
     /// The radius of the circle with the area of the region φ⁰ > 0, or by rotation of the sphere with its volume.
     pub radius: f64,
-    /// The reduced area 4πA/L² of the region φ⁰ > 0, or by rotation its reduced volume; `None` where it is not one piece.
+    /// The reduced area 4πA/L² of the region φ⁰ > 0, or by rotation its reduced volume; `None` where it is not one piece or
+    /// touches the wall.
     pub reduced_size: Option<f64>,
 }
 
@@ -125,13 +126,18 @@ pub fn examine(scene: &Scene) -> Result<Examination, SimulationError> {
     check_vesicle(scene, &mesh, &initial.phi)?;
     let phi = &initial.phi;
     let contour = Contour::new(&mesh, phi);
-    let is_one = Pieces::default().find(&mesh, phi) == 1;
+    let wall = NearWall::new(&mesh, scene.membrane.interface_width);
+    let mut vesicles = Vec::new();
+    Vesicles::default().measure(&mesh, phi, Vector::x(), wall.nodes(), &mut vesicles);
     Ok(Examination {
         radius: match contour.volume {
             None => (contour.area / PI).sqrt(),
             Some(volume) => (0.75 * volume / PI).cbrt(),
         },
-        reduced_size: contour.reduced_size().filter(|_| is_one),
+        reduced_size: match &vesicles[..] {
+            [vesicle] => vesicle.reduced_size(),
+            _ => None,
+        },
         warnings: warnings(scene, &mesh, &initial.phi),
         nodes: mesh.nodes().len(),
         quality: MeshQuality::of(&mesh),

@@ -467,3 +467,15 @@ fn a_run_begins_with_the_solver_whose_memory_is_foreseen() {
     assert_eq!(Simulation::new(&told).unwrap().linear_method(), "transform");
     assert_eq!(memory_needed(&told), memory_held(&told, false));
 }
+
+/// A membrane that is not closed has no reduced area.
+#[test]
+fn a_vesicle_at_the_wall_has_no_reduced_area() {
+    let of = |center: &str| {
+        let scene = small(&[center]);
+        examine(&scene).expect("a scene").reduced_size
+    };
+    let inside = of("vesicle.center=[0.5, 0.5]").expect("one vesicle");
+    assert!((0.8..1.0).contains(&inside), "{inside}");
+    assert_eq!(of("vesicle.center=[0.1, 0.5]"), None);
+}

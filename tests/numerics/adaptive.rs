@@ -78,7 +78,7 @@ fn uniform(edge: f64) -> String {
 }
 
 /// With four seeds the error was 1.0 to 1.6 times that of meshes of the same size that stay, which differ among
-/// themselves by less than a tenth; with the two transfers that the run needs it is 0.7 times that.
+/// themselves by less than a tenth; with the two transfers that the run needs it is 0.7 to 0.8 times that.
 #[test]
 fn fifty_transfers_leave_the_error_of_the_size_of_the_meshs() {
     let adaptive = "mesh={ kind = 'adaptive', size = 0.055, interface = 0.028, band = 0.09 }";
