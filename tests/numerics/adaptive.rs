@@ -77,8 +77,8 @@ fn uniform(edge: f64) -> String {
     format!("mesh={{ kind = 'delaunay', size = {edge} }}")
 }
 
-/// With four seeds the error was 1.0 to 1.6 times that of meshes of the same size that stay, which differ among
-/// themselves by less than a tenth; with the two transfers that the run needs it is 0.7 to 0.8 times that.
+/// With four seeds the error was 0.8 to 1.2 times that of meshes of the same size that stay, which differ among
+/// themselves by less than a tenth; with the two transfers that the run needs it is 0.7 times that.
 #[test]
 fn fifty_transfers_leave_the_error_of_the_size_of_the_meshs() {
     let adaptive = "mesh={ kind = 'adaptive', size = 0.055, interface = 0.028, band = 0.09 }";
@@ -94,7 +94,7 @@ fn fifty_transfers_leave_the_error_of_the_size_of_the_meshs() {
     let fifty = run(adaptive, 50);
     let error = distance(&fifty, &fine);
     assert!(fifty.transfers >= 50);
-    assert!(error <= 1.8 * of_mesh, "{error:.2e} {of_mesh:.2e}");
+    assert!(error <= 1.5 * of_mesh, "{error:.2e} {of_mesh:.2e}");
     let stretched = fifty.outline.length / fine.outline.length - 1.0;
     assert!(stretched.abs() < 0.015, "{:?}", fifty.outline);
 }
