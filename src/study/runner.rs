@@ -422,8 +422,8 @@ impl Runs<'_> {
         match &measured.outcome {
             Ok(_) => Ok(()),
             Err(Failure::Ended) => Err(StudyError::Ended),
-            // On a finer mesh there may be a vesicle.
-            Err(Failure::Failed(_)) if measured.nodes == 0 && choice.cells < own.cells => Ok(()),
+            // A mesh may be too coarse for the vesicle, or for its interface.
+            Err(Failure::Failed(_)) if choice.cells < own.cells => Ok(()),
             Err(Failure::Failed(source)) => {
                 let source = source.clone();
                 Err(StudyError::Failed { run, source })

@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use super::autosave::Kept;
 use super::brake::Brake;
 use super::frame_history::{self, FrameHistory};
 use super::history::History;
@@ -24,7 +25,7 @@ impl App {
         if let Some(slot) = self.slots.get_mut(self.active) {
             self.remark = slot.remark.take().or(self.remark.take());
         }
-        if self.slots.iter().any(|slot| slot.kept.is_some()) {
+        if self.slots.iter().any(|slot| slot.offered().is_some()) {
             self.overlay = Some(Overlay::Confirm(Question::GoOn));
         }
     }
@@ -200,6 +201,13 @@ impl Slot {
             kept: None,
             run: None,
         }
+    }
+
+    /// The run of an earlier session that is resumed only if that is agreed to. One that is over, in a folder that was
+    /// opened, is there to be looked at.
+    pub fn offered(&self) -> Option<&Kept> {
+        let is_looked_at = |kept: &Kept| self.folder.is_some() && kept.is_over(&self.scene);
+        self.kept.as_deref().filter(|kept| !is_looked_at(kept))
     }
 
     /// The anchoring in force; `None` where there is no director to anchor.

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
 use crate::record::{KeptRows, KeptRun, KeptRuns, RecordError, RunKeeper, ShortNumber};
-use crate::simulation::{Failure, Report, StepProgress, WorkerEvent};
+use crate::scene::Scene;
+use crate::simulation::{Failure, Report, Schedule, StepProgress, WorkerEvent};
 
 use super::saving::PARENT;
 use super::state::{History, Keeping, Slot};
@@ -25,6 +26,13 @@ pub struct Kept {
 }
 
 impl Kept {
+    /// Whether it has come to the end of a scene, or to rest.
+    pub fn is_over(&self, scene: &Scene) -> bool {
+        let checkpoint = self.run.checkpoint();
+        let schedule = Schedule::new(&scene.time, 1, 1);
+        checkpoint.is_at_rest() || schedule.share(checkpoint.step(), checkpoint.t()) >= 1.0
+    }
+
     /// How far it has come: at a step, or within one.
     pub fn place(&self) -> String {
         let checkpoint = self.run.checkpoint();

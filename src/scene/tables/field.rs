@@ -37,9 +37,9 @@ impl Field {
         self.strength * direction(self.angle)
     }
 
-    /// Whether it is switched on at a time, but for the rounding to steps, and not zero.
-    pub fn is_on(&self, t: f64) -> bool {
-        self.strength > 0.0 && t >= self.from && self.until.is_none_or(|until| t < until)
+    /// Whether it is switched on, and not zero.
+    pub fn is_on(&self) -> bool {
+        self.on && self.strength > 0.0
     }
 }
 

@@ -44,7 +44,7 @@ pub static BINDINGS: &[Binding] = &[
         label: "q",
         plain_label: "q",
         brief: |_| "quit",
-        words: "quit; asks if something was computed that is saved nowhere",
+        words: "quit; asks if there are no figures of what was computed",
         when: always,
     },
     Binding {
@@ -286,7 +286,7 @@ pub static BINDINGS: &[Binding] = &[
         label: "r",
         plain_label: "r",
         brief: |_| "restart",
-        words: "restart the run; asks if it is saved nowhere",
+        words: "restart the run; asks if there are no figures of it",
         when: on_one_run,
     },
     Binding {

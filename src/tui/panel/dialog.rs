@@ -116,7 +116,7 @@ pub(in crate::tui) fn kept_words(app: &App) -> String {
         .slots
         .iter()
         .filter_map(|slot| {
-            let kept = slot.kept.as_ref()?;
+            let kept = slot.offered()?;
             Some(format!("{} {}", slot.name, kept.place()))
         })
         .collect();
@@ -126,7 +126,7 @@ pub(in crate::tui) fn kept_words(app: &App) -> String {
         kept.join(", ")
     );
     let others = app.slots.iter().filter_map(|slot| {
-        let kept = slot.kept.as_ref()?;
+        let kept = slot.offered()?;
         others_words(&slot.name, &kept.others)
     });
     others.for_each(|others| words = format!("{words} {others}"));

@@ -6,15 +6,22 @@ use ratatui::text::{Line, Span};
 
 use super::shown::Shown;
 use super::text;
+use crate::scene::Timetable;
 use crate::tui::numbers::brief;
 use crate::tui::theme::{Role, Theme};
 
 /// Draws it, if the scene has such a field.
 pub fn draw(shown: &Shown<'_>, frame: Rect, theme: &Theme, buffer: &mut Buffer) {
-    let (Some(field), Some(report)) = (&shown.scene().field, shown.report) else {
+    let (scene, Some(report)) = (shown.scene(), shown.report) else {
         return;
     };
-    let (words, style) = if field.is_on(report.t) {
+    if scene.field.is_none() {
+        return;
+    }
+    let Some(field) = Timetable::of(scene).at(report.t).field else {
+        return;
+    };
+    let (words, style) = if field.is_on() {
         let h = field.vector();
         let arrow = theme.glyphs().arrow(h.x, h.y);
         let degree = theme.word("°", " deg");

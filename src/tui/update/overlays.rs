@@ -130,9 +130,10 @@ pub(super) fn act(app: &mut App, action: Action, effects: &mut Vec<Effect>) {
     }
 }
 
-/// The kept runs, which are no longer offered, with their slots.
+/// The kept runs that were offered, and are no longer, with their slots.
 fn take_kept(app: &mut App) -> Vec<(usize, Arc<Kept>)> {
     let slots = app.slots.iter_mut().enumerate();
+    let slots = slots.filter(|(_, slot)| slot.offered().is_some());
     let kept = slots.filter_map(|(index, slot)| Some((index, slot.kept.take()?)));
     kept.collect()
 }

@@ -171,7 +171,8 @@ fn take(run: &mut Run, report: Report, law_tolerance: f64) {
         let left = ((end - report.t) / report.dt).max(0.0).ceil() as u64;
         report.step.saturating_add(left)
     });
-    if let Some(before) = run.before.take() {
+    let before = run.before.take();
+    if let Some(before) = &before {
         run.history = before.curves.clone();
         // Of the energy that it rises from.
         run.report = report.clone();
@@ -187,8 +188,7 @@ fn take(run: &mut Run, report: Report, law_tolerance: f64) {
     .iter()
     .all(|value| value.is_finite());
     if !finite {
-        let before = &run.report;
-        if before.total_energy.is_finite() || report.step == 0 {
+        if run.report.total_energy.is_finite() || report.step == 0 {
             run.notify(Notice {
                 severity: Severity::Error,
                 step: report.step,
@@ -198,7 +198,8 @@ fn take(run: &mut Run, report: Report, law_tolerance: f64) {
         run.control.wanted = false;
     }
     if report.step > 0 {
-        run.unsaved = true;
+        // The state that a run is resumed from was there before.
+        run.unsaved |= before.is_none();
         let change = report.total_energy - run.report.total_energy;
         let rise = report.unexplained_rise().unwrap_or(change);
         let rising = rise > law_tolerance * run.report.law_scale().max(report.law_scale());

@@ -536,6 +536,31 @@ fn looking_back_shows_the_figures_of_that_time() {
 }
 
 #[test]
+fn the_external_field_is_that_of_the_time_that_is_shown() {
+    let theme = Theme::new(ColorTier::None, true);
+    for (at, is_on) in [(2e-5, true), (2e-4, false)] {
+        let mut app = made_up::app();
+        let scene = Arc::make_mut(&mut app.slots[2].scene);
+        scene.field = Some(scene::Field {
+            strength: 0.0,
+            ..scene::Field::default()
+        });
+        scene.changes.push(scene::Change {
+            at,
+            over: 0.0,
+            set: vec![scene::Assignment {
+                key: "field.strength".to_owned(),
+                value: scene::ParameterValue::Number(1.0),
+            }],
+        });
+        let screen = drawn(&app, &theme, 120, 40);
+        let screen = characters(&screen, screen.area);
+        assert_eq!(screen.contains(" H off "), !is_on, "{screen}");
+        assert_eq!(screen.contains(" H → 0° "), is_on, "{screen}");
+    }
+}
+
+#[test]
 fn each_of_two_vesicles_has_its_sizes() {
     let theme = Theme::new(ColorTier::None, true);
     let mut app = made_up::app();

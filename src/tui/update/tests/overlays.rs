@@ -13,7 +13,7 @@ use super::super::super::state::{Ending, Keeping, Overlay, Question, Slot, Statu
 use super::super::offered;
 use super::rig::{Rig, scene, slot};
 use crate::record::KeptAt;
-use crate::simulation::{Message as WorkerMessage, StepProgress, WorkerEvent};
+use crate::simulation::{Message as WorkerMessage, Report, StepProgress, WorkerEvent};
 
 fn typed(rig: &Rig) -> (&str, Option<usize>, Option<&str>) {
     let Some(Overlay::Open {
@@ -573,6 +573,34 @@ fn a_file_that_is_called_as_a_preset_has_another_name() {
     slot.file = Some("case3.toml".into());
     rig.tell(Message::Loaded(Ok(Box::new(slot))));
     assert_eq!(rig.app.slots[4].name, "case3.toml");
+}
+
+#[test]
+fn a_run_that_is_over_is_shown_when_its_folder_is_opened() {
+    for (is_over, end) in [(true, 0.0), (false, 1.0)] {
+        let mut rig = Rig::new();
+        let mut slot = slot("mine");
+        slot.folder = Some("runs/mine".into());
+        slot.kept = Some(Default::default());
+        Arc::make_mut(&mut slot.scene).time.end = end;
+        rig.tell(Message::Loaded(Ok(Box::new(slot))));
+        assert_eq!(rig.app.overlay.is_none(), is_over);
+        let run = rig.app.slots[4].run.as_ref();
+        assert_eq!(run.is_some_and(|run| run.before.is_some()), is_over);
+        let Some(run) = run.map(|run| run.id) else {
+            continue;
+        };
+        // What it stands at was computed before, the step after it was not.
+        for (step, is_computed) in [(5, false), (6, true)] {
+            let report = Report {
+                step,
+                ..Report::default()
+            };
+            let event = WorkerEvent::Reports(vec![report]);
+            rig.tell(Message::Solver(WorkerMessage { run, event }));
+            assert_eq!(rig.run(4).unsaved, is_computed);
+        }
+    }
 }
 
 #[test]
