@@ -77,6 +77,15 @@ pub(super) struct Arguments {
 pub(super) fn accuracy(arguments: &Arguments) -> Result<(), CliError> {
     let loaded = load_scene(&arguments.scene, &arguments.set)?;
     some_step(&loaded.scene.time)?;
+    let read = |path: &PathBuf| ComparedRun::read(path, &loaded.scene);
+    let finished = ComparedRuns {
+        beside: arguments
+            .beside
+            .iter()
+            .map(read)
+            .collect::<Result<_, _>>()?,
+        against: arguments.against.as_ref().map(read).transpose()?,
+    };
     let signal = EndSignal::listen()?;
     if !arguments.json {
         print_prices(&loaded.scene, &signal)?;
@@ -88,15 +97,6 @@ pub(super) fn accuracy(arguments: &Arguments) -> Result<(), CliError> {
     let budget = Budget {
         time: Duration::from_secs(arguments.budget.unwrap_or(default)),
         full: arguments.full,
-    };
-    let read = |path: &PathBuf| ComparedRun::read(path, &loaded.scene);
-    let finished = ComparedRuns {
-        beside: arguments
-            .beside
-            .iter()
-            .map(read)
-            .collect::<Result<_, _>>()?,
-        against: arguments.against.as_ref().map(read).transpose()?,
     };
     let bar = ProgressBar::with_draw_target(Some(1000), output::progress_target());
     // The template is right; if it ever were not, the plain bar serves.

@@ -10,7 +10,7 @@ use crate::fem::MeshQuality;
 use crate::record::{load_scene, step_count};
 use crate::scene::{self, Mesh, Scene, Warning, significant};
 use crate::simulation::{self, Examination, memory_needed};
-use crate::study::{Foresight, MOST_NODES, run_estimate};
+use crate::study::{Foresight, MOST_NODES, reservations, run_estimate};
 use clap_complete::ArgValueCompleter;
 use serde::Serialize;
 use std::ffi::{OsStr, OsString};
@@ -178,7 +178,10 @@ fn tried(foresight: Option<&Foresight>, size: &str) -> String {
     match foresight {
         Some(Foresight::Price(_)) => format!("ok, {size}"),
         Some(Foresight::Unsolved(unsolved)) => {
-            format!("undecided, {size}: {unsolved}; whether it can be run was not found out")
+            format!(
+                "undecided, {size}: {unsolved}; whether it can be run was not found out: check it again where nothing else \
+                 runs, or run it"
+            )
         }
         Some(Foresight::TooLarge(_)) => format!(
             "well formed, {size}; no step was tried, for the mesh has more than {MOST_NODES} nodes"
@@ -190,7 +193,9 @@ fn tried(foresight: Option<&Foresight>, size: &str) -> String {
 /// What a run needs, as far as it is known: the memory always.
 fn needs(foresight: Option<&Foresight>, scene: &Scene) -> String {
     match foresight {
-        Some(Foresight::Price(price)) => format!("on this machine {price}"),
+        Some(Foresight::Price(price)) => {
+            format!("on this machine {price}{}", reservations(scene))
+        }
         _ => format!(
             "about {:.0} MB of memory",
             memory_needed(scene) as f64 / 1e6

@@ -110,6 +110,7 @@ pub(super) fn export(arguments: &Arguments) -> Result<(), CliError> {
     if !arguments.no_figures {
         packed.extend(figures_of(run, &name, &temporary.path().join("figures"))?);
     }
+    output::doubts(run, &summary);
     go_on()?;
     let readme = temporary.path().join("README.md");
     write_whole(&readme, |file| {

@@ -13,7 +13,7 @@ use crate::figure::{
 };
 use crate::record::{
     IfOccupied, RecordError, RecordedRun, RecorderBuilder, RunFolder, Settings, clean, load_scene,
-    read_run,
+    read_run, read_summary,
 };
 use crate::scene::{Geometry, Scene, Timetable, preset};
 use crate::signals::EndingSignal;
@@ -244,8 +244,11 @@ impl Source {
     }
 }
 
-/// Tells of figures that there cannot be, for a run has not left what they show.
+/// Tells what is not as the run has left it, and of figures that there cannot be, for it has not left what they show.
 fn tell_missing(folder: &Path, run: &RecordedRun) {
+    if let Ok(summary) = read_summary(folder) {
+        output::doubts(folder, &summary);
+    }
     let folder = folder.display();
     if run.fields.is_empty() {
         output::warning(format_args!(

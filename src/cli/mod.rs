@@ -71,7 +71,7 @@ enum Command {
     Presets,
     /// Print a built-in scene as TOML
     Preset(presets::Arguments),
-    /// Check scenes without running them
+    /// Check scenes by their first step, without running them
     Check(check::Arguments),
     /// Tell what accuracy costs in time, and which knob to turn
     Accuracy(accuracy::Arguments),

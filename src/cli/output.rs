@@ -4,12 +4,14 @@
 //! `println!` and `eprintln!` panic when the other side of a pipe is gone; these do not.
 
 use super::CliError;
+use crate::record::{self, RecordedSummary};
 use crate::tui::panel::wrap;
 use indicatif::ProgressDrawTarget;
 use rustix::termios::tcgetwinsize;
 use serde::Serialize;
 use std::fmt::Display;
 use std::io::{self, IsTerminal, Write};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Whether the process was called with `--quiet`.
@@ -85,6 +87,13 @@ pub(super) fn error(error: impl Display) {
 /// Tells a warning on the standard error, unless the process is quiet.
 pub(super) fn warning(warning: impl Display) {
     note(format_args!("warning: {warning}"));
+}
+
+/// Tells what in a run's folder is not as the run has left it.
+pub(super) fn doubts(folder: &Path, summary: &RecordedSummary) {
+    for doubt in record::doubts(folder, summary) {
+        damage(format_args!("{}: {doubt}", folder.display()));
+    }
 }
 
 /// Tells on the standard error that a file was found damaged, also where the process is quiet: something was lost.

@@ -1,6 +1,6 @@
 //! A scene in the numbers of a physicist: ratios of its lengths and times.
 
-use crate::scene::{AnchoringKind, Geometry, Scene};
+use crate::scene::{AnchoringKind, Geometry, Scene, significant};
 use crate::theory::{relaxation_time, relaxation_time_of_sphere};
 use std::f64::consts::{PI, SQRT_2};
 
@@ -48,15 +48,17 @@ pub(super) fn scales(scene: &Scene, radius: f64, reduced_size: Option<f64>) -> V
             "weak"
         };
         lines.push(format!(
-            "extrapolation length of the anchoring K/W = {ratio:.2} ε = {:.3} R: {strength} anchoring",
-            ratio * epsilon / radius
+            "extrapolation length of the anchoring K/W = {} ε = {} R: {strength} anchoring",
+            significant(ratio, 3),
+            significant(ratio * epsilon / radius, 3)
         ));
     }
     let order_length = nematic.penalty / SQRT_2;
     lines.push(format!(
-        "the length of the director recovers over η_d/√2 = {order_length:.3} = {:.1} ε = {:.2} R, the core of a defect",
-        order_length / epsilon,
-        order_length / radius
+        "the length of the director recovers over η_d/√2 = {} = {} ε = {} R, the core of a defect",
+        significant(order_length, 3),
+        significant(order_length / epsilon, 2),
+        significant(order_length / radius, 2)
     ));
     lines
 }
@@ -69,8 +71,8 @@ fn extrapolation_length(nematic: f64, anchoring: f64) -> f64 {
 /// In two or three digits.
 fn short(value: f64) -> String {
     match value {
-        10.0.. => format!("{value:.0}"),
-        _ => crate::scene::significant(value, 2),
+        10.0..1e6 => format!("{value:.0}"),
+        _ => significant(value, 2),
     }
 }
 

@@ -101,11 +101,7 @@ pub(super) fn verify(arguments: &Arguments) -> Result<(), CliError> {
     let last = end.min(arguments.steps.unwrap_or(end));
     check_memory(&scene).map_err(CliError::SetUp)?;
     let changed_inputs = changed_inputs(run, &summary.inputs)?;
-    for input in &changed_inputs {
-        output::warning(format_args!(
-            "{input} is not the file that the run was computed from: its SHA-256 is another one than in run.json"
-        ));
-    }
+    output::doubts(run, &summary);
     let signal = EndSignal::listen()?;
     let temporary = tempfile::tempdir().map_err(|reason| {
         CliError::Record(RecordError::MakeFolder {

@@ -49,11 +49,23 @@ pub(super) fn read_file_lossy(path: &Path, limit: u64) -> io::Result<String> {
 
 fn text(bytes: Vec<u8>) -> io::Result<String> {
     let text = match utf_16_unit(&bytes) {
-        Some(unit) => utf_16(&bytes, unit),
-        None => String::from_utf8(bytes).ok(),
+        Some(unit) => utf_16(&bytes, unit).ok_or("it is no text in UTF-16".to_owned()),
+        None => String::from_utf8(bytes).map_err(|wrong| {
+            let before = &wrong.as_bytes()[..wrong.utf8_error().valid_up_to()];
+            let line_start = before
+                .iter()
+                .rposition(|byte| *byte == b'\n')
+                .map_or(0, |at| at + 1);
+            let line = 1 + before.iter().filter(|byte| **byte == b'\n').count();
+            let column = 1 + String::from_utf8_lossy(&before[line_start..])
+                .chars()
+                .count();
+            format!(
+                "it is no text in UTF-8 (at {line}:{column}), nor in UTF-16 with a byte-order mark"
+            )
+        }),
     };
-    let wrong = "it is no text in UTF-8, nor in UTF-16 with a byte-order mark";
-    text.ok_or_else(|| io::Error::new(io::ErrorKind::InvalidData, wrong))
+    text.map_err(|wrong| io::Error::new(io::ErrorKind::InvalidData, wrong))
 }
 
 /// How the bytes of a unit make it, where a byte-order mark says that the text is in UTF-16, as some
@@ -189,6 +201,9 @@ mod tests {
             assert_eq!(error.kind(), io::ErrorKind::InvalidData);
         }
         assert_eq!(read_file_lossy(&path, 9).expect("bytes"), "\u{fffd}");
+        fs::write(&path, b"a\n\xce\xb1b\xff").expect("it is written");
+        let told = read_text(&path, 9).expect_err("no text").to_string();
+        assert!(told.contains("(at 2:3)"), "{told}");
         fs::write(&path, b"\xff\xfef\0\0\xd8x\0\0").expect("it is written");
         assert_eq!(
             read_file_lossy(&path, 9).expect("bytes"),

@@ -70,7 +70,7 @@ pub(crate) use provenance::sha256;
 pub use provenance::{Build, changed_inputs};
 pub use quantity::{QUANTITIES, Quantity};
 pub use read::{
-    ReadError, RecordedRun, RecordedSummary, Snapshot, StoredFields, read_fields, read_run,
+    ReadError, RecordedRun, RecordedSummary, Snapshot, StoredFields, doubts, read_fields, read_run,
     read_summary,
 };
 pub use recorder::{Recorder, RecorderBuilder, Settings};

@@ -6,7 +6,7 @@
 
 use super::error::{Problem, SceneError};
 use super::reader::{Bound, Field, Reader};
-use super::tables::{Mesh, Refinement, Scene, TimeScheme};
+use super::tables::{LONGEST_EDGE, Mesh, Refinement, SHORTEST_EDGE, Scene, TimeScheme};
 
 const WANTED: Bound = Bound::new("a finite number > 0, such as 1e-2", |v| v > 0.0);
 
@@ -71,7 +71,7 @@ impl Scene {
     /// The scene with the mesh and the steps for an error of φ, in place of its own.
     ///
     /// # Errors
-    /// `Problem`: its data belong to its own mesh, or with that error there would be no interface.
+    /// `Problem`: its data belong to its own mesh, or with that error there would be no interface, or edges shorter than any mesh has.
     pub fn with_accuracy(&self, error: f64) -> Result<Self, Problem> {
         if matches!(self.mesh, Mesh::File(_)) {
             return Err(Problem::AccuracyAndMesh);
@@ -98,7 +98,13 @@ fn choose(scene: &mut Scene, error: f64) -> Result<(), Problem> {
             largest: 2.0 * OF_MESH * LONGEST.powi(3),
         });
     }
-    let size = rounded(edge * width);
+    let size = rounded((edge * width).min(LONGEST_EDGE));
+    if size < SHORTEST_EDGE {
+        return Err(Problem::AccuracyTooHigh {
+            edge: SHORTEST_EDGE,
+            least: 2.0 * OF_MESH * (SHORTEST_EDGE / width).powi(3),
+        });
+    }
     scene.mesh = Mesh::Adaptive {
         size: FAR.max(size),
         refine: Refinement {
@@ -205,6 +211,12 @@ mod tests {
                 "accuracy = 0.2",
                 &[],
                 "a.toml:1:12: the interface would have fewer than two edges",
+            ),
+            (
+                "accuracy = 1e-30",
+                &[],
+                "a.toml:1:12: the mesh would have edges shorter than 0.00005: the least error that can be had is \
+                 accuracy = 3.0e-9",
             ),
         ] {
             let error = read(text, settings).expect_err(text).to_string();

@@ -214,6 +214,17 @@ pub enum Problem {
         /// The largest.
         largest: f64,
     },
+    /// With so many nodes there is no mesh.
+    #[error(
+        "the mesh would have edges shorter than {edge}: the least error that can be had is accuracy = {}",
+        significant(*least, 2)
+    )]
+    AccuracyTooHigh {
+        /// The shortest edge.
+        edge: f64,
+        /// The least error.
+        least: f64,
+    },
     /// There is nothing to anchor.
     #[error(
         "anchoring.kind = \"{kind}\" needs a director to anchor, and the scene has no [nematic]; \

@@ -256,7 +256,7 @@ impl fmt::Display for Warning {
             }
             Self::ChangeAfterEnd { at, end } => write!(
                 f,
-                "the change at t = {at:?} comes after the end of the run, time.end = {end:?}"
+                "the change at t = {at:?} never begins: the run ends at time.end = {end:?}"
             ),
             Self::FieldTooStrong { pull, bound } => write!(
                 f,

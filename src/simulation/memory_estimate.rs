@@ -134,7 +134,7 @@ fn too_large(scene: &Scene, shortage: Shortage) -> SimulationError {
         ),
         Mesh::Adaptive { .. } => (
             format!("of about {:.0} nodes", node_count(scene)),
-            "raise mesh.interface",
+            "raise mesh.interface, or the accuracy that it follows from",
         ),
         Mesh::File(file) => (
             format!("of {} nodes", file.triangulation.nodes.len()),

@@ -33,7 +33,7 @@ pub use finer_runs::{FinerNews, FinerRuns};
 pub use measured_error::{ErrorRow, Sample, error_table, error_words, quantity_words};
 pub use memory::CountingAllocator;
 pub use preset_figures::PresetFigures;
-pub use price_list::{Offer, price_words};
+pub use price_list::{Offer, price_words, reservations};
 pub use recorded_runs::{ComparedRun, ComparedRunError, ComparedRuns};
 pub use report::{Point, Study};
 pub use run_estimate::{Foresight, MOST_NODES, run_estimate};

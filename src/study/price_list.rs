@@ -61,7 +61,7 @@ pub fn price_words(
     go_on: &mut dyn FnMut() -> bool,
 ) -> Option<Result<String, String>> {
     Some(match run_estimate(scene, go_on) {
-        Ok(Foresight::Price(price)) => Ok(price.to_string()),
+        Ok(Foresight::Price(price)) => Ok(format!("{price}{}", reservations(scene))),
         Ok(Foresight::TooLarge(nodes)) => Ok(format!(
             "{:.1} GB; how long is not tried with {nodes} nodes",
             memory_needed(scene) as f64 / 1e9
@@ -70,6 +70,20 @@ pub fn price_words(
         Ok(Foresight::Ended) => return None,
         Err(error) => Err(format!("it cannot be run: {error}")),
     })
+}
+
+/// What there is to know of a price, and of what is had for it.
+pub fn reservations(scene: &Scene) -> String {
+    let mut words = String::new();
+    if scene.rest.is_some() {
+        words += "; less where it comes to rest before";
+    }
+    if let Mesh::Adaptive { refine, .. } = scene.mesh
+        && refine.size > scene.membrane.interface_width
+    {
+        words += "; too coarse for shapes";
+    }
+    words
 }
 
 #[cfg(test)]
@@ -86,6 +100,22 @@ mod tests {
             .map(|it| it.offered.as_ref().expect("one").nodes);
         let nodes: Vec<u64> = nodes.collect();
         assert!(nodes.is_sorted() && nodes[4] > 4 * nodes[0], "{nodes:?}");
+        // As the warnings of their runs have it.
+        for offer in &offers {
+            let scene = &offer.offered.as_ref().expect("one").scene;
+            let warned = crate::scene::warnings(scene, None);
+            let is_warned = warned
+                .iter()
+                .any(|it| it.to_string().contains("the shape is not to be trusted"));
+            assert_eq!(
+                reservations(scene).contains("too coarse"),
+                is_warned,
+                "{:e}",
+                offer.error
+            );
+        }
+        let rests = Scene::of_text("[rest]", &[]);
+        assert!(reservations(&rests).contains("comes to rest"));
         let edges = offers
             .iter()
             .map(|it| it.offered.as_ref().expect("one").edge);

@@ -54,10 +54,9 @@ pub enum ComparedRunError {
     },
     /// It is elsewhere than the study will be.
     #[error(
-        "the run in {} is at t = {t:e}, but errors are measured at t = {end:e}: go on with it \
-         (`vesica run {} --resume`), or give time.end",
+        "the run in {} is at t = {t:e}, but errors are measured at t = {end:e}: {}give --set time.end={t:e}",
         .path.display(),
-        .path.display()
+        if t < end { format!("go on with it (`vesica run {} --resume`), or ", .path.display()) } else { String::new() }
     )]
     Elsewhere {
         /// The folder.
@@ -66,6 +65,16 @@ pub enum ComparedRunError {
         t: f64,
         /// Where the studied scene ends.
         end: f64,
+    },
+    /// Its φ is a function of other coordinates.
+    #[error(
+        "the run in {} and the scene are not both planar or both by rotation (domain.geometry): their fields cannot be \
+         compared",
+        .path.display()
+    )]
+    OtherGeometry {
+        /// The folder.
+        path: PathBuf,
     },
 }
 
@@ -81,6 +90,10 @@ impl ComparedRun {
             return Err(ComparedRunError::Nothing { path });
         }
         let own = load_run_scene(path, &[])?.scene;
+        if own.geometry != scene.geometry {
+            let path = path.to_owned();
+            return Err(ComparedRunError::OtherGeometry { path });
+        }
         let Found::Run(resumption) = Resumption::find(path, &own)? else {
             let path = path.to_owned();
             return Err(ComparedRunError::Nothing { path });

@@ -170,15 +170,19 @@ pub fn study(
             Some(_) => Vec::new(),
         },
         done: Vec::new(),
-        foreseen: None,
+        foreseen: Vec::new(),
         watch,
         ended: false,
     };
     let is_enough = finished.against.is_some() && !finished.beside.is_empty();
     let mut is_checked = is_enough;
     // What cannot be is refused before anything is computed in vain.
-    if !is_enough && runs.foresee(FIRST_STEPS.min(budget.time / FIRST_PART))? {
+    let limit = FIRST_STEPS.min(budget.time / FIRST_PART);
+    if !is_enough && runs.foresee(limit)? {
         runs.check_budget()?;
+        if !is_own_there {
+            runs.foresee_own_choice(own, limit / 2);
+        }
         runs.tell_of_reference();
         is_checked = true;
     }
@@ -260,8 +264,8 @@ struct Runs<'a> {
     /// What the others may be measured against, the most accurate first.
     references: Vec<Discretisation>,
     done: Vec<(Discretisation, Measurement)>,
-    /// What the run on the scene's mesh is expected to take, by its first steps.
-    foreseen: Option<Known>,
+    /// What the run on the scene's mesh, and the scene's own choice, are expected to take, by their first steps.
+    foreseen: Vec<Known>,
     watch: &'a mut dyn FnMut(StudyNews) -> bool,
     ended: bool,
 }
@@ -281,7 +285,8 @@ impl Runs<'_> {
     }
 
     fn price(&self, choice: &Discretisation) -> f64 {
-        let known = self.done.iter().filter_map(known).chain(self.foreseen);
+        let known = self.done.iter().filter_map(known);
+        let known = known.chain(self.foreseen.iter().copied());
         estimated_time(self.scene, choice, known)
     }
 
@@ -294,33 +299,46 @@ impl Runs<'_> {
         let (Some(choice), _) = self.missing() else {
             return Ok(false);
         };
-        if self.foreseen.is_some() {
+        if !self.foreseen.is_empty() {
             return Ok(true);
         }
         let left = Duration::try_from_secs_f64(self.left(1.0)).unwrap_or_default();
+        let run = choice.to_string();
+        match self.make_first_steps(choice, limit.min(left)) {
+            Ok(Foresight::Price(_)) => Ok(true),
+            Ok(Foresight::Unsolved(unsolved)) if unsolved.is_hopeless() => {
+                Err(StudyError::Unsolved { run, unsolved })
+            }
+            Ok(_) => Ok(false),
+            Err(source) => Err(StudyError::Failed { run, source }),
+        }
+    }
+
+    /// The same of the scene's own choice, where that is another: what a fixed step takes does not follow from what chosen ones
+    /// do. Where it is not found out it is estimated as all others are.
+    fn foresee_own_choice(&mut self, own: Discretisation, limit: Duration) {
+        let is_known = self.foreseen.iter().any(|(choice, _)| *choice == own);
+        if !is_known && !self.ended {
+            self.make_first_steps(own, limit).ok();
+        }
+    }
+
+    fn make_first_steps(
+        &mut self,
+        choice: Discretisation,
+        limit: Duration,
+    ) -> Result<Foresight, SimulationError> {
         let (watch, mut is_ended) = (&mut *self.watch, false);
         let mut go_on = || {
             is_ended |= !watch(StudyNews::FirstSteps);
             !is_ended
         };
-        let scene = choice.applied_to(self.scene);
-        let foresight = run_price_within(&scene, limit.min(left), &mut go_on);
+        let foresight = run_price_within(&choice.applied_to(self.scene), limit, &mut go_on);
         self.ended |= is_ended;
-        match foresight {
-            Ok(Foresight::Price(price)) => {
-                self.foreseen = Some((choice, price.seconds));
-                Ok(true)
-            }
-            Ok(Foresight::Unsolved(unsolved)) if unsolved.is_hopeless() => {
-                let run = choice.to_string();
-                Err(StudyError::Unsolved { run, unsolved })
-            }
-            Ok(_) => Ok(false),
-            Err(source) => {
-                let run = choice.to_string();
-                Err(StudyError::Failed { run, source })
-            }
+        if let Ok(Foresight::Price(price)) = &foresight {
+            self.foreseen.push((choice, price.seconds));
         }
+        foresight
     }
 
     /// Which runs there must be still, and what they take: that on the scene's mesh, and a reference: on the
@@ -520,7 +538,7 @@ mod tests {
             own_mesh: Some(own),
             references: references(scene, false),
             done: Vec::new(),
-            foreseen: Some((own, 1000.0)),
+            foreseen: vec![(own, 1000.0)],
             watch,
             ended: false,
         }
@@ -587,7 +605,7 @@ mod tests {
         ] {
             let mut watch = |_: StudyNews| true;
             let mut runs = runs(&scene, 10.0, &mut watch);
-            runs.foreseen = runs.foreseen.map(|(choice, _)| (choice, own));
+            runs.foreseen.iter_mut().for_each(|(_, price)| *price = own);
             let told = runs.check_budget().expect_err("too little").to_string();
             assert!(told.contains(advised), "{told}");
             let words = runs.without_own_steps(&own_mesh(&Discretisation::of(&scene)));

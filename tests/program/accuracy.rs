@@ -93,11 +93,19 @@ fn finished_runs_on_any_mesh_are_compared_with_one_of_them() {
     };
     assert!(memory(8).is_some() && memory(8) < memory(16), "{made:?}");
 
-    for (wrong, message) in [("short", "--resume"), ("nowhere", "no run in nowhere")] {
+    fs::create_dir(folder.join("rotated")).expect("it can be made");
+    let rotated = "domain.geometry = 'axisymmetric'";
+    fs::write(folder.join("rotated/scene.toml"), rotated).expect("it can be written");
+    for (wrong, message) in [
+        ("short", "--resume"),
+        ("nowhere", "no run in nowhere"),
+        ("rotated", "domain.geometry"),
+    ] {
         let output = vesica(folder, &[&compared[..], &["--against", wrong]].concat());
         assert_eq!(output.status.code(), Some(2));
         let told = String::from_utf8_lossy(&output.stderr);
         assert!(told.contains(message), "{told}");
+        assert!(output.stdout.is_empty(), "the prices take seconds");
     }
 }
 

@@ -19,8 +19,8 @@ const FEWEST_CELLS: u64 = 4;
 const MOST_CELLS: u64 = 20_000;
 const CELL_COUNTS: RangeInclusive<u64> = FEWEST_CELLS..=MOST_CELLS;
 /// The longest and the shortest edge that a generated mesh may be asked for, as with cells.
-const LONGEST_EDGE: f64 = 1.0 / FEWEST_CELLS as f64;
-const SHORTEST_EDGE: f64 = 1.0 / MOST_CELLS as f64;
+pub(in crate::scene) const LONGEST_EDGE: f64 = 1.0 / FEWEST_CELLS as f64;
+pub(in crate::scene) const SHORTEST_EDGE: f64 = 1.0 / MOST_CELLS as f64;
 const JITTER: Bound = Bound::new("a number ≥ 0 and < 0.9", |v| (0.0..0.9).contains(&v));
 /// 1/h.
 const CELLS: usize = 120;
@@ -153,7 +153,9 @@ impl Table for Mesh {
     fn read(table: Reader<'_>, context: &mut Context<'_>) -> Result<Self, SceneError> {
         let kind = table.choice("kind", Kind::Structured)?;
         let parameters = Self::parameters();
-        let keys: Vec<&'static str> = parameters.iter().map(|it| it.key).collect();
+        let mut keys: Vec<&'static str> = parameters.iter().map(|it| it.key).collect();
+        // Of a key that means something else with another kind there is a parameter each.
+        keys.dedup();
         table.allow(&keys)?;
         let owner = format!("mesh.kind = \"{}\"", kind.word());
         let is_overridden = table.get("kind").is_some_and(|field| field.is_override());

@@ -257,6 +257,7 @@ use domain::Domain;
 pub use anchoring::AnchoringKind;
 pub use domain::{Boundary, Geometry};
 pub use membrane::Membrane;
+pub(super) use mesh::{LONGEST_EDGE, SHORTEST_EDGE};
 pub use mesh::{Mesh, Refinement};
 pub use nematic::{Defect, InitialDirector};
 pub use rest::Rest;

@@ -57,6 +57,7 @@ fn unknown_keys() {
         message("[time]\ncells = 12"),
         "a.toml:2:1: unknown key 'cells' in [time]. It is a key of [mesh]. Allowed: step, tolerance, scheme, end",
     );
+    assert!(message("[mesh]\nsze = 3").contains("jitter, size, interface, "));
     assert!(
         message("[nematic.initial]\nkind = 'random'\nseeds = 1").starts_with(
             "a.toml:3:1: unknown key 'seeds' in nematic.initial; did you mean 'seed'?"

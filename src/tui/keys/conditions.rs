@@ -145,6 +145,11 @@ pub(super) fn with_picture(app: &App) -> Result<(), &'static str> {
     }
 }
 
+pub(super) fn with_picture_alone(app: &App) -> Result<(), &'static str> {
+    on_one_run(app)?;
+    with_picture(app)
+}
+
 pub(super) fn with_opened_scenes(app: &App) -> Result<(), &'static str> {
     if app.slots.len() > app.opened() {
         Ok(())

@@ -6,7 +6,7 @@ use super::conditions::{
     always, at_present_with_director, brake, gallery, gallery_of_opened, in_gallery, measure,
     next_panel, on_a_case, on_one_run, other_form, pause_or_resume, play, when_a_step_is_left,
     when_it_can_change, when_not_over, with_a_change, with_a_past, with_director, with_more_lines,
-    with_notices, with_opened_scenes, with_picture,
+    with_notices, with_opened_scenes, with_picture, with_picture_alone,
 };
 use super::{Action, Binding, Key, Place};
 
@@ -248,7 +248,7 @@ pub static BINDINGS: &[Binding] = &[
         plain_label: "T",
         brief: |_| "theory",
         words: "the shape at rest that theory foresees for the membrane alone, over the field; again: not",
-        when: with_picture,
+        when: with_picture_alone,
     },
     Binding {
         place: Place::Main,

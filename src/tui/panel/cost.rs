@@ -124,12 +124,19 @@ fn budget<'a>(
     report.budget.largest()?;
     let budget = report.budget.trusted(shown.scene());
     let Some((largest, _)) = budget.largest() else {
-        return Some(Line::styled(" the error is not known yet", theme.muted()));
+        let key = keys::label(Action::Measure);
+        return Some(Line::from(vec![
+            Span::styled(" no estimate of the error: ", theme.muted()),
+            Span::styled(key, theme.style(Role::Accent)),
+            Span::styled(" measures it", theme.muted()),
+        ]));
     };
-    let parts = [
+    let mut parts = [
         (ErrorPart::Time, "time", budget.time),
         (ErrorPart::Space, "mesh", budget.space),
     ];
+    // What is known first: a narrow panel cuts the other.
+    parts.sort_by_key(|(_, _, error)| error.is_none());
     let mut spans = vec![Span::styled(" estimated error:", theme.muted())];
     for (part, name, error) in parts {
         spans.push(Span::styled(format!(" {name} "), theme.muted()));
