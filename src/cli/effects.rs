@@ -16,7 +16,7 @@ use std::ffi::OsString;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 The scene is run as it is and again without each of its effects, all of them in turn, step by step, and \
-nothing is saved. `ms` is the median of a step.")]
+nothing is saved. `ms` is the median of a step. Where the steps of the scene are chosen, steps of one length are timed instead.")]
 pub(super) struct Arguments {
     /// A preset's name (see `vesica presets`) or a TOML file
     #[arg(add = ArgValueCompleter::new(scenes))]

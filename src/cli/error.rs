@@ -400,7 +400,11 @@ impl CliError {
             | CliError::NothingToRevolve { .. }
             | CliError::StepsOfChosen
             | CliError::Folder(_)
-            | CliError::Resume(CheckpointError::None { .. } | CheckpointError::Foreign { .. })
+            | CliError::Resume(
+                CheckpointError::None { .. }
+                | CheckpointError::Foreign { .. }
+                | CheckpointError::Record(RecordError::InUse { .. }),
+            )
             | CliError::NoTerminal { .. }
             | CliError::IncapableTerminal { .. }
             | CliError::Check { .. }

@@ -50,13 +50,13 @@ pub(super) fn scales(scene: &Scene, radius: f64, reduced_size: Option<f64>) -> V
         lines.push(format!(
             "extrapolation length of the anchoring K/W = {} ε = {} R: {strength} anchoring",
             significant(ratio, 3),
-            significant(ratio * epsilon / radius, 3)
+            significant(ratio * epsilon / radius, 2)
         ));
     }
     let order_length = nematic.penalty / SQRT_2;
     lines.push(format!(
         "the length of the director recovers over η_d/√2 = {} = {} ε = {} R, the core of a defect",
-        significant(order_length, 3),
+        significant(order_length, 2),
         significant(order_length / epsilon, 2),
         significant(order_length / radius, 2)
     ));

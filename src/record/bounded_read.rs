@@ -49,7 +49,8 @@ pub(super) fn read_file_lossy(path: &Path, limit: u64) -> io::Result<String> {
 
 fn text(bytes: Vec<u8>) -> io::Result<String> {
     let text = match utf_16_unit(&bytes) {
-        Some(unit) => utf_16(&bytes, unit).ok_or("it is no text in UTF-16".to_owned()),
+        Some(unit) => utf_16(&bytes, unit)
+            .ok_or("it is no text in UTF-8, nor in UTF-16 with a byte-order mark".to_owned()),
         None => String::from_utf8(bytes).map_err(|wrong| {
             let before = &wrong.as_bytes()[..wrong.utf8_error().valid_up_to()];
             let line_start = before

@@ -83,6 +83,8 @@ pub struct Prices {
     pub alone: Cost,
     /// Each effect that can be taken away.
     pub effects: Vec<Price>,
+    /// Where the scene's steps are chosen: the length of those that were timed in their place.
+    pub fixed_step: Option<f64>,
 }
 
 /// How far a study is: steps made, of how many.
@@ -133,7 +135,7 @@ pub fn prices(
 ) -> Result<Option<Prices>, SimulationError> {
     // Chosen steps would be of another length without an effect: all take the one that is tried first.
     let mut scene = scene.clone();
-    scene.time.tolerance = None;
+    let fixed_step = scene.time.tolerance.take().map(|_| scene.time.step);
     let scene = &scene;
     let removed: Vec<(&'static str, Scene)> = removable()
         .filter_map(|name| Some((name, without(scene, name)?)))
@@ -192,6 +194,7 @@ pub fn prices(
         bending: energy("bending").unwrap_or(f64::NAN),
         alone: runs[1].cost(),
         effects: effects.collect(),
+        fixed_step,
     }))
 }
 

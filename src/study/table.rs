@@ -54,7 +54,16 @@ pub fn prices_table(prices: &Prices) -> String {
         }
         text.push('\n');
     }
-    text + "\n" + LEGEND
+    text += "\n";
+    text += LEGEND;
+    if let Some(step) = prices.fixed_step {
+        // Writing to a String cannot fail.
+        let _ = writeln!(
+            text,
+            "The scene's steps are chosen: here all have \u{394}t = {step:e}."
+        );
+    }
+    text
 }
 
 fn row(label: &str, energy: Option<f64>, cost: Cost, share: Option<f64>) -> [String; COLUMNS] {
@@ -102,6 +111,7 @@ mod tests {
                 with_it: vec!["anchoring"],
                 without: cost(15, 0.0),
             }],
+            fixed_step: Some(1e-7),
         };
         let text = prices_table(&prices);
         let lines: Vec<&str> = text.lines().collect();
@@ -109,6 +119,7 @@ mod tests {
         assert!(lines[2].contains(" 50%"), "{text}");
         let expected = lines[3].starts_with("no nematic, anchoring ") && lines[3].contains(" 25%");
         assert!(expected, "{text}");
+        assert!(text.ends_with("here all have Δt = 1e-7.\n"), "{text}");
         let width = lines[0].chars().count();
         assert!(
             lines[..4].iter().all(|line| line.chars().count() == width),

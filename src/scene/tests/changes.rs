@@ -225,7 +225,7 @@ fn a_change_after_the_end_is_told() {
     assert!(
         warned
             .iter()
-            .any(|it| it.to_string().contains("after the end")),
+            .any(|it| it.to_string().contains("never begins")),
         "{warned:?}"
     );
 }
