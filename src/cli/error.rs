@@ -157,8 +157,8 @@ pub(super) enum CliError {
         /// Of what was recorded.
         whereabouts: Box<Whereabouts>,
     },
-    /// A run cannot be recorded, from the start.
-    #[error("the run cannot be recorded: {0}")]
+    /// A file cannot be written, or a folder made.
+    #[error(transparent)]
     Record(#[from] RecordError),
     /// There is no study of accuracy.
     #[error(transparent)]

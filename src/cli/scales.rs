@@ -24,7 +24,9 @@ pub(super) fn scales(scene: &Scene, radius: f64, reduced_size: Option<f64>) -> V
             relaxation_time_of_sphere(radius, mobility),
         ),
     };
-    let reduced = reduced_size.map_or(String::new(), |size| format!(", {reduced} = {size:.3}"));
+    let reduced = reduced_size.map_or(String::new(), |size| {
+        format!(", {reduced} = {size:.3} at the start")
+    });
     lines.push(format!(
         "a {round} has the radius R = {radius:.3}; ε/R = {:.3}{reduced}",
         epsilon / radius
