@@ -7,7 +7,7 @@ use super::run::some_step;
 use super::shell::{scenes, settings};
 use super::signals::EndSignal;
 use crate::figure::{FigureOptions, save_study};
-use crate::record::load_scene;
+use crate::record::{RecordError, load_scene, try_to_write};
 use crate::scene::Scene;
 use crate::signals::EndingSignal;
 use crate::study::{
@@ -17,7 +17,8 @@ use crate::study::{
 use clap_complete::ArgValueCompleter;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// Without `--budget`, in seconds.
@@ -87,6 +88,7 @@ pub(super) fn accuracy(arguments: &Arguments) -> Result<(), CliError> {
         against: arguments.against.as_ref().map(read).transpose()?,
     };
     let signal = EndSignal::listen()?;
+    let is_new = !arguments.prices && make_room(&arguments.out)?;
     if !arguments.json {
         print_prices(&loaded.scene, &signal)?;
     }
@@ -119,6 +121,10 @@ pub(super) fn accuracy(arguments: &Arguments) -> Result<(), CliError> {
     };
     let result = study(&loaded.scene, budget, finished, &mut watch);
     bar.finish_and_clear();
+    if result.is_err() && is_new {
+        // It is empty.
+        let _ = fs::remove_dir(&arguments.out);
+    }
     let ended = signal.received();
     let result = match (result, ended) {
         (Err(StudyError::Ended), Some(EndingSignal { name, number, .. })) => {
@@ -167,6 +173,17 @@ pub(super) fn accuracy(arguments: &Arguments) -> Result<(), CliError> {
             files,
         }),
     }
+}
+
+/// Makes the folder of the study, before anything is computed in vain; whether it was not there.
+fn make_room(folder: &Path) -> Result<bool, RecordError> {
+    let is_new = !folder.exists();
+    fs::create_dir_all(folder).map_err(|reason| RecordError::MakeFolder {
+        path: folder.to_owned(),
+        reason,
+    })?;
+    try_to_write(&folder.join("accuracy"))?;
+    Ok(is_new)
 }
 
 /// Prints what each error of the list will take on this machine.

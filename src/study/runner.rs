@@ -519,6 +519,7 @@ fn round_up(seconds: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simulation::ErrorEstimates;
     use crate::study::tests::{CALM, scene};
 
     fn runs<'a>(
@@ -610,6 +611,32 @@ mod tests {
             assert!(told.contains(advised), "{told}");
             let words = runs.without_own_steps(&own_mesh(&Discretisation::of(&scene)));
             assert_eq!(words.ends_with("was not run."), own == 1e6, "{words}");
+        }
+    }
+
+    #[test]
+    fn a_coarser_mesh_may_fail_and_the_scenes_own_may_not() {
+        let scene = scene(CALM);
+        let own = own_mesh(&Discretisation::of(&scene));
+        for (cells, goes_on) in [(own.cells / 4, true), (own.cells, false)] {
+            let mut watch = |_: StudyNews| true;
+            let mut runs = runs(&scene, 600.0, &mut watch);
+            let choice = Discretisation { cells, ..own };
+            let failed = Measurement {
+                seconds: 1.0,
+                share: 0.0,
+                memory: None,
+                nodes: 100,
+                steps: 0,
+                refused: 60,
+                newton: 0,
+                krylov: 0,
+                underway: None,
+                estimates: ErrorEstimates::default(),
+                outcome: Err(Failure::Failed(SimulationError::Ended)),
+            };
+            runs.done.push((choice, failed));
+            assert_eq!(runs.go_on_after_failure(&own).is_ok(), goes_on, "{cells}");
         }
     }
 

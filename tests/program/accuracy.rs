@@ -107,6 +107,13 @@ fn finished_runs_on_any_mesh_are_compared_with_one_of_them() {
         assert!(told.contains(message), "{told}");
         assert!(output.stdout.is_empty(), "the prices take seconds");
     }
+    let output = vesica(folder, &[&compared[..], &["--out", "scene.toml"]].concat());
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(
+        told.contains("scene.toml") && output.stdout.is_empty(),
+        "{told}"
+    );
 }
 
 /// A square of four triangles.
