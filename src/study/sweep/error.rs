@@ -64,6 +64,19 @@ pub enum SweepError {
         /// A difference.
         difference: String,
     },
+    /// A file is where a folder is to be.
+    #[error(
+        "{} is a file, where the folder of a run, or of all runs, is to be: remove it or give it another name, and then: \
+         vesica sweep {} --resume",
+        path.display(),
+        folder.display()
+    )]
+    NotAFolder {
+        /// The file.
+        path: PathBuf,
+        /// The sweep's folder.
+        folder: PathBuf,
+    },
     /// sweep.json is damaged.
     #[error("{} is damaged: {reason}", path.display())]
     Damaged {
