@@ -149,6 +149,9 @@ pub(super) fn figure(arguments: &FigureArguments) -> Result<(), CliError> {
     let names: Vec<String> = pictures
         .filter_map(|file| Some(file.file_stem()?.to_string_lossy().into_owned()))
         .collect();
+    if !arguments.branches && !names.iter().any(|name| name.starts_with("shapes-")) {
+        output::note("the shapes are there already and stay as they are; --force draws them again");
+    }
     output::summary(format_args!(
         "{}, each as PNG, SVG and CSV, in {}",
         names.join(" and "),
