@@ -204,6 +204,31 @@ fn points_of_another_process_are_left_to_it() {
     );
 }
 
+/// Both do what the other has not begun; what the other is at is no failure of either.
+#[test]
+fn two_processes_share_a_sweep() {
+    let folder = folder(
+        "scene = \"small.toml\"\n[set]\n\"time.end\" = 3e-5\n[vary]\n\
+         \"area.target\" = { from = 1, to = 1.2, count = 12 }\n",
+    );
+    let path = folder.path();
+    let sweep = ["sweep", "plan.toml", "--out", "a", "--resume", "-q"];
+    let both = [(); 2].map(|()| {
+        let mut command = command(path, &sweep);
+        let command = command.stderr(Stdio::piped());
+        command.spawn().expect("vesica starts")
+    });
+    for child in both {
+        let output = child.wait_with_output().expect("it ends");
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert!(matches!(output.status.code(), Some(0 | 75)), "{error}");
+        assert!(!error.contains("failed"), "{error}");
+    }
+    vesica(path, &sweep, 0);
+    let (status, _) = vesica(path, &["sweep", "status", "a"], 0);
+    assert!(status.starts_with("12 points: 12 done"), "{status}");
+}
+
 /// A run that was done and has lost a table is computed again, to the same numbers.
 #[test]
 fn a_point_that_has_lost_a_table_is_damaged() {
@@ -273,7 +298,7 @@ fn folders_that_are_gone_are_made_and_files_in_their_place_are_told() {
         "{status}"
     );
     let (_, error) = vesica(path, &["sweep", "a", "--resume"], 1);
-    let told = format!("{second} is a file, where the folder of a run");
+    let told = format!("{second} is a file, where a folder of the sweep");
     assert_eq!(error.matches(&told).count(), 1, "{error}");
     assert!(
         error.contains("remove it or give it another name"),

@@ -66,8 +66,8 @@ pub enum SweepError {
     },
     /// A file is where a folder is to be.
     #[error(
-        "{} is a file, where the folder of a run, or of all runs, is to be: remove it or give it another name, and then: \
-         vesica sweep {} --resume",
+        "{} is a file, where a folder of the sweep is to be: remove it or give it another name, and then: vesica sweep {} \
+         --resume",
         path.display(),
         folder.display()
     )]

@@ -11,7 +11,7 @@ use ratatui::text::Line;
 const MAP: [(&str, &str); 3] = [
     (
         "vesicle",
-        "the last one of the point's run, at the place of its values; in its stead how a point stands that has none",
+        "the last one of the point's run, at the place of its values; where there is none yet, how the point stands",
     ),
     (
         "colour",
