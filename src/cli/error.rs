@@ -275,15 +275,35 @@ pub(super) enum CliError {
     Sweep(#[from] SweepError),
     /// Some points of a sweep failed; each was reported already.
     #[error(
-        "{failed} of {all} points failed{}; what is not done can be tried again with: vesica sweep {} --resume",
-        if *left > 0 { format!(" and {left} were not tried") } else { String::new() },
+        "{failed} of {all} points failed{}{}; what is not done can be tried again with: vesica sweep {} --resume",
+        if *busy > 0 { format!(", {}", worked_on(*busy)) } else { String::new() },
+        if *untried > 0 { format!(" and {untried} were not tried") } else { String::new() },
         folder.display()
     )]
     PointsFailed {
         /// How many.
         failed: usize,
+        /// How many another process works on.
+        busy: usize,
         /// How many were not tried, for too many had failed.
-        left: usize,
+        untried: usize,
+        /// Of how many.
+        all: usize,
+        /// The sweep's folder.
+        folder: PathBuf,
+    },
+    /// No point of a sweep failed, but another process works on some.
+    #[error(
+        "{done} of {all} points are done, {}. `vesica sweep status {1}` tells how far it is; when it is over: \
+         vesica sweep {1} --resume",
+        worked_on(*busy),
+        folder.display()
+    )]
+    PointsBusy {
+        /// How many it works on.
+        busy: usize,
+        /// How many are done.
+        done: usize,
         /// Of how many.
         all: usize,
         /// The sweep's folder.
@@ -380,12 +400,20 @@ pub(super) enum CliError {
     Output(#[source] io::Error),
 }
 
+/// That another process works on some points.
+fn worked_on(points: usize) -> String {
+    match points {
+        1 => "1 is worked on by another process".to_owned(),
+        points => format!("{points} are worked on by another process"),
+    }
+}
+
 impl CliError {
     /// The exit status of wrong arguments and wrong scenes.
     pub const USAGE: u8 = 2;
     const FAILED: u8 = 1;
-    /// A signal ended a run, a sweep or a task, and all of it is saved: it is to be started again. EX_TEMPFAIL of
-    /// sysexits.h.
+    /// A signal ended a run, a sweep or a task, and all of it is saved, or another process works on the rest of a sweep:
+    /// it is to be started again. EX_TEMPFAIL of sysexits.h.
     pub const SAVED: u8 = 75;
 
     /// What the process ends with.
@@ -444,6 +472,7 @@ impl CliError {
             | CliError::Interrupted { .. }
             | CliError::SetUpInterrupted { .. }
             | CliError::SweepInterrupted { .. }
+            | CliError::PointsBusy { .. }
             | CliError::MeasurementInterrupted { .. } => CliError::SAVED,
             CliError::PointsFailed { .. }
             | CliError::TaskFailed { .. }
@@ -483,6 +512,7 @@ impl CliError {
             | CliError::SetUpInterrupted { .. }
             | CliError::FiguresInterrupted { .. }
             | CliError::SweepInterrupted { .. }
+            | CliError::PointsBusy { .. }
             | CliError::PointSaved { .. }
             | CliError::AccuracyInterrupted { .. }
             | CliError::VerifyEnded(_)

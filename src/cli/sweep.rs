@@ -30,7 +30,8 @@ PLAN is a TOML file that says which scene, and which of its values vary; every p
 is run. Each point is a run's folder in DIR/points. See the guide: docs/guide/sweeps.md.
 
 Exit status: 0 all points are done; 1 some failed, and the others are done; 2 the arguments or the plan are wrong, \
-and nothing was started; 75 ended by a signal, such as Ctrl-C, with everything saved: --resume continues it."
+and nothing was started; 75 ended by a signal, such as Ctrl-C, with everything saved, or another process works on \
+the points that are left: --resume continues it."
 )]
 pub(super) struct Arguments {
     #[command(subcommand)]
@@ -80,7 +81,7 @@ enum Command {
     Table(results::TableArguments),
     /// Draw curves, a map, or the diagram of shapes
     Figure(results::FigureArguments),
-    /// Tell which points are done, running, saved, failed or waiting
+    /// Tell which points are done, running, saved, failed, damaged or waiting
     Status(results::StatusArguments),
     /// Print a command for each point that is neither done nor running
     Rerun(results::RerunArguments),
@@ -117,7 +118,10 @@ fn open(
     if plan.is_dir() {
         let folder = SweepFolder::open(plan)?;
         return match resume {
-            true => Ok(folder),
+            true => folder
+                .make_points()
+                .map(|()| folder)
+                .map_err(CliError::from),
             false => Err(CliError::Sweep(SweepError::Occupied {
                 folder: plan.to_owned(),
             })),
@@ -128,7 +132,9 @@ fn open(
         && resume
         && SweepFolder::is_one(out)
     {
-        return Ok(SweepFolder::resume(out, &sweep)?);
+        let folder = SweepFolder::resume(out, &sweep)?;
+        folder.make_points()?;
+        return Ok(folder);
     }
     let needs = predicted(&sweep)?;
     let path = match out {

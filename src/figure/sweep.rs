@@ -14,7 +14,7 @@ use super::number::extent;
 use super::provenance::Provenance;
 use super::save::Files;
 use super::text::Label;
-use super::{FigureError, FigureOptions, TEXT_SIZES_A_WIDTH, text_size};
+use super::{Existing, FigureError, FigureOptions, TEXT_SIZES_A_WIDTH, text_size};
 use crate::fem::Contour;
 use crate::scene::{Geometry, Scene};
 use crate::study::sweep::{Plan, Point, Spacing, Sweep, SweepFolder, Table, last_outline, plain};
@@ -24,6 +24,9 @@ use std::path::{Path, PathBuf};
 
 /// Panels of a figure, at most.
 const MOST_PANELS: usize = 36;
+
+/// The files of each figure.
+const EXTENSIONS: [&str; 3] = ["png", "svg", "csv"];
 
 /// What is shown of a sweep.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -500,6 +503,8 @@ fn column_label(column: &str) -> Label {
 /// | `shapes-<column>` | the last vesicle of each point at its place, coloured by the column |
 /// | `branches` | with [`SweepView::branches`], alone: the bending energy at the end over the reduced volume, with the branches of theory |
 ///
+/// With [`Existing::Refuse`] shapes that are there stay as they are, if the other figure is new.
+///
 /// # Errors
 /// [`SweepFigureError`]; the files that were written before it stay.
 pub fn save_sweep(
@@ -525,11 +530,22 @@ pub fn save_sweep(
     let safe = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };
     let column: String = view.column.chars().map(safe).collect();
     let stems = ["curves", "map"].map(|kind| format!("{kind}-{column}"));
-    let stems = vec![
+    let mut stems = vec![
         stems[usize::from(is_map)].clone(),
         format!("shapes-{column}"),
     ];
-    let mut files = Files::claim(folder, stems, &["png", "svg", "csv"], options)?;
+    // Curves that are asked for after a map, or a map after curves, have the same shapes: these stay as they are.
+    let [of_first, of_shapes] = [0, 1].map(|number: usize| {
+        let path = |extension: &str| folder.join(format!("{}.{extension}", stems[number]));
+        let there = EXTENSIONS.iter().filter(|it| path(it).exists());
+        there.count()
+    });
+    let has_shapes = of_first == 0 && of_shapes == EXTENSIONS.len();
+    if options.existing == Existing::Refuse && has_shapes {
+        stems.truncate(1);
+    }
+    let draws_shapes = stems.len() > 1;
+    let mut files = Files::claim(folder, stems, &EXTENSIONS, options)?;
     let provenance = |what: &str| {
         Provenance::plain(&format!("{what}: {}", arranged.title), command)
             .with("Scene", sweep.scene_text())
@@ -544,6 +560,9 @@ pub fn save_sweep(
         false => curves::draw(&arranged, options.width, size)?,
     };
     files.picture(&stem, &drawing, options, &provenance(&view.column))?;
+    if !draws_shapes {
+        return Ok(files.written);
+    }
     let stem = files.stem(1);
     files.text(&stem, "csv", &outlines.to_csv(&table))?;
     let drawing = shapes::draw(&arranged, &outlines, options.width, size)?;
@@ -565,12 +584,7 @@ fn save_branches(
     let lines: Vec<_> = lines
         .into_iter()
         .collect::<Result<_, ClosedSurfaceError>>()?;
-    let mut files = Files::claim(
-        folder,
-        vec!["branches".into()],
-        &["png", "svg", "csv"],
-        options,
-    )?;
+    let mut files = Files::claim(folder, vec!["branches".into()], &EXTENSIONS, options)?;
     let stem = files.stem(0);
     files.text(&stem, "csv", &branches::to_csv(&points, &lines))?;
     let title = format!("Bending energy over reduced volume: {}", sweep.title());

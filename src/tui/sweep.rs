@@ -4,6 +4,8 @@
 //! when that is left. A thread follows the folders, so that the map grows while the sweep runs.
 
 mod draw;
+mod help;
+mod labels;
 mod loader;
 mod state;
 

@@ -104,7 +104,7 @@ fn a_sweep_has_a_folder_a_point_and_a_table() {
     let (status, _) = vesica(path, &["sweep", "status", "sweeps/plan"], 0);
     assert_eq!(
         status,
-        "4 points: 4 done, 0 running, 0 saved, 0 failed, 0 waiting\n"
+        "4 points: 4 done, 0 running, 0 saved, 0 failed, 0 damaged, 0 waiting\n"
     );
     assert_eq!(vesica(path, &["sweep", "rerun", "sweeps/plan"], 0).0, "");
     let (_, error) = vesica(path, &["sweep", "plan.toml", "--out", "sweeps/plan"], 2);
@@ -140,12 +140,188 @@ fn a_sweep_has_a_folder_a_point_and_a_table() {
     assert!(error.contains("--force"), "{error}");
     let (_, error) = vesica(path, &[&figure[..], &["--column", "waste"]].concat(), 2);
     assert!(error.contains("no column 'waste'"), "{error}");
-    let curves = [
-        &figure[..],
-        &["--curves", "--where", "area.target=1.2", "--force"],
-    ]
-    .concat();
-    assert!(vesica(path, &curves, 0).0.contains("curves-waist-length"));
+    // Curves are new, and the shapes are what they were.
+    let shapes = || fs::read(sweep.join("figures/shapes-waist-length.svg")).expect("there");
+    let before = shapes();
+    let curves = [&figure[..], &["--curves"]].concat();
+    let (out, error) = vesica(path, &curves, 0);
+    assert!(out.starts_with("curves-waist-length, each"), "{out}");
+    assert!(error.contains("the shapes are there already"), "{error}");
+    assert!(error.contains("--force"), "{error}");
+    assert!(shapes() == before);
+    let (_, error) = vesica(path, &curves, 2);
+    assert!(
+        error.contains("curves-waist-length.png is there already"),
+        "{error}"
+    );
+    let forced = [&curves[..], &["--where", "area.target=1.2", "--force"]].concat();
+    let (out, _) = vesica(path, &forced, 0);
+    assert!(
+        out.contains("curves-waist-length and shapes-waist-length"),
+        "{out}"
+    );
+}
+
+/// What another process works on has not failed.
+#[test]
+fn points_of_another_process_are_left_to_it() {
+    let folder = folder("scene = \"small.toml\"\n[vary]\n\"area.target\" = [1.0, 1.1, 1.2]\n");
+    let path = folder.path();
+    let (list, _) = vesica(path, &["sweep", "plan.toml", "--list", "--quick"], 0);
+    let row = list.lines().find(|line| line.starts_with("0002-"));
+    let name = row.and_then(|row| row.split(' ').next()).expect("a name");
+    fs::create_dir_all(path.join("a/points")).expect("made");
+    let lock = path.join(format!("a/points/{name}.lock"));
+    let hold = || {
+        let holder = r#"{"host": "elsewhere", "pid": 1, "job": null}"#;
+        fs::write(&lock, holder).expect("written");
+    };
+    hold();
+    let sweep = ["sweep", "plan.toml", "--out", "a", "--resume", "-q"];
+    for _ in 0..2 {
+        let (_, error) = vesica(path, &sweep, 75);
+        assert!(
+            error.starts_with("2 of 3 points are done, 1 is worked on by another process."),
+            "{error}"
+        );
+        for part in ["vesica sweep status ", "/a --resume"] {
+            assert!(error.contains(part), "{error}");
+        }
+    }
+    fs::remove_file(&lock).expect("removed");
+    vesica(path, &sweep, 0);
+    // A point that fails is told apart from it.
+    fs::remove_dir_all(path.join("a/points")).expect("removed");
+    fs::create_dir(path.join("a/points")).expect("made");
+    hold();
+    let row = list.lines().find(|line| line.starts_with("0003-"));
+    let third = row.and_then(|row| row.split(' ').next()).expect("a name");
+    fs::write(path.join("a/points").join(third), "a file").expect("written");
+    let (_, error) = vesica(path, &[&sweep[..], &["--jobs", "1"]].concat(), 1);
+    assert!(
+        error.contains("1 of 3 points failed, 1 is worked on by another process; "),
+        "{error}"
+    );
+}
+
+/// Both do what the other has not begun; what the other is at is no failure of either.
+#[test]
+fn two_processes_share_a_sweep() {
+    let folder = folder(
+        "scene = \"small.toml\"\n[set]\n\"time.end\" = 3e-5\n[vary]\n\
+         \"area.target\" = { from = 1, to = 1.2, count = 12 }\n",
+    );
+    let path = folder.path();
+    let sweep = ["sweep", "plan.toml", "--out", "a", "--resume", "-q"];
+    let both = [(); 2].map(|()| {
+        let mut command = command(path, &sweep);
+        let command = command.stderr(Stdio::piped());
+        command.spawn().expect("vesica starts")
+    });
+    for child in both {
+        let output = child.wait_with_output().expect("it ends");
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert!(matches!(output.status.code(), Some(0 | 75)), "{error}");
+        assert!(!error.contains("failed"), "{error}");
+    }
+    vesica(path, &sweep, 0);
+    let (status, _) = vesica(path, &["sweep", "status", "a"], 0);
+    assert!(status.starts_with("12 points: 12 done"), "{status}");
+}
+
+/// A run that was done and has lost a table is computed again, to the same numbers.
+#[test]
+fn a_point_that_has_lost_a_table_is_damaged() {
+    let folder = folder("scene = \"small.toml\"\n[vary]\n\"area.target\" = [1.0, 1.1, 1.2]\n");
+    let path = folder.path();
+    vesica(path, &["sweep", "plan.toml", "--out", "a"], 0);
+    let table = fs::read_to_string(path.join("a/table.csv")).expect("there");
+    let run = |row: usize| {
+        let name = table.lines().nth(row).and_then(|row| row.split(',').nth(1));
+        path.join("a/points").join(name.expect("a point"))
+    };
+    fs::remove_file(run(1).join("history.csv")).expect("removed");
+    let shape = run(3).join("shape.csv");
+    let text = fs::read_to_string(&shape).expect("there");
+    let (kept, _) = text.trim_end().rsplit_once('\n').expect("rows");
+    fs::write(&shape, format!("{kept}\n")).expect("written");
+
+    let (status, _) = vesica(path, &["sweep", "status", "a"], 0);
+    assert!(status.contains("1 done, 0 running, 0 saved, 0 failed, 2 damaged"));
+    for words in [
+        "damaged: its history.csv is missing: `vesica sweep ",
+        "damaged: its shape.csv has no row of its last step: `vesica sweep ",
+        "/a --resume` computes the point again",
+    ] {
+        assert!(status.contains(words), "{status}");
+    }
+    let (printed, _) = vesica(path, &["sweep", "table", "a"], 0);
+    assert_eq!(printed.matches(",damaged,").count(), 2, "{printed}");
+    let (rerun, _) = vesica(path, &["sweep", "rerun", "a"], 0);
+    assert_eq!(rerun.lines().count(), 2, "{rerun}");
+
+    let (_, error) = vesica(path, &["sweep", "a", "--resume", "-q"], 0);
+    assert!(
+        error.contains("was done, but its history.csv is missing: it is computed again"),
+        "{error}"
+    );
+    let again = fs::read_to_string(path.join("a/table.csv")).expect("there");
+    assert_eq!(again, table);
+}
+
+#[test]
+fn folders_that_are_gone_are_made_and_files_in_their_place_are_told() {
+    let folder = folder("scene = \"small.toml\"\n[vary]\n\"area.target\" = [1.0, 1.1]\n");
+    let path = folder.path();
+    let points = path.join("a/points");
+    vesica(path, &["sweep", "plan.toml", "--out", "a"], 0);
+    let name = |number: &str| {
+        let names = fs::read_dir(&points).expect("points").flatten();
+        let mut names = names.map(|it| it.file_name().to_string_lossy().into_owned());
+        names.find(|name| name.starts_with(number)).expect("one")
+    };
+    let second = name("0002");
+    for sweep in [
+        &["sweep", "a", "--resume"][..],
+        &["sweep", "plan.toml", "--out", "a", "--resume"],
+        &["sweep", "point", "a", "1", "2"],
+    ] {
+        fs::remove_dir_all(&points).expect("removed");
+        vesica(path, sweep, 0);
+        name("0001");
+    }
+    fs::remove_dir_all(points.join(&second)).expect("removed");
+    fs::write(points.join(&second), "a file").expect("written");
+    let (status, _) = vesica(path, &["sweep", "status", "a"], 0);
+    assert!(
+        status.contains("damaged: a file is in the place of its folder: remove it"),
+        "{status}"
+    );
+    let (_, error) = vesica(path, &["sweep", "a", "--resume"], 1);
+    let told = format!("{second} is a file, where a folder of the sweep");
+    assert_eq!(error.matches(&told).count(), 1, "{error}");
+    assert!(
+        error.contains("remove it or give it another name"),
+        "{error}"
+    );
+    fs::remove_dir_all(&points).expect("removed");
+    fs::write(&points, "a file").expect("written");
+    let (_, error) = vesica(path, &["sweep", "a", "--resume"], 2);
+    assert_eq!(error.matches("is a file").count(), 1, "{error}");
+}
+
+/// The first plan that the guide shows can be run as it stands.
+#[test]
+fn the_plan_of_the_guide_is_listed_without_a_refused_point() {
+    let guide = include_str!("../../docs/guide/sweeps.md");
+    let block = guide.split("```toml\n").nth(1).expect("a plan");
+    let plan = block.split("```").next().expect("its end");
+    let folder = folder(plan);
+    let list = ["sweep", "plan.toml", "--list", "--quick"];
+    let (out, _) = vesica(folder.path(), &list, 0);
+    assert!(out.contains("\n87 points: "), "{out}");
+    // Seeds make a difference: no point is the same as another.
+    assert!(!out.contains("same as"), "{out}");
 }
 
 #[test]

@@ -9,7 +9,7 @@ use crate::cli::signals::EndSignal;
 use crate::record::write_whole;
 use crate::signals::EndingSignal;
 use crate::simulation::{cores, free_memory};
-use crate::study::sweep::{Point, PointState, Sweep, SweepFolder, Table};
+use crate::study::sweep::{Holder, Point, PointState, Sweep, SweepFolder, Table};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
@@ -50,11 +50,15 @@ pub(super) fn run(
     let work = Work::new(&folder, &left, cores() / jobs, arguments);
     work.all(jobs, &signal);
 
+    // Before the table is read, so that it has all that is counted as done. Other processes may do points meanwhile.
+    let is_left = |point: &&&Point| folder.state(point) != PointState::Done;
+    let all = folder.runs().count();
+    let done = all - left.iter().filter(is_left).count();
+    let busy = work.busy().iter().filter(is_left).count();
+    let untried = work.untried().iter().filter(is_left).count();
     let table = folder.path().join("table.csv");
     let text = Table::read(&folder).to_csv();
     write_whole(&table, |file| file.write_all(text.as_bytes()))?;
-    let all = folder.runs().count();
-    let done = folder.runs().filter(|point| !is_left(point)).count();
     if let Some(EndingSignal { name, .. }) = work.stopped() {
         return Err(CliError::SweepInterrupted {
             signal: name,
@@ -67,7 +71,16 @@ pub(super) fn run(
     if failed > 0 {
         return Err(CliError::PointsFailed {
             failed,
-            left: all - done - failed,
+            busy,
+            untried,
+            all,
+            folder: folder.path().to_owned(),
+        });
+    }
+    if busy > 0 {
+        return Err(CliError::PointsBusy {
+            busy,
+            done,
             all,
             folder: folder.path().to_owned(),
         });
@@ -95,6 +108,8 @@ struct Work<'a> {
     done: AtomicUsize,
     failed: AtomicUsize,
     most_failures: usize,
+    /// Those that another process works on.
+    busy: Mutex<Vec<&'a Point>>,
     stopped: Mutex<Option<EndingSignal>>,
     memory: MemoryInUse,
     bar: ProgressBar,
@@ -134,6 +149,7 @@ impl<'a> Work<'a> {
             most_failures: arguments
                 .max_failures
                 .map_or(usize::MAX, |most| most as usize),
+            busy: Mutex::default(),
             stopped: Mutex::new(None),
             threads,
             memory: MemoryInUse::new(),
@@ -204,7 +220,7 @@ impl<'a> Work<'a> {
                 }
                 Ok(Ended::Stopped(signal)) => self.stop(signal),
                 Ok(Ended::Failed(reason)) => self.fail(point, &reason),
-                Ok(Ended::Busy(holder)) => self.fail(point, &format!("{holder} works on it")),
+                Ok(Ended::Busy(holder)) => self.leave(point, &holder),
                 Err(error) => self.fail(point, &error.to_string()),
             }
         }
@@ -213,6 +229,26 @@ impl<'a> Work<'a> {
     fn fail(&self, point: &Point, reason: &str) {
         self.failed.fetch_add(1, Ordering::Relaxed);
         self.bar.suspend(|| output::error(failure(point, reason)));
+    }
+
+    /// Leaves a point to the process that works on it.
+    fn leave(&self, point: &'a Point, holder: &Holder) {
+        let mut busy = self.busy.lock().unwrap_or_else(PoisonError::into_inner);
+        busy.push(point);
+        let note = || output::note(format_args!("{}: {holder} works on it", point.name));
+        self.bar.suspend(note);
+    }
+
+    /// The points that were left to other processes.
+    fn busy(&self) -> Vec<&'a Point> {
+        let busy = self.busy.lock().unwrap_or_else(PoisonError::into_inner);
+        busy.clone()
+    }
+
+    /// The points that no thread has come to.
+    fn untried(&self) -> &'a [&'a Point] {
+        let tried = self.next.load(Ordering::Relaxed);
+        self.points.get(tried..).unwrap_or_default()
     }
 
     fn stop(&self, signal: EndingSignal) {

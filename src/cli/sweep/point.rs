@@ -9,6 +9,7 @@ use crate::record::{
     CheckpointError, Found, IfOccupied, RecordError, RecorderBuilder, Resumption, RunFolder,
     Schedule, Settings, clear_run,
 };
+use crate::scene::Scene;
 use crate::signals::EndingSignal;
 use crate::simulation::cores;
 use crate::study::sweep::{
@@ -37,6 +38,7 @@ pub(super) struct Arguments {
 /// Runs points, one after the other.
 pub(super) fn points(arguments: &Arguments) -> Result<(), CliError> {
     let folder = SweepFolder::open(&arguments.folder)?;
+    folder.make_points()?;
     let points: Vec<&Point> = arguments
         .points
         .iter()
@@ -141,13 +143,21 @@ pub(super) fn run_point(
         return Ok(Ended::WasDone);
     }
     let (scene, run) = (folder.scene(point)?, folder.run(point));
-    let found = match Resumption::find(&run, &scene) {
-        Ok(Found::Run(resumption)) => Some(resumption),
-        Ok(Found::Nothing | Found::Abandoned) => None,
-        // What was killed before its first checkpoint is begun again, and so is what has none that can be used: the
-        // folder is the sweep's own.
-        Err(CheckpointError::None { .. } | CheckpointError::Unusable { .. }) => None,
-        Err(error) => return Err(error.into()),
+    folder.check_folder(&run)?;
+    // Its end cannot be continued, and what is missing of its tables can only be computed again.
+    let damage = match folder.recorded(point) {
+        PointState::Damaged(damage) => Some(damage),
+        _ => None,
+    };
+    if let Some(damage) = damage {
+        let name = &point.name;
+        output::damage(format_args!(
+            "point {name} was done, but {damage}: it is computed again"
+        ));
+    }
+    let found = match damage {
+        Some(_) => None,
+        None => to_resume(&run, &scene)?,
     };
     let preparation = match found {
         Some(_) => None,
@@ -180,6 +190,18 @@ pub(super) fn run_point(
     let progress = progress(recorder.schedule());
     let ended = one_of_many::complete(simulation, recorder, threads, signal, progress)?;
     Ok(ended.into())
+}
+
+/// The run in a folder, if it can be resumed.
+fn to_resume(run: &Path, scene: &Scene) -> Result<Option<Box<Resumption>>, CheckpointError> {
+    match Resumption::find(run, scene) {
+        Ok(Found::Run(resumption)) => Ok(Some(resumption)),
+        Ok(Found::Nothing | Found::Abandoned) => Ok(None),
+        // What was killed before its first checkpoint is begun again, and so is what has none that can be used: the
+        // folder is the sweep's own.
+        Err(CheckpointError::None { .. } | CheckpointError::Unusable { .. }) => Ok(None),
+        Err(error) => Err(error),
+    }
 }
 
 /// The folder for a run that begins, without what one before it had left.

@@ -7,7 +7,7 @@ use crate::cli::output;
 use crate::cli::picture_size::PictureSize;
 use crate::figure::{Existing, FigureOptions, SweepView, save_sweep};
 use crate::record::{clean, write_whole};
-use crate::study::sweep::{Point, PointState, SweepFolder, Table, Values};
+use crate::study::sweep::{Damage, Point, PointState, SweepFolder, Table, Values};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
@@ -149,6 +149,9 @@ pub(super) fn figure(arguments: &FigureArguments) -> Result<(), CliError> {
     let names: Vec<String> = pictures
         .filter_map(|file| Some(file.file_stem()?.to_string_lossy().into_owned()))
         .collect();
+    if !arguments.branches && !names.iter().any(|name| name.starts_with("shapes-")) {
+        output::note("the shapes are there already and stay as they are; --force draws them again");
+    }
     output::summary(format_args!(
         "{}, each as PNG, SVG and CSV, in {}",
         names.join(" and "),
@@ -187,6 +190,7 @@ pub(super) fn status(arguments: &StatusArguments) -> Result<(), CliError> {
         let detail = match state {
             PointState::Done | PointState::Waiting if !arguments.all => continue,
             PointState::Running(holder) => format!(": {holder}"),
+            PointState::Damaged(damage) => format!(": {}", repair(*damage, &folder)),
             PointState::Failed(reason) => {
                 format!(": {} ({})", reason, Values(&point.assignments))
             }
@@ -194,7 +198,7 @@ pub(super) fn status(arguments: &StatusArguments) -> Result<(), CliError> {
         };
         text += &format!("{}  {}{detail}\n", point.name, state.word());
     }
-    let counts: Vec<String> = STATES
+    let counts: Vec<String> = PointState::WORDS
         .into_iter()
         .map(|word| format!("{} {word}", count(&states, word)))
         .collect();
@@ -205,8 +209,18 @@ pub(super) fn status(arguments: &StatusArguments) -> Result<(), CliError> {
     ))
 }
 
-/// The words for how points stand.
-const STATES: [&str; 5] = ["done", "running", "saved", "failed", "waiting"];
+/// What is wrong with a point, and what to do about it.
+fn repair(damage: Damage, folder: &SweepFolder) -> String {
+    let resume = format!("`vesica sweep {} --resume`", folder.path().display());
+    match damage {
+        Damage::NotAFolder => {
+            format!("{damage}: remove it or give it another name; then {resume} computes the point")
+        }
+        Damage::Missing(_) | Damage::Short(_) => {
+            format!("{damage}: {resume} computes the point again")
+        }
+    }
+}
 
 /// How many points stand so.
 fn count(states: &[(&Point, PointState)], word: &str) -> usize {
@@ -228,7 +242,7 @@ struct PointStatus {
     /// Its folder's name.
     point: String,
     state: &'static str,
-    /// Who works on it, or why it failed.
+    /// Who works on it, why it failed, or what is damaged.
     detail: Option<String>,
     /// The values that it sets, as words.
     values: String,
@@ -236,13 +250,14 @@ struct PointStatus {
 
 impl StatusReport {
     fn new(states: &[(&Point, PointState)]) -> Self {
-        let counts = STATES.map(|word| (word, count(states, word)));
+        let counts = PointState::WORDS.map(|word| (word, count(states, word)));
         let points = states.iter().map(|(point, state)| PointStatus {
             point: point.name.clone(),
             state: state.word(),
             detail: match state {
                 PointState::Running(holder) => Some(holder.to_string()),
                 PointState::Failed(reason) => Some(reason.clone()),
+                PointState::Damaged(damage) => Some(damage.to_string()),
                 _ => None,
             },
             values: Values(&point.assignments).to_string(),

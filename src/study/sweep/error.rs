@@ -64,6 +64,19 @@ pub enum SweepError {
         /// A difference.
         difference: String,
     },
+    /// A file is where a folder is to be.
+    #[error(
+        "{} is a file, where a folder of the sweep is to be: remove it or give it another name, and then: vesica sweep {} \
+         --resume",
+        path.display(),
+        folder.display()
+    )]
+    NotAFolder {
+        /// The file.
+        path: PathBuf,
+        /// The sweep's folder.
+        folder: PathBuf,
+    },
     /// sweep.json is damaged.
     #[error("{} is damaged: {reason}", path.display())]
     Damaged {
@@ -142,10 +155,18 @@ impl fmt::Display for Values<'_> {
 }
 
 fn wrong_points(errors: &[PointError], points: usize) -> String {
-    let shown = errors.iter().take(SHOWN);
-    let mut text = shown.map(|error| format!("{error}\n")).collect::<String>();
-    if errors.len() > SHOWN {
-        text += &format!("… and {} more\n", errors.len() - SHOWN);
+    // Repetitions of a point whose seeds are not known have the same values, and the same is wrong with them.
+    let same = errors.chunk_by(|one, next| one.values == next.values);
+    let mut text = String::new();
+    let mut shown = 0;
+    for same in same.take(SHOWN) {
+        shown += same.len();
+        if let Some(error) = same.first() {
+            text += &format!("{error}\n");
+        }
+    }
+    if errors.len() > shown {
+        text += &format!("… and {} more\n", errors.len() - shown);
     }
     text + &format!(
         "{} of {points} points cannot be run; nothing was started",

@@ -23,7 +23,9 @@ use crate::record::{
 use crate::scene::{Scene, preset};
 use serde::{Deserialize, Serialize};
 use std::ffi::OsStr;
+use std::fmt;
 use std::fs;
+use std::io::{self, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 /// What marks the folder of a sweep.
@@ -147,11 +149,37 @@ pub enum PointState {
     Saved,
     /// It failed, and why.
     Failed(String),
+    /// It reached its end, but what it left is not whole any more.
+    Damaged(Damage),
     /// It reached its end.
     Done,
 }
 
+/// What is wrong with what a point has left.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Damage {
+    /// Of a run that is done a table is not there.
+    Missing(&'static str),
+    /// Of a run that is done a table has no row of the last step.
+    Short(&'static str),
+    /// A file is in the place of the run's folder.
+    NotAFolder,
+}
+
+impl fmt::Display for Damage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Damage::Missing(table) => write!(f, "its {table} is missing"),
+            Damage::Short(table) => write!(f, "its {table} has no row of its last step"),
+            Damage::NotAFolder => f.write_str("a file is in the place of its folder"),
+        }
+    }
+}
+
 impl PointState {
+    /// The words for all states.
+    pub const WORDS: [&str; 6] = ["done", "running", "saved", "failed", "damaged", "waiting"];
+
     /// In a word.
     pub fn word(&self) -> &'static str {
         match self {
@@ -159,6 +187,7 @@ impl PointState {
             PointState::Running(_) => "running",
             PointState::Saved => "saved",
             PointState::Failed(_) => "failed",
+            PointState::Damaged(_) => "damaged",
             PointState::Done => "done",
         }
     }
@@ -361,9 +390,38 @@ impl SweepFolder {
         self.run(point).with_extension("lock")
     }
 
+    /// Makes the folder of the points' runs, if it is not there any more.
+    ///
+    /// # Errors
+    /// [`SweepError::NotAFolder`], or it cannot be made.
+    pub fn make_points(&self) -> Result<(), SweepError> {
+        let path = self.path.join(POINTS);
+        self.check_folder(&path)?;
+        Ok(make_folder(&path)?)
+    }
+
+    /// Refuses a file in the place of a folder.
+    ///
+    /// # Errors
+    /// [`SweepError::NotAFolder`].
+    pub fn check_folder(&self, path: &Path) -> Result<(), SweepError> {
+        match path.exists() && !path.is_dir() {
+            true => Err(SweepError::NotAFolder {
+                path: path.to_owned(),
+                folder: self.path.clone(),
+            }),
+            false => Ok(()),
+        }
+    }
+
+    /// How a point stands by its folder alone, whether somebody works on it or not.
+    pub fn recorded(&self, point: &Point) -> PointState {
+        recorded_state(&self.run(point))
+    }
+
     /// How a point stands.
     pub fn state(&self, point: &Point) -> PointState {
-        let recorded = recorded_state(&self.run(point));
+        let recorded = self.recorded(point);
         match recorded {
             PointState::Done => recorded,
             _ => match PointLock::holder(&self.lock(point)) {
@@ -374,20 +432,28 @@ impl SweepFolder {
     }
 }
 
-/// How a run stands by its run.json alone.
+/// How a run stands by its run.json, and of one that is done by its tables.
 fn recorded_state(run: &Path) -> PointState {
     if !run.is_dir() {
-        return PointState::Waiting;
+        return match run.exists() {
+            true => PointState::Damaged(Damage::NotAFolder),
+            false => PointState::Waiting,
+        };
     }
     #[derive(Deserialize)]
     struct Summary {
         status: Status,
         error: Option<String>,
+        steps: Option<u64>,
     }
     let text = read_file_text(&run.join("run.json"), LARGEST).unwrap_or_default();
     match serde_json::from_str::<Summary>(&text) {
-        Ok(Summary { status, error }) => match status {
-            Status::Done => PointState::Done,
+        Ok(Summary {
+            status,
+            error,
+            steps,
+        }) => match status {
+            Status::Done => damage(run, steps).map_or(PointState::Done, PointState::Damaged),
             Status::Failed => PointState::Failed(error.unwrap_or_default()),
             Status::Running | Status::Interrupted => PointState::Saved,
         },
@@ -395,4 +461,37 @@ fn recorded_state(run: &Path) -> PointState {
         Err(_) if fs::read_dir(run).is_ok_and(|mut it| it.next().is_some()) => PointState::Saved,
         Err(_) => PointState::Waiting,
     }
+}
+
+/// The tables that the table of a sweep is made of.
+const TABLES: [&str; 2] = ["history.csv", "shape.csv"];
+
+/// Bytes at the end of a table that its last row is in.
+const LONGEST_ROW: u64 = 1 << 13;
+
+/// What is wrong with the tables of a run that was done after so many steps. Only their ends are read: this is asked of
+/// every point, and again and again.
+fn damage(run: &Path, steps: Option<u64>) -> Option<Damage> {
+    TABLES.into_iter().find_map(|table| {
+        let path = run.join(table);
+        if !path.is_file() {
+            return Some(Damage::Missing(table));
+        }
+        // One that cannot be read now need not be damaged: the table of the sweep lacks its numbers.
+        let last = last_step(&path).ok()?;
+        let is_whole = last.is_some() && steps.is_none_or(|steps| last == Some(steps));
+        (!is_whole).then_some(Damage::Short(table))
+    })
+}
+
+/// The step of the last row of a table; `None`: it has no row.
+fn last_step(table: &Path) -> io::Result<Option<u64>> {
+    let mut file = fs::File::open(table)?;
+    let size = file.metadata()?.len();
+    file.seek(SeekFrom::Start(size.saturating_sub(LONGEST_ROW)))?;
+    let mut end = Vec::new();
+    file.take(LONGEST_ROW).read_to_end(&mut end)?;
+    let end = String::from_utf8_lossy(&end);
+    let row = end.trim_end().lines().next_back().unwrap_or_default();
+    Ok(row.split(',').next().and_then(|step| step.parse().ok()))
 }

@@ -2,7 +2,8 @@
 //!
 //! A file beside the run's folder names the host, the process and the batch job, and is written again every
 //! [`BEAT`] while its owner lives. The lock of a run's folder, which the system keeps, holds on one machine only.
-//! A lock is stale when its process has gone (on this host), when it is of this very batch job, which runs once at
+//! A lock is stale when its process has gone (on this host; on Linux also when it has ended and its parent has not asked
+//! for its status yet), when it is of this very batch job, which runs once at
 //! a time, or when it was not written for [`STALE_AFTER`] by the clock of the file system.
 
 use crate::record::{RecordError, read_file_text, unfinished_name, write_new};
@@ -63,8 +64,26 @@ impl Holder {
             return false;
         }
         // The cast wraps for no process's number.
-        self.pid == own.pid || kill(Pid::from_raw(self.pid as i32), None) == Err(Errno::ESRCH)
+        self.pid == own.pid
+            || kill(Pid::from_raw(self.pid as i32), None) == Err(Errno::ESRCH)
+            || is_over(self.pid)
     }
+}
+
+/// Whether a process has ended and is only kept for its parent to ask for its status: Linux takes signals for it still.
+#[cfg(target_os = "linux")]
+fn is_over(pid: u32) -> bool {
+    // Where it cannot be read, that there is a process is all that is known.
+    let stat = fs::read(format!("/proc/{pid}/stat")).unwrap_or_default();
+    // The state follows the program's name, which stands in brackets and may have brackets itself.
+    let name_end = stat.iter().rposition(|byte| *byte == b')');
+    let after = name_end.map_or(&[][..], |end| &stat[end + 1..]);
+    matches!(after.trim_ascii_start().first(), Some(b'Z' | b'X' | b'x'))
+}
+
+#[cfg(not(target_os = "linux"))]
+fn is_over(_: u32) -> bool {
+    false
 }
 
 impl fmt::Display for Holder {
@@ -264,6 +283,28 @@ mod tests {
             PointLock::take_as(&other, &path),
             Ok(Taken::Held(_))
         ));
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_process_that_has_ended_holds_nothing_before_it_is_waited_for() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.lock");
+        let mut child = process::Command::new("cat")
+            .stdin(process::Stdio::piped())
+            .spawn()
+            .expect("it starts");
+        left_behind(&path, &holder(&Holder::own().host, child.id(), None));
+        assert!(PointLock::holder(&path).is_some(), "it lives");
+        child.kill().expect("it is killed");
+        // Until it is waited for its number is taken. That it ends takes a moment.
+        let deadline = std::time::Instant::now() + Duration::from_secs(10);
+        while PointLock::holder(&path).is_some() {
+            assert!(std::time::Instant::now() < deadline, "it counts as alive");
+            thread::sleep(Duration::from_millis(5));
+        }
+        assert_eq!(kill(Pid::from_raw(child.id() as i32), None), Ok(()));
+        child.wait().expect("it has ended");
     }
 
     #[test]

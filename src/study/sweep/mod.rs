@@ -16,7 +16,7 @@ mod table;
 mod tests;
 
 pub use error::{SweepError, Values};
-pub use folder::{PointState, Sweep, SweepFolder};
+pub use folder::{Damage, PointState, Sweep, SweepFolder};
 pub use lock::{Holder, PointLock, Taken};
 pub use outline::{last_fields, last_outline};
 pub use plan::{Plan, Spacing};

@@ -2,15 +2,16 @@
 //!
 //! ```toml
 //! scene = "case3-quick"                  # a preset, or a file relative to the plan's
-//! repeat = 3                             # with seeds 1, 2, 3
+//! repeat = 3                             # with seeds 1, 2, 3 of the noise
 //!
 //! [set]                                  # of every point
 //! "time.end" = 5e-4
+//! "noise.strength" = 0.5
 //!
 //! [vary]                                 # every combination of these
 //! "anchoring.weight" = { from = 1, to = 100, count = 7, scale = "log" }
 //! "nematic.initial" = [[1.0, 0.0], [0.0, 1.0]]
-//! zip = [{ "mesh.cells" = [60, 120], "time.step" = [1e-7, 2e-8] }]    # these together
+//! zip = [{ "mesh.interface" = [0.014, 0.01], "time.tolerance" = [2e-2, 1e-2] }]    # these together
 //!
 //! [[point]]                              # and single ones
 //! "area.target" = 1.05

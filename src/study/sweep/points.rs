@@ -141,18 +141,17 @@ fn repetitions(
     else {
         return Ok(vec![(0, assignments.to_vec())]);
     };
-    let seeds = match seeds.is_empty() {
-        false => seeds.clone(),
-        // A scene that is wrong is reported as that.
-        true => match origin.scene(assignments) {
-            Ok(scene) => seeds_of(&scene),
-            Err(_) => vec!["noise.seed".to_owned()],
-        },
-    };
-    if seeds.is_empty() {
-        let count = *count;
-        let problem = Problem::NoSeed { point, count };
-        return Err(plan.error_at("repeat", problem).into());
+    let mut seeds = seeds.clone();
+    // A scene that is wrong has no seeds that are known. It is reported as wrong, with what the plan says of it.
+    if seeds.is_empty()
+        && let Ok(scene) = origin.scene(assignments)
+    {
+        seeds = seeds_of(&scene);
+        if seeds.is_empty() {
+            let count = *count;
+            let problem = Problem::NoSeed { point, count };
+            return Err(plan.error_at("repeat", problem).into());
+        }
     }
     let with_seed = |number: u64| {
         let seed = |key: &String| Assignment {

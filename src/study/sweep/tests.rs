@@ -204,6 +204,20 @@ fn mistakes_of_the_plan_itself_have_their_place() {
     );
 }
 
+/// No seed is made up for a scene that has none, and what is wrong is told once for all repetitions.
+#[test]
+fn a_wrong_point_that_is_repeated_is_told_as_the_plan_has_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let plan = "repeat = 4\n[vary]\n\"area.target\" = [-1, -2]\n";
+    let error = read(folder.path(), plan).expect_err("wrong").to_string();
+    assert!(error.contains("point 1 (area.target = -1): "), "{error}");
+    assert!(error.contains("point 5 (area.target = -2): "), "{error}");
+    assert!(error.contains("8 of 8 points cannot be run"), "{error}");
+    for part in ["seed", "point 2", "more"] {
+        assert!(!error.contains(part), "{error}");
+    }
+}
+
 #[test]
 fn columns_have_names_of_their_own() {
     for name in [

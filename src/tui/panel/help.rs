@@ -12,8 +12,19 @@ use crate::tui::theme::{Role, Theme};
 
 /// Draws the list, scrolled by `scroll` lines, over the middle of the screen.
 pub fn draw(scroll: u16, theme: &Theme, screen: Rect, buffer: &mut Buffer) {
+    draw_lines(scroll, theme, screen, buffer, |width| lines(theme, width));
+}
+
+/// Draws other lines in the same way, which are made for a width.
+pub fn draw_lines<'a>(
+    scroll: u16,
+    theme: &Theme,
+    screen: Rect,
+    buffer: &mut Buffer,
+    lines: impl FnOnce(usize) -> Vec<Line<'a>>,
+) {
     let width = screen.width.saturating_sub(4).min(88);
-    let lines = lines(theme, usize::from(width).saturating_sub(4));
+    let lines = lines(usize::from(width).saturating_sub(4));
     let height = (lines.len() as u16 + 2).min(screen.height.saturating_sub(2));
     let area = centred(screen, width, height);
     let inside = text::frame(buffer, area, theme, "Help", theme.style(Role::Accent));
@@ -58,7 +69,7 @@ const PICTURE: [(&str, &str); 3] = [
 ];
 
 /// Names and what they are, the latter wrapped.
-fn table(
+pub fn table(
     entries: &[(&'static str, &'static str)],
     width: usize,
     theme: &Theme,

@@ -38,6 +38,7 @@ use super::theme::{Role, Theme};
 use shown::Shown;
 
 pub(super) use dialog::message_overflow;
+pub(super) use help::{draw_lines as draw_help, table as help_table};
 pub use text::wrap;
 
 #[cfg(test)]

@@ -1,14 +1,17 @@
 //! The map of a sweep on the screen.
 
+use super::help;
+use super::labels::{self, label, labels};
 use super::state::{SAMPLES, SweepMap};
 use crate::record::ShortNumber;
 use crate::study::sweep::{PointState, SweepFolder, plain};
 use crate::tui::glyphs::Parts;
 use crate::tui::numbers::significant;
+use crate::tui::panel::wrap;
 use crate::tui::theme::{Role, Theme};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
-use ratatui::style::Modifier;
+use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, Borders, Widget};
 
@@ -22,8 +25,6 @@ const LEAST: [u16; 2] = [7, 4];
 const WIDEST: u16 = 26;
 /// The list of values beside the map.
 const LIST: u16 = 36;
-/// Letters of a value on an axis, at most.
-const LABEL: usize = 12;
 
 /// Draws everything.
 pub(super) fn draw(
@@ -46,15 +47,7 @@ pub(super) fn draw(
         height: screen.height - 3 - below,
         ..screen
     };
-    let panel = &map.arranged.panels[map.panel];
-    if !panel.title.is_empty() {
-        let words = format!(" {} of {}  ", map.panel + 1, map.arranged.panels.len());
-        let line = Line::from(vec![
-            Span::styled(words, theme.muted()),
-            Span::raw(panel.title.clone()),
-        ]);
-        put(buffer, screen, 1, line);
-    }
+    put(buffer, screen, 1, titles(map, theme));
     if has_list {
         area.width -= LIST;
         let list = Rect {
@@ -67,6 +60,43 @@ pub(super) fn draw(
         put(buffer, screen, screen.height - 2, line);
     }
     grid(map, theme, area, buffer);
+    if let Some(scroll) = map.help {
+        help::draw(scroll, theme, screen, buffer);
+    }
+}
+
+/// What the colours are, and which panel it is.
+fn titles<'a>(map: &SweepMap, theme: &Theme) -> Line<'a> {
+    let mut spans = vec![Span::raw(" ")];
+    if let Some(ends) = map.arranged.extent.filter(|_| theme.paints()) {
+        let [low, high] = labels::both(ends);
+        let end = |share| Span::styled(theme.word("■", "#"), colour(theme, Some(share)));
+        spans.extend([
+            Span::styled(format!("colour: {} ", map.column), theme.muted()),
+            end(0.0),
+            Span::raw(format!(" {low} {} {high} ", theme.word("…", "..."))),
+            end(1.0),
+            Span::raw("   "),
+        ]);
+    }
+    let panel = &map.arranged.panels[map.panel];
+    if !panel.title.is_empty() {
+        let words = format!("{} of {}  ", map.panel + 1, map.arranged.panels.len());
+        spans.extend([
+            Span::styled(words, theme.muted()),
+            Span::raw(panel.title.clone()),
+        ]);
+    }
+    Line::from(spans)
+}
+
+/// The colour of a share of the column's range; of a point without a number that in the middle.
+fn colour(theme: &Theme, share: Option<f64>) -> Color {
+    // The dark end of the colours is hard to see.
+    let level = share.map_or(LEVELS / 2, |share| {
+        3 + (share * (LEVELS - 4) as f64) as usize
+    });
+    theme.level(theme.map(MAP), level)
 }
 
 fn put(buffer: &mut Buffer, area: Rect, row: u16, line: Line<'_>) {
@@ -90,6 +120,7 @@ fn header<'a>(map: &SweepMap, folder: &SweepFolder, theme: &Theme) -> Line<'a> {
         ("running", Role::Accent),
         ("saved", Role::Warning),
         ("failed", Role::Bad),
+        ("damaged", Role::Bad),
         ("waiting", Role::Warning),
     ];
     for (word, role) in words {
@@ -110,22 +141,13 @@ fn footer<'a>(map: &'a SweepMap, theme: &Theme) -> Line<'a> {
     if map.arranged.panels.len() > 1 {
         keys.push(("Tab", "next panel"));
     }
-    keys.push(("q", "quit"));
+    keys.extend([("?", "all keys"), ("q", "quit")]);
     let mut spans = vec![Span::raw(" ")];
     for (key, words) in keys {
         spans.push(Span::styled(key, theme.strong()));
         spans.push(Span::styled(format!(" {words}   "), theme.muted()));
     }
     Line::from(spans)
-}
-
-/// A value on an axis, not too long.
-fn label(value: &str) -> String {
-    let value = match value.parse::<f64>() {
-        Ok(number) => significant(number, 3),
-        Err(_) => plain(value),
-    };
-    value.chars().take(LABEL).collect()
 }
 
 /// The places of an axis that are shown: those around the cursor, if there is no room for all.
@@ -138,18 +160,27 @@ fn window(count: usize, room: usize, cursor: usize) -> std::ops::Range<usize> {
 /// The small vesicles at their places, and the values of both axes.
 fn grid(map: &SweepMap, theme: &Theme, area: Rect, buffer: &mut Buffer) {
     let arranged = &map.arranged;
-    let y_values: &[String] = arranged.y.as_ref().map_or(&[], |y| &y.values);
-    let widths = y_values.iter().map(|value| label(value).chars().count());
-    let left = widths.max().unwrap_or(0) as u16 + 2;
+    let y_labels = arranged
+        .y
+        .as_ref()
+        .map_or_else(Vec::new, |y| labels(&y.values));
+    let x_labels = labels(&arranged.x.values);
+    let widest = |labels: &[String]| {
+        let widths = labels.iter().map(|label| label.chars().count());
+        widths.max().unwrap_or(0) as u16
+    };
+    let left = widest(&y_labels).min(area.width / 2) + 2;
     let names = 2;
     if area.width < left + LEAST[0] || area.height < names + LEAST[1] + 1 {
         return;
     }
     let (room_x, room_y) = (area.width - left, area.height - names - 1);
     let [x, y] = map.cursor;
-    let columns = window(arranged.x.values.len(), usize::from(room_x / LEAST[0]), x);
+    // A column is as wide as its value.
+    let least = LEAST[0].max(widest(&x_labels) + 1).min(room_x);
+    let columns = window(arranged.x.values.len(), usize::from(room_x / least), x);
     let rows = window(arranged.rows(), usize::from(room_y / LEAST[1]), y);
-    let width = (room_x / columns.len() as u16).clamp(LEAST[0], WIDEST);
+    let width = (room_x / columns.len() as u16).clamp(least, WIDEST.max(least));
     // A cell of the terminal is twice as high as wide; the vesicles have a shape of their own.
     let [[x0, x1], [y0, y1]] = map.region;
     let aspect = (y1 - y0 + 1) as f64 / (x1 - x0 + 1) as f64;
@@ -165,8 +196,8 @@ fn grid(map: &SweepMap, theme: &Theme, area: Rect, buffer: &mut Buffer) {
     let panel = &arranged.panels[map.panel];
     for (down, row) in rows.clone().rev().enumerate() {
         let top = area.y + 1 + down as u16 * height;
-        if let Some(value) = y_values.get(row) {
-            let text = format!("{:>width$}", label(value), width = usize::from(left) - 1);
+        if let Some(value) = y_labels.get(row) {
+            let text = format!("{value:>width$}", width = usize::from(left) - 1);
             let line = Line::styled(text, theme.muted());
             buffer.set_line(area.x, top + height / 2, &line, left);
         }
@@ -201,7 +232,7 @@ fn grid(map: &SweepMap, theme: &Theme, area: Rect, buffer: &mut Buffer) {
     }
     let bottom = 1 + rows.len() as u16 * height;
     for (across, column) in columns.clone().enumerate() {
-        let text = label(&arranged.x.values[column]);
+        let text = &x_labels[column];
         let indent = width.saturating_sub(text.chars().count() as u16) / 2;
         let x = area.x + left + across as u16 * width + indent;
         if bottom < area.height {
@@ -240,16 +271,11 @@ fn vesicle(
         buffer.set_line(area.x, area.y + area.height / 2, &line, area.width);
         return;
     };
-    let colours = theme.map(MAP);
     let share = value.zip(map.arranged.extent).map(|(value, [low, high])| {
         let span = (high - low).max(f64::MIN_POSITIVE);
         ((value - low) / span).clamp(0.0, 1.0)
     });
-    // The dark end of the colours is hard to see.
-    let level = share.map_or(LEVELS / 2, |share| {
-        3 + (share * (LEVELS - 4) as f64) as usize
-    });
-    let colour = theme.level(colours, level);
+    let colour = colour(theme, share);
     let [[x0, x1], [y0, y1]] = map.region;
     // As large as fits, with the same scale in x and y.
     let (columns, rows) = (f64::from(area.width), f64::from(area.height) * 2.0);
@@ -300,36 +326,71 @@ fn values(map: &SweepMap, theme: &Theme, area: Rect, buffer: &mut Buffer) {
     let Some(row) = map.selected().map(|row| &map.table.rows[row]) else {
         return;
     };
-    let entry = |name: &str, value: String| {
-        Line::from(vec![
-            Span::styled(format!(" {name} "), theme.muted()),
-            Span::raw(value),
-        ])
+    let room = usize::from(area.width).saturating_sub(2);
+    // What is too long for a line goes on in the next ones.
+    let wrapped = |words: &str, style: Style| -> Vec<Line<'_>> {
+        let lines = wrap(words, room).into_iter();
+        lines
+            .map(|line| Line::styled(format!(" {line}"), style))
+            .collect()
+    };
+    let entry = |name: &str, value: &str| -> Vec<Line<'_>> {
+        let name = Span::styled(format!(" {name} "), theme.muted());
+        let mut lines = vec![Line::from(name)];
+        match lines[0].width() + value.chars().count() <= room + 1 {
+            true => lines[0].push_span(Span::raw(value.to_owned())),
+            false => lines.extend(wrapped(value, Style::default())),
+        }
+        lines
     };
     let mut lines = vec![Line::styled(format!(" {}", row.name), theme.strong())];
     let (words, role) = match &row.state {
         PointState::Running(holder) => (format!("running: {holder}"), Role::Accent),
         PointState::Failed(reason) => (format!("failed: {reason}"), Role::Bad),
+        PointState::Damaged(damage) => (format!("damaged: {damage}"), Role::Bad),
         PointState::Done => ("done".to_owned(), Role::Good),
         state => (state.word().to_owned(), Role::Warning),
     };
-    lines.push(Line::styled(format!(" {words}"), theme.style(role)));
+    lines.extend(wrapped(&words, theme.style(role)));
     lines.push(Line::default());
     for (key, value) in map.table.keys.iter().zip(&row.values) {
-        lines.push(entry(key, plain(value)));
+        lines.extend(entry(key, &plain(value)));
     }
     lines.push(Line::default());
     for (name, number) in map.table.columns.iter().zip(&row.numbers) {
         if let Some(number) = number {
-            let mut line = entry(name, ShortNumber(*number).to_string());
-            if *name == map.column {
-                line = line.style(theme.strong().add_modifier(Modifier::BOLD));
-            }
-            lines.push(line);
+            let strong = theme.strong().add_modifier(Modifier::BOLD);
+            let own = entry(name, &ShortNumber(*number).to_string()).into_iter();
+            lines.extend(own.map(|line| match *name == map.column {
+                true => line.style(strong),
+                false => line,
+            }));
         }
     }
-    for (number, line) in lines.into_iter().enumerate() {
+    paged(lines, map.page, theme, area, buffer);
+}
+
+/// A page of lines: one after the other, and after the last the first again. Where not all have room it says so below.
+fn paged(lines: Vec<Line<'_>>, page: usize, theme: &Theme, area: Rect, buffer: &mut Buffer) {
+    let (count, height) = (lines.len(), usize::from(area.height));
+    let room = match count <= height {
+        true => height,
+        false => height.saturating_sub(1).max(1),
+    };
+    let page = page % count.div_ceil(room).max(1);
+    // The last page is as full as the others.
+    let first = (page * room).min(count.saturating_sub(room));
+    for (number, line) in lines.into_iter().skip(first).take(room).enumerate() {
         put(buffer, area, number as u16, line);
+    }
+    if count > height {
+        let words = format!(" {}-{} of {count}: space turns on", first + 1, first + room);
+        put(
+            buffer,
+            area,
+            area.height - 1,
+            Line::styled(words, theme.muted()),
+        );
     }
 }
 
@@ -369,10 +430,13 @@ mod tests {
     }
 
     fn screen(map: &SweepMap, folder: &SweepFolder, size: (u16, u16), unicode: bool) -> String {
+        screen_of(map, folder, size, &Theme::new(ColorTier::None, unicode))
+    }
+
+    fn screen_of(map: &SweepMap, folder: &SweepFolder, size: (u16, u16), theme: &Theme) -> String {
         let area = Rect::new(0, 0, size.0, size.1);
         let mut buffer = Buffer::empty(area);
-        let theme = Theme::new(ColorTier::None, unicode);
-        draw(map, folder, &theme, area, &mut buffer);
+        draw(map, folder, theme, area, &mut buffer);
         let row = |y: u16| {
             (0..size.0)
                 .map(|x| buffer[(x, y)].symbol())
@@ -440,6 +504,91 @@ mod tests {
         );
         assert!(text.is_ascii(), "{text}");
         for size in [(1, 1), (30, 10), (60, 20), (80, 24), (200, 60)] {
+            screen(&map, &folder, size, true);
+        }
+    }
+
+    /// The sweep of the next tests, with a number in every column of its first point.
+    fn with_numbers() -> (tempfile::TempDir, SweepFolder, SweepMap) {
+        let (here, folder) = sweep(
+            "[vary]\n\"area.target\" = [1.0, 1.0625, 1.125]\n\"anchoring.weight\" = [1, 10]\n\
+             [result]\nzenith = \"max(waist)\"\n",
+        );
+        let mut map = SweepMap::new(&folder).expect("it has axes");
+        let numbers = (0..map.table.columns.len()).map(|it| Some(it as f64));
+        map.table.rows[0].numbers = numbers.collect();
+        map.arranged.extent = Some([0.112_345, 0.341_987]);
+        (here, folder, map)
+    }
+
+    #[test]
+    fn the_map_says_what_its_axes_and_colours_are() {
+        let (_here, folder, map) = with_numbers();
+        let text = screen(&map, &folder, (80, 24), true);
+        for value in [" 1 ", " 1.0625 ", " 1.125 "] {
+            assert!(text.contains(value), "{value}:\n{text}");
+        }
+        assert!(!text.contains("colour"), "there are none:\n{text}");
+        for (unicode, words) in [
+            (true, "colour: waist/length ■ 0.112 … 0.342 ■"),
+            (false, "colour: waist/length # 0.112 ... 0.342 #"),
+        ] {
+            let theme = Theme::new(ColorTier::True, unicode);
+            let text = screen_of(&map, &folder, (80, 24), &theme);
+            assert!(text.contains(words), "{text}");
+        }
+    }
+
+    #[test]
+    fn all_values_of_a_point_can_be_reached() {
+        let (_here, folder, mut map) = with_numbers();
+        let last = format!(" zenith {}", map.table.columns.len() - 1);
+        assert!(screen(&map, &folder, (80, 40), true).contains(&last));
+        // Not all have room, which is said; the next page has them, and then comes the first again.
+        let mut seen = String::new();
+        for _ in 0..2 {
+            let text = screen(&map, &folder, (80, 16), true);
+            assert!(text.contains(": space turns on"), "{text}");
+            seen += &text;
+            map.key(KeyEvent::new(KeyCode::Char(' '), KeyModifiers::NONE));
+        }
+        assert!(seen.contains(&last), "{seen}");
+        for name in &map.table.columns {
+            assert!(seen.contains(&format!(" {name} ")), "{name}:\n{seen}");
+        }
+        let again = screen(&map, &folder, (80, 16), true);
+        assert!(seen.starts_with(&again), "{again}");
+        // A long reason is whole.
+        map.table.rows[0].state =
+            PointState::Failed("one word after the other, until the lines end".to_owned());
+        let text = screen(&map, &folder, (80, 40), true);
+        assert!(
+            text.contains("until") && text.contains("the lines end"),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn all_keys_are_listed_and_the_list_is_closed_by_what_quits_elsewhere() {
+        let (_here, folder, mut map) = with_numbers();
+        let mut key = |code| {
+            let wish = map.key(KeyEvent::new(code, KeyModifiers::NONE));
+            (wish, screen(&map, &folder, (80, 24), false))
+        };
+        for close in [KeyCode::Char('?'), KeyCode::Esc, KeyCode::Char('q')] {
+            let (wish, text) = key(KeyCode::Char('?'));
+            assert_eq!(wish, None);
+            assert!(text.contains("Help") && text.contains("The map"), "{text}");
+            let (wish, text) = key(KeyCode::End);
+            assert_eq!(wish, None);
+            assert!(text.contains("Ctrl-Z") && text.is_ascii(), "{text}");
+            let (wish, text) = key(close);
+            assert_eq!(wish, None);
+            assert!(!text.contains("Help"), "{text}");
+        }
+        assert_eq!(key(KeyCode::Char('q')).0, Some(Wish::Quit));
+        key(KeyCode::Char('?'));
+        for size in [(30, 10), (40, 12)] {
             screen(&map, &folder, size, true);
         }
     }

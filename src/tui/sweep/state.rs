@@ -1,5 +1,6 @@
 //! What the map of a sweep shows, and what keys do to it.
 
+use super::help;
 use crate::figure::{Arranged, SweepFigureError, SweepView};
 use crate::study::sweep::{SweepFolder, Table};
 use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
@@ -25,6 +26,10 @@ pub struct SweepMap {
     pub(super) cursor: [usize; 2],
     /// The column that colours the vesicles.
     pub(super) column: String,
+    /// How often another page of the point's values was asked for.
+    pub(super) page: usize,
+    /// How far the list of all keys is scrolled, if it is shown.
+    pub(super) help: Option<u16>,
     /// Something to say in passing.
     pub remark: Option<String>,
 }
@@ -54,6 +59,8 @@ impl SweepMap {
             panel: 0,
             cursor: [0, 0],
             column,
+            page: 0,
+            help: None,
             remark: None,
         })
     }
@@ -92,13 +99,22 @@ impl SweepMap {
     /// Takes a key.
     pub(super) fn key(&mut self, key: KeyEvent) -> Option<Wish> {
         self.remark = None;
-        let most = [self.arranged.x.values.len() - 1, self.arranged.rows() - 1];
-        let panels = self.arranged.panels.len();
-        let [x, y] = &mut self.cursor;
         let is_control = key.modifiers.contains(KeyModifiers::CONTROL);
         match key.code {
             KeyCode::Char('c') if is_control => return Some(Wish::Quit),
             KeyCode::Char('z') if is_control => return Some(Wish::Stop),
+            _ => {}
+        }
+        if let Some(scroll) = self.help {
+            self.help = help::scrolled(scroll, key.code);
+            return None;
+        }
+        let most = [self.arranged.x.values.len() - 1, self.arranged.rows() - 1];
+        let panels = self.arranged.panels.len();
+        let [x, y] = &mut self.cursor;
+        match key.code {
+            KeyCode::Char('?') | KeyCode::F(1) => self.help = Some(0),
+            KeyCode::Char(' ') => self.page += 1,
             KeyCode::Char('q') | KeyCode::Esc => return Some(Wish::Quit),
             KeyCode::Left | KeyCode::Char('h') => *x = x.saturating_sub(1),
             KeyCode::Right | KeyCode::Char('l') => *x = (*x + 1).min(most[0]),
