@@ -17,6 +17,7 @@ use plotters::style::text_anchor::{HPos, VPos};
 use std::ops::Range;
 use std::sync::Arc;
 
+mod axes;
 mod files;
 mod memory;
 
