@@ -3,6 +3,7 @@
 use super::canvas::{
     Drawing, Page, Rectangle, font, in_pixels, part, pieces, stroke, units, write_paragraph,
 };
+use super::colour::GREY;
 use super::legend::{Entry, draw_legend};
 use super::number::{Axis, extent, letter, roomy_range};
 use super::panel::line_weight;
@@ -12,6 +13,7 @@ use plotters::chart::{ChartBuilder, LabelAreaPosition};
 use plotters::element::PathElement;
 use plotters::series::{DashedLineSeries, LineSeries};
 use plotters::style::{BLACK, RGBColor, ShapeStyle};
+use std::borrow::Cow;
 use std::cmp::Ordering;
 use std::iter::once;
 
@@ -51,7 +53,7 @@ impl Look {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Pattern {
     Solid,
-    /// For what is no run: a target, a mark.
+    /// For what is no run: a target, theory.
     Short,
     Long,
     Dots,
@@ -70,6 +72,62 @@ impl Pattern {
     }
 }
 
+/// What is marked at a time of a run, by an upright grey line, in the order of the legend.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Event {
+    /// Parameters or the anchoring became others.
+    Change,
+    /// Vesicles merged, split, appeared, vanished, or reached the wall.
+    Vesicles,
+    /// The mesh has followed the membrane.
+    Mesh,
+}
+
+impl Event {
+    const ALL: [Event; 3] = [Event::Change, Event::Vesicles, Event::Mesh];
+
+    /// How its line is broken.
+    fn pattern(self) -> Pattern {
+        match self {
+            Event::Change => Pattern::Solid,
+            Event::Vesicles => Pattern::Long,
+            Event::Mesh => Pattern::Dots,
+        }
+    }
+
+    /// In a picture whose text has this size: thinner than a curve, and of no curve's colour.
+    fn style(self, size: f64) -> ShapeStyle {
+        stroke(GREY, 1.1 * line_weight(size))
+    }
+
+    /// What the legend says.
+    fn words(self) -> &'static str {
+        match self {
+            Event::Change => "a parameter or the anchoring changes",
+            Event::Vesicles => "vesicles merge, split, appear, vanish, or touch the wall",
+            Event::Mesh => "the mesh follows the membrane",
+        }
+    }
+}
+
+/// An upright line that marks an event.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Mark {
+    pub event: Event,
+    pub t: f64,
+    /// From which value to which.
+    pub range: [f64; 2],
+}
+
+impl Mark {
+    /// Whether it is seen in a plot of this width: not where it lies on the plot's own side, nor beyond.
+    fn is_seen(&self, time: &Axis, width: f64, size: f64) -> bool {
+        let at = time.place(self.t) * width;
+        let side = 2.0 * line_weight(size);
+        at > side && at < width - side
+    }
+}
+
 /// A plot of curves against t.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Plot {
@@ -77,9 +135,11 @@ pub(super) struct Plot {
     /// What else is to be said of it.
     pub note: Label,
     pub curves: Vec<Curve>,
+    pub marks: Vec<Mark>,
 }
 
 /// Draws the plots under `title`, with `keys` for their lines if there are several; over t, or what the abscissa is called.
+/// What their marks mean stands at the foot.
 ///
 /// # Errors
 /// [`FigureError::Draw`].
@@ -141,19 +201,27 @@ pub(super) fn draw(
                 write_paragraph(page, &name(number), size, [left, top], inner + overhang)?;
                 let plot = Rectangle::new([left, top + names_height], [inner, ASPECT * cell]);
                 let place = plot.on_pixels().with_room([left_room, 0.0, lower_room]);
-                let (page, curves) = (&part(page, place), &plots[number].curves);
+                let (page, plot) = (&part(page, place), &plots[number]);
                 let rooms = [left_room, lower_room];
-                draw_plot(
-                    page,
-                    curves,
-                    ([&time, &axes[number]], &abscissa),
-                    rooms,
-                    size,
-                )?;
+                draw_plot(page, plot, ([&time, &axes[number]], &abscissa), rooms, size)?;
             }
             top += names_height + ASPECT * cell + lower_room + 0.8 * size;
         }
-        Ok(top - 0.8 * size + margin)
+        let mut bottom = top - 0.8 * size;
+        let marks = || plots.iter().flat_map(|plot| &plot.marks);
+        let is_marked = |event: &Event| {
+            marks().any(|mark| mark.event == *event && mark.is_seen(&time, inner, size))
+        };
+        let events = Event::ALL.into_iter().filter(is_marked);
+        let entry = |event: Event| {
+            let (dashes, style) = (event.pattern().dashes(size), event.style(size));
+            Entry::line(Label::text(event.words()), dashes, style, size)
+        };
+        let entries: Vec<Entry> = events.map(entry).collect();
+        if !entries.is_empty() {
+            bottom = draw_legend(page, entries, [margin, bottom + 0.6 * size], size)?;
+        }
+        Ok(bottom + margin)
     })
 }
 
@@ -195,7 +263,7 @@ fn time_axis(plots: &[Plot], is_logarithmic: bool, width: f64, size: f64) -> Axi
 /// Draws a chart on a part of a page, with so much room for the numbers at the left and below.
 fn draw_plot(
     page: &Page,
-    curves: &[Curve],
+    plot: &Plot,
     ([time, value], abscissa): ([&Axis; 2], &Label),
     [left_room, lower_room]: [f64; 2],
     size: f64,
@@ -215,17 +283,31 @@ fn draw_plot(
         .set_tick_mark_size(LabelAreaPosition::Bottom, units(TICKS[1] * size))
         .x_desc(time.name(abscissa.clone()))
         .draw()?;
-    let columns = 2.0 * in_pixels(chart.plotting_area().dim_in_pixel().0);
-    for curve in curves {
-        let style = curve.look.style(size);
+    let width = in_pixels(chart.plotting_area().dim_in_pixel().0);
+    let columns = 2.0 * width;
+    // Marks lie below all curves.
+    let marks = (plot.marks.iter()).filter(|mark| mark.is_seen(time, width, size));
+    let marks = marks.map(|mark| {
+        let [low, high] = mark.range;
+        let points = vec![(mark.t, low), (mark.t, high)];
+        (
+            Cow::Owned(points),
+            mark.event.pattern(),
+            mark.event.style(size),
+        )
+    });
+    let curves = plot.curves.iter().map(|curve| {
+        let points = Cow::Borrowed(&*curve.points);
+        (points, curve.look.pattern, curve.look.style(size))
+    });
+    for (points, pattern, style) in marks.chain(curves) {
         // Where a value is no number the line has a gap.
-        let points = curve
-            .points
+        let points = points
             .iter()
             .filter(|(t, _)| t.partial_cmp(&first) != Some(Ordering::Less));
         for piece in pieces(points.copied()) {
             let points = thinned(&piece, |t| (columns * time.place(t)).floor());
-            match curve.look.pattern.dashes(size) {
+            match pattern.dashes(size) {
                 None => chart.draw_series(LineSeries::new(points, style))?,
                 Some([dash, space]) => {
                     chart.draw_series(DashedLineSeries::new(points, dash, space, style))?
@@ -288,10 +370,15 @@ mod tests {
         let axis = Axis::new([0.0, 1.0], 2);
         let place = Rectangle::new([0.0; 2], [120.0, 150.0]);
         let drawing = Drawing::compose(200, |page| {
-            let curves = [curve];
+            let plot = Plot {
+                name: Label::default(),
+                note: Label::default(),
+                curves: vec![curve],
+                marks: Vec::new(),
+            };
             draw_plot(
                 &part(page, place),
-                &curves,
+                &plot,
                 ([&axis, &axis], &Label::symbol("t")),
                 [20.0, 50.0],
                 10.0,

@@ -9,6 +9,7 @@
 //!
 //! Nothing here knows a thread: call it where neither the solver nor the screen has to wait.
 
+mod axes;
 mod canvas;
 mod colour;
 mod curves;

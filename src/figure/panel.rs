@@ -1,8 +1,7 @@
 //! The picture of a state: a field in colour, the membrane, the director.
 
-use super::canvas::{
-    Image, Page, Rectangle, draw_line, font, part, pieces, stroke, units, write_label,
-};
+use super::axes::lower_room;
+use super::canvas::{Image, Page, Rectangle, font, part, pieces, stroke, units, write_label};
 use super::colour::Scale;
 use super::data::Field;
 use super::elements::{arrow, raster};
@@ -357,89 +356,8 @@ fn clipped([from, to]: Segment, bounds: &BoundingBox) -> Option<Segment> {
     (first < last).then(|| [from + first * along, from + last * along])
 }
 
-/// How long ticks are, in sizes of the text.
+/// How long the ticks of a colour bar are, in sizes of the text.
 const TICK: f64 = 0.28;
-/// Between a tick and its number at the side.
-const TICK_GAP: f64 = 0.25;
-/// Between a tick and its number below.
-const NUMBER_GAP: f64 = 0.4;
-
-/// The axes of a picture: where its ticks stand, and their numbers.
-pub(super) struct Axes {
-    of: [Axis; 2],
-    names: [&'static str; 2],
-}
-
-impl Axes {
-    /// Those of a part of the plane in a picture of this width and height, whose text has a size.
-    pub fn new(geometry: Geometry, frame: Frame, sides: [f64; 2], size: f64) -> Self {
-        let of = [0, 1].map(|axis| {
-            let low = frame.corner[axis];
-            // So that the numbers do not meet.
-            let most = (sides[axis] / (2.6 * size)).clamp(2.0, 6.0);
-            Axis::new([low, low + frame.sides[axis]], most as usize)
-        });
-        let names = match geometry {
-            Geometry::Planar => ["x", "y"],
-            Geometry::Axisymmetric => ["r", "z"],
-        };
-        Self { of, names }
-    }
-
-    /// The room that the y axis takes at the left of a picture.
-    pub fn left_room(&self, size: f64) -> f64 {
-        let name = self.of[1].name(Label::symbol(self.names[1])).width(size);
-        self.of[1].widest(size) + name + (TICK + 3.0 * TICK_GAP) * size
-    }
-}
-
-/// The room that the x axis takes below a picture.
-pub(super) fn lower_room(size: f64) -> f64 {
-    2.0 * super::text::line_height(size) + (TICK + NUMBER_GAP) * size
-}
-
-/// Ticks at the lower and left side of a picture; `numbers` says which of the two has numbers and a name.
-pub(super) fn draw_axes(
-    page: &Page,
-    place: Rectangle,
-    axes: &Axes,
-    size: f64,
-    numbers: [bool; 2],
-) -> Result<(), FigureError> {
-    for (number, (axis, name)) in axes.of.iter().zip(axes.names).enumerate() {
-        // So many sizes of the text away from the picture.
-        let at = |share: f64, out: f64| match number {
-            0 => [
-                place.left + share * place.width(),
-                place.bottom + out * size,
-            ],
-            _ => [
-                place.left - out * size,
-                place.bottom - share * place.height(),
-            ],
-        };
-        let gap = TICK + [NUMBER_GAP, TICK_GAP][number];
-        let beside = [(HPos::Center, VPos::Top), (HPos::Right, VPos::Center)][number];
-        for tick in &axis.ticks {
-            let share = axis.place(*tick);
-            let width = 0.8 * line_weight(size);
-            draw_line(page, &[at(share, 0.0), at(share, TICK)], width)?;
-            if numbers[number] {
-                write_label(page, &axis.label(*tick), size, at(share, gap), beside)?;
-            }
-        }
-        if numbers[number] {
-            // The axis' name stands in its middle, beyond the numbers.
-            let beyond = match number {
-                0 => gap + super::text::line_height(1.0),
-                _ => gap + axis.widest(size) / size + 2.0 * TICK_GAP,
-            };
-            let name = axis.name(Label::symbol(name));
-            write_label(page, &name, size, at(0.5, beyond), beside)?;
-        }
-    }
-    Ok(())
-}
 
 /// The ticks of a colour bar that is `height` high: two at least, for one number is no scale.
 pub(super) fn bar_axis(scale: &Scale, height: f64, size: f64) -> Axis {

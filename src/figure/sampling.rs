@@ -2,7 +2,7 @@
 
 use super::Zoom;
 use crate::fem::{Mesh, extent_of_inside};
-use crate::geometry::BoundingBox;
+use crate::geometry::{BoundingBox, crop};
 use crate::scheme::State;
 use crate::simulation::outline_beside;
 use crate::theory::ShapeAtRest;
@@ -10,6 +10,10 @@ use crate::theory::ShapeAtRest;
 /// Points within this of a triangle's edge, in barycentric coordinates, count as inside: no point
 /// may fall between two triangles by rounding.
 const SLACK: f64 = 1e-9;
+
+/// A picture around a vesicle is at most so many times as wide as high: its axis and the colour bar beside it need some
+/// height for two numbers.
+const GREATEST_ASPECT: f64 = 2.5;
 
 /// The rectangle in the plane that a picture shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,13 +33,14 @@ impl Frame {
         }
     }
 
-    /// The part of a domain that shows some states, each with its shape at rest if that is drawn, at least of this aspect
-    /// (width by height); for a domain as a whole a square about it.
+    /// The part of a domain that shows some states, each with its shape at rest if that is drawn: the vesicle with its
+    /// margin, widened if its aspect (width by height) is less than `least_aspect`, made higher if the picture were too
+    /// low for its numbers; for a domain as a whole a square about it.
     pub fn around<'a>(
         domain: &BoundingBox,
         states: impl IntoIterator<Item = (&'a Mesh, &'a State, Option<&'a ShapeAtRest>)>,
         zoom: Zoom,
-        aspect: f64,
+        least_aspect: f64,
     ) -> Self {
         let extents = states.into_iter().filter_map(|(mesh, state, theory)| {
             let inside = extent_of_inside(mesh, &state.phi)?;
@@ -43,10 +48,12 @@ impl Frame {
             Some(inside.union(&BoundingBox::around(outline.into_iter().flatten())))
         });
         let vesicle = extents.reduce(|one, other| one.union(&other));
-        if zoom == Zoom::Domain || vesicle.is_none() {
+        let Some(vesicle) = vesicle.filter(|_| zoom != Zoom::Domain) else {
             return Self::square(domain);
-        }
-        Self::of(&zoom.region(domain, vesicle.as_ref(), aspect))
+        };
+        let own = Self::of(&crop(domain, &vesicle)).aspect();
+        let aspect = own.max(least_aspect).min(GREATEST_ASPECT);
+        Self::of(&zoom.region(domain, Some(&vesicle), aspect))
     }
 
     /// The smallest square that has a domain in its middle.
@@ -185,6 +192,34 @@ mod tests {
                 assert!((value - affine(x, y)).abs() < 1e-12, "({x}, {y})");
                 assert!((one - 1.0).abs() < 1e-12);
             }
+        }
+    }
+
+    #[test]
+    fn a_frame_is_cropped_to_a_vesicle_in_both_directions() {
+        let mesh = Mesh::structured(40, 0.0, 0).expect("a fair mesh");
+        let domain = mesh.bounding_box();
+        let frame = |[half_width, half_height]: [f64; 2]| {
+            let inside = |at: &crate::geometry::Point| {
+                let [x, y] = [(at.x - 0.5) / half_width, (at.y - 0.5) / half_height];
+                1.0 - x.hypot(y)
+            };
+            let phi: Vec<f64> = mesh.nodes().iter().map(inside).collect();
+            let zeros = vec![0.0; phi.len()];
+            let state = State {
+                phi,
+                omega: zeros.clone(),
+                mu: zeros,
+                director: None,
+            };
+            Frame::around(&domain, [(&mesh, &state, None)], Zoom::Fit, 0.6)
+        };
+        let wide = frame([0.4, 0.2]);
+        assert!(wide.sides[0] < 1.0 && wide.sides[1] < 0.6, "{wide:?}");
+        // A high one is in a picture that is not too high, a flat one in a picture that is not too low.
+        for (half_axes, aspect) in [([0.1, 0.4], 0.6), ([0.4, 0.06], GREATEST_ASPECT)] {
+            let frame = frame(half_axes);
+            assert!((frame.aspect() - aspect).abs() < 1e-12, "{frame:?}");
         }
     }
 

@@ -1,14 +1,14 @@
 //! Which scalars of a run are plotted, and how they are called.
 
 use super::colour::LINE_COLOURS;
-use super::curves::{Curve, Look, Pattern, Plot};
+use super::curves::{Curve, Event, Look, Mark, Pattern, Plot};
 use super::data::{RunData, RunLabel};
 use super::number::extent;
 use super::table::Table;
 use super::text::Label;
 use crate::fem::center_and_axis;
 use crate::geometry::Point;
-use crate::record::RunMark;
+use crate::record::{MarkKind, RunMark};
 use crate::scene::{Boundary, Mesh, Timetable};
 use crate::theory::{RoundBody, RoundVesicle, ShapeAtRest};
 use std::f64::consts::PI;
@@ -118,6 +118,8 @@ fn area_over_target(runs: &[RunData], labels: &[RunLabel]) -> Option<ScalarFigur
         name: Label::symbol("B"),
         note: Label::default(),
         curves,
+        // Over β a time has no place.
+        marks: Vec::new(),
     };
     (!plot.curves.is_empty()).then(|| ScalarFigure {
         file: AREA_OVER_TARGET,
@@ -299,17 +301,13 @@ fn decay_rate(run: &RunData) -> Option<f64> {
 }
 
 fn plot(scalar: Scalar, runs: &[RunData]) -> Plot {
-    let mut curves = Vec::new();
+    let (mut curves, mut events) = (Vec::new(), Vec::new());
     let empty = Vec::new();
     let targets = match &scalar.target {
         Some((_, targets)) => targets,
         None => &empty,
     };
     for (number, (run, look)) in runs.iter().zip(looks(runs.len())).enumerate() {
-        let aside = Look {
-            pattern: Pattern::Short,
-            ..look
-        };
         let times = run.history.column("t").unwrap_or_default();
         if let Some(Some(target)) = targets.get(number) {
             let mut points: Vec<_> = times.iter().copied().zip(target.iter().copied()).collect();
@@ -318,7 +316,10 @@ fn plot(scalar: Scalar, runs: &[RunData]) -> Plot {
             }
             curves.push(Curve {
                 points,
-                look: aside,
+                look: Look {
+                    pattern: Pattern::Short,
+                    ..look
+                },
             });
         }
         if let Some(values) = &scalar.values[number] {
@@ -327,23 +328,30 @@ fn plot(scalar: Scalar, runs: &[RunData]) -> Plot {
                 points: points.collect(),
                 look,
             });
-            curves.extend(marks(run, values, aside));
+            events.extend(marks(run, values));
         }
     }
     Plot {
         name: scalar.name,
         note: scalar.note,
         curves,
+        marks: events,
     }
 }
 
-/// An upright dashed line at each mark of a run, as high as its curve.
-fn marks(run: &RunData, values: &[f64], look: Look) -> Vec<Curve> {
-    // Where there is no value there is no line.
-    let [low, high] = extent(values.iter().copied()).unwrap_or([f64::NAN; 2]);
-    let line = |mark: &RunMark| Curve {
-        points: vec![(mark.t, low), (mark.t, high)],
-        look,
+/// An upright line at each mark of a run, as high as its curve; none where there is no value.
+fn marks(run: &RunData, values: &[f64]) -> Vec<Mark> {
+    let Some(range) = extent(values.iter().copied()) else {
+        return Vec::new();
+    };
+    let line = |mark: &RunMark| Mark {
+        event: match mark.kind {
+            MarkKind::Mesh => Event::Mesh,
+            MarkKind::Change { .. } => Event::Change,
+            MarkKind::Vesicles(_) | MarkKind::Wall => Event::Vesicles,
+        },
+        t: mark.t,
+        range,
     };
     run.marks.iter().map(line).collect()
 }

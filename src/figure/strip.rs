@@ -1,9 +1,10 @@
 //! Pictures of states beside each other, for one run or for several under each other.
 
+use super::axes::{Axes, lower_room};
 use super::canvas::{Drawing, Rectangle, write_label, write_paragraph};
 use super::data::{Field, Snapshot};
 use super::number::{letter, number};
-use super::panel::{self, Axes, Style};
+use super::panel::{self, Style};
 use super::sampling::Frame;
 use super::text::Label;
 use super::{FigureError, FigureOptions, TEXT_SIZES_A_WIDTH, text_size};
@@ -21,6 +22,10 @@ pub(super) struct Strip<'a> {
 
 /// A picture is at most so high for its width: the vesicle is seen with what is around it.
 const LEAST_ASPECT: f64 = 0.6;
+
+/// A picture is at least so wide and so high, in sizes of the text: the numbers of its axes and of the colour bar beside
+/// it have room.
+const LEAST_SIDES: [f64; 2] = [5.0, 3.6];
 
 /// Digits of a time above a picture.
 const TIME_DIGITS: usize = 4;
@@ -69,14 +74,14 @@ pub(super) fn draw(strips: &[Strip], options: &FigureOptions) -> Result<Drawing,
 
     let titles = (states().enumerate()).map(|(number, it)| time_label(number, it.t).width(size));
     let widest_title = titles.fold(0.0, f64::max);
-    let least_side = (widest_title + 0.3 * size).max(5.0 * size);
+    let [least_width, least_height] = LEAST_SIDES.map(|side| side * size);
+    let least_side = (widest_title + 0.3 * size)
+        .max(least_width)
+        .max(least_height * frame.aspect());
     let counts = strips.iter().map(|strip| strip.snapshots.len());
     let most = counts.fold(1, usize::max);
-    // The numbers of the axes do not depend on a picture's exact size.
-    let guess = (width - 12.0 * size) / most.clamp(1, 5) as f64 - gap;
     let geometry = meshes().next().map_or(Geometry::Planar, Mesh::geometry);
-    let axes = Axes::new(geometry, frame, [guess, guess / frame.aspect()], size);
-    let left = margin + axes.left_room(size);
+    let left = margin + Axes::left_room(geometry, frame, size);
     let side_of = |columns: usize| (room(left) - gap * (columns as f64 - 1.0)) / columns as f64;
     let fits = |columns: &usize| side_of(*columns) >= least_side;
     let columns = (1..=most).rev().find(fits).unwrap_or(1);
@@ -85,6 +90,8 @@ pub(super) fn draw(strips: &[Strip], options: &FigureOptions) -> Result<Drawing,
     // Two or three pictures alone are not to fill the width.
     let side = side_of(columns.max(most.min(3))).floor();
     let height = side / frame.aspect();
+    let beside = (columns > 1).then_some(gap);
+    let axes = Axes::new(geometry, frame, [side, height], beside, size);
 
     Drawing::compose(options.width, |page| {
         let mut top = margin;
@@ -111,7 +118,7 @@ pub(super) fn draw(strips: &[Strip], options: &FigureOptions) -> Result<Drawing,
                         &style,
                     )?;
                     let numbers = [numbers_below, column == 0];
-                    panel::draw_axes(page, area, &axes, size, numbers)?;
+                    axes.draw(page, area, size, numbers)?;
                     let at = [0.5 * (area.left + area.right), top - 1.35 * size];
                     let place = (HPos::Center, VPos::Top);
                     write_label(page, &time_label(pictures, snapshot.t), size, at, place)?;
@@ -128,7 +135,7 @@ pub(super) fn draw(strips: &[Strip], options: &FigureOptions) -> Result<Drawing,
                     panel::draw_unit(page, picture, [width - margin, top], states, &style)?;
                 }
                 top += match numbers_below {
-                    true => panel::lower_room(size) + if is_last { 0.0 } else { 0.5 * size },
+                    true => lower_room(size) + if is_last { 0.0 } else { 0.5 * size },
                     false => 0.5 * size,
                 };
             }

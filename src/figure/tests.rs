@@ -2,6 +2,7 @@
 
 use super::canvas::{Drawing, Rectangle, write_label};
 use super::colour::Scale;
+use super::curves::Event;
 use super::data::RunLabel;
 use super::strip::Strip;
 use super::text::Label;
@@ -17,6 +18,7 @@ use plotters::style::text_anchor::{HPos, VPos};
 use std::ops::Range;
 use std::sync::Arc;
 
+mod axes;
 mod files;
 mod memory;
 
@@ -451,11 +453,12 @@ fn a_switched_anchoring_is_named_and_marked() {
         set: Change::of_anchoring(kind),
     };
     scene.changes = vec![change(AnchoringKind::Parallel)];
-    switched.marks = vec![RunMark {
-        step: 1,
-        t,
-        kind: MarkKind::Mesh,
-    }];
+    let mark = |kind: MarkKind| RunMark { step: 1, t, kind };
+    let changed = MarkKind::Change {
+        label: "parallel".to_owned(),
+        work: None,
+    };
+    switched.marks = vec![mark(changed), mark(MarkKind::Mesh)];
     let label = RunLabel::new(&switched.name, &switched.scene, f64::INFINITY);
     assert_eq!(label.file, "a-homeotropic-parallel");
     assert_eq!(
@@ -466,21 +469,72 @@ fn a_switched_anchoring_is_named_and_marked() {
     assert_eq!(before.title, "A, homeotropic");
 
     let runs = [switched];
-    let figures = scalars::figures(&runs, &[label]);
-    let upright = |plot: &curves::Plot| {
-        (plot.curves.iter()).any(|curve| {
-            curve.look.pattern == curves::Pattern::Short && curve.points.iter().all(|p| p.0 == t)
-        })
-    };
-    assert!(
-        figures
-            .iter()
-            .all(|figure| figure.plots.iter().all(upright))
-    );
+    for figure in scalars::figures(&runs, &[label]) {
+        for plot in &figure.plots {
+            let marks: Vec<_> = plot.marks.iter().map(|mark| (mark.event, mark.t)).collect();
+            assert_eq!(marks, [(Event::Change, t), (Event::Mesh, t)]);
+        }
+    }
 
     let mut often = (*runs[0].scene).clone();
     often.changes = [AnchoringKind::None; 9].map(change).to_vec();
     let label = RunLabel::new("a", &often, f64::INFINITY);
     assert_eq!(label.file, "a-homeotropic-none-none-none-and-so-on");
     assert!(label.title.ends_with(", and 6 more"), "{}", label.title);
+}
+
+/// Marks are grey and thin, each kind with a line of its own that the foot of the figure explains; only those that are there.
+#[test]
+fn what_the_marks_of_curves_mean_is_said_at_the_foot() {
+    let mark = |kind: MarkKind| RunMark {
+        step: 500,
+        t: report(500).t,
+        kind,
+    };
+    let words = |marks: Vec<RunMark>, width: u32| {
+        let mut run = run("a", "Case 3", 1);
+        run.marks = marks;
+        let runs = [run];
+        let all = drawings(&runs, width);
+        let (_, drawing) = all.iter().find(|(name, _)| *name == "energies").unwrap();
+        assert_tidy("energies", drawing);
+        let grey = (drawing.shapes.iter()).filter(|shape| shape.colour == super::colour::GREY);
+        let strokes: Vec<f32> = grey.filter_map(|shape| shape.stroke).collect();
+        let curve = super::colour::LINE_COLOURS[0];
+        let curves = (drawing.shapes.iter()).filter(|shape| shape.colour == curve);
+        let thinnest = curves
+            .filter_map(|shape| shape.stroke)
+            .fold(f32::MAX, f32::min);
+        assert!(strokes.iter().all(|width| *width < thinnest));
+        let last = drawing.texts.iter().map(|text| text.text.clone());
+        let last: String = last.collect::<Vec<_>>().join(" ");
+        let is_said = [
+            "the anchoring changes",
+            "touch the wall",
+            "the mesh follows",
+        ];
+        (is_said.map(|words| last.contains(words)), strokes.len())
+    };
+    let change = || MarkKind::Change {
+        label: "parallel".to_owned(),
+        work: None,
+    };
+    assert_eq!(words(vec![], 1200), ([false; 3], 0));
+    // A line in each of the five plots, and the one of the legend.
+    assert_eq!(words(vec![mark(change())], 1200), ([true, false, false], 6));
+    // At the start it would lie on the axis.
+    let at_the_start = RunMark {
+        t: report(1).t,
+        ..mark(change())
+    };
+    assert_eq!(words(vec![at_the_start], 1200), ([false; 3], 0));
+    let (said, strokes) = words(vec![mark(MarkKind::Mesh)], 1200);
+    assert!(
+        said == [false, false, true] && strokes > 60,
+        "{strokes} dots"
+    );
+    for width in WIDTHS {
+        let all = vec![mark(change()), mark(MarkKind::Wall), mark(MarkKind::Mesh)];
+        assert_eq!(words(all, width).0, [true; 3]);
+    }
 }

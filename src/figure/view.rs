@@ -1,9 +1,10 @@
 //! The picture of one state alone.
 
+use super::axes::{Axes, lower_room};
 use super::canvas::{Drawing, Rectangle, write_paragraph};
 use super::data::{RunLabel, View};
 use super::number::number;
-use super::panel::{self, Axes, Style};
+use super::panel::{self, Style};
 use super::sampling::Frame;
 use super::text::Label;
 use super::{FigureError, FigureOptions, VIEW_TEXT_SIZES_A_WIDTH, text_size};
@@ -30,16 +31,12 @@ pub(super) fn draw(
     };
     let name = panel::symbol(view.state, view.field);
     let (width, margin, gap) = (f64::from(options.width), 0.7 * size, 0.9 * size);
-    // The numbers of the axes do not depend on a picture's exact size.
-    let axes = Axes::new(
-        view.mesh.geometry(),
-        frame,
-        [0.75 * width, 0.75 * width / frame.aspect()],
-        size,
-    );
-    let left = margin + axes.left_room(size);
+    let geometry = view.mesh.geometry();
+    let left = margin + Axes::left_room(geometry, frame, size);
     let bar = panel::bar_room(&scale, size, &name);
     let side = (width - left - gap - bar - margin).floor();
+    let sides = [side, side / frame.aspect()];
+    let axes = Axes::new(geometry, frame, sides, None, size);
 
     let energy = Label::symbol("E")
         .below("total")
@@ -58,13 +55,13 @@ pub(super) fn draw(
         }
         // The name of the colour bar stands above it.
         top += 1.2 * size;
-        let place = Rectangle::new([left, top], [side, side / frame.aspect()]).on_pixels();
+        let place = Rectangle::new([left, top], sides).on_pixels();
         panel::draw(page, place, view.mesh, view.state, view.theory, &style)?;
-        panel::draw_axes(page, place, &axes, size, [true; 2])?;
+        axes.draw(page, place, size, [true; 2])?;
         let corner = [place.right + gap, place.top];
         panel::draw_bar(page, &scale, corner, place.height(), size, &name)?;
         let end = [width - margin, place.bottom];
         panel::draw_unit(page, place, end, std::iter::once(view.state), &style)?;
-        Ok(place.bottom + panel::lower_room(size) + margin)
+        Ok(place.bottom + lower_room(size) + margin)
     })
 }

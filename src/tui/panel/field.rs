@@ -8,7 +8,7 @@ use ratatui::text::{Line, Span};
 use super::Look;
 use super::director::WHOLE;
 use super::external_field;
-use super::plot::{Plot, level, ramp_glyph, ramp_style};
+use super::plot::{Drawn, Plot, level, ramp_glyph, ramp_style};
 use super::shown::Shown;
 use super::{text, theory};
 use crate::figure::round_ticks;
@@ -102,8 +102,9 @@ pub fn draw(
         region: window.region,
         view,
     };
-    let (cells, range) = plot.draw(theme, canvas, frame, buffer);
-    theory::draw(&outline, window.region, cells, theme, buffer);
+    let drawn = plot.draw(theme, canvas, frame, buffer);
+    theory::draw(&outline, window.region, &drawn, theme, buffer);
+    let Drawn { cells, range, .. } = drawn;
     let names = match picture.mesh.geometry() {
         Geometry::Planar => ["x", "y"],
         Geometry::Axisymmetric => ["r", "z"],

@@ -55,15 +55,26 @@ pub fn level(field: Field, share: f64) -> usize {
     (level * (LEVELS - 1) + (levels - 1) / 2) / (levels - 1)
 }
 
+/// What was drawn.
+#[derive(Debug, Clone)]
+pub struct Drawn {
+    /// The cells within the frame.
+    pub cells: Rect,
+    /// The values at the ends of the colour bar.
+    pub range: [f64; 2],
+    /// Which of the cells the membrane goes through, row by row from above.
+    pub membrane: Vec<bool>,
+}
+
 impl Plot<'_> {
-    /// Draws a frame and fills it; returns the cells within it, and the values at the ends of the colour bar.
+    /// Draws a frame and fills it.
     pub fn draw(
         &self,
         theme: &Theme,
         canvas: &mut Canvas,
         frame: Rect,
         buffer: &mut Buffer,
-    ) -> (Rect, [f64; 2]) {
+    ) -> Drawn {
         let block = Block::bordered()
             .border_set(theme.glyphs().border)
             .border_style(theme.muted());
@@ -115,7 +126,17 @@ impl Plot<'_> {
         if self.mesh.geometry() == Geometry::Axisymmetric {
             mark_axis(self.region, &samples, theme, area, buffer);
         }
-        (cells, samples.image.range)
+        let places =
+            (0..cells.height).flat_map(|row| (0..cells.width).map(move |column| [column, row]));
+        let membrane = places.map(|[column, row]| {
+            let is_seen = column < area.width && row < area.height;
+            is_seen && samples.has_contour([column, row].map(usize::from))
+        });
+        Drawn {
+            cells,
+            range: samples.image.range,
+            membrane: membrane.collect(),
+        }
     }
 
     /// A cell: the contour above all, or a piece of a line along the director, over the colour of the field; without colours over a

@@ -4,22 +4,28 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::Modifier;
 
+use super::plot::Drawn;
 use crate::geometry::{BoundingBox, Point};
 use crate::tui::theme::{Role, Theme};
 
-/// Draws the outline on the cells that show the region.
+/// Draws the outline as dots on the cells that show the region. A cell that the membrane goes through stays as it is: the
+/// membrane is what the run says, and there both agree.
 pub fn draw(
     outline: &[Point],
     region: BoundingBox,
-    cells: Rect,
+    drawn: &Drawn,
     theme: &Theme,
     buffer: &mut Buffer,
 ) {
+    let cells = drawn.cells;
     let style = theme.style(Role::Good).add_modifier(Modifier::BOLD);
-    for point in outline {
-        let Some(position) = cell_of(*point, region, cells) else {
-            continue;
-        };
+    let is_free = |&(column, row): &(u16, u16)| {
+        let [column, row] = [column - cells.x, row - cells.y].map(usize::from);
+        let number = row * usize::from(cells.width) + column;
+        !drawn.membrane.get(number).copied().unwrap_or(false)
+    };
+    let positions = outline.iter().map(|point| cell_of(*point, region, cells));
+    for position in positions.flatten().filter(is_free) {
         if let Some(cell) = buffer.cell_mut(position) {
             cell.set_symbol(theme.glyphs().theory).set_style(style);
         }

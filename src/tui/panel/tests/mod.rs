@@ -4,6 +4,7 @@ mod bytes;
 mod footer;
 mod made_up;
 mod screens;
+mod theory;
 
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
