@@ -11,7 +11,7 @@ use crate::tui::colour_map::COLOUR_MAPS;
 use crate::tui::state::Zoom;
 use crate::tui::theme::{ColorTier, Theme};
 
-/// A circle that crosses the made-up vesicle: its dots are drawn, and the membrane's line is whole.
+/// A circle that crosses the made-up vesicle: its dots are drawn, and few of them over the membrane's line.
 #[test]
 fn the_membrane_is_seen_where_theory_crosses_it() {
     let radius = 0.2;
@@ -28,7 +28,7 @@ fn the_membrane_is_seen_where_theory_crosses_it() {
             drawn(&app, &theme, 120, 40)
         });
         let contour = theme.contour(&COLOUR_MAPS[0]);
-        let (mut membrane, mut dots) = (0, 0);
+        let (mut membrane, mut hidden, mut dots) = (0, 0, 0);
         for y in 0..40 {
             let row = characters(&with, ratatui::layout::Rect::new(0, y, 120, 1));
             // The title explains both lines.
@@ -43,15 +43,15 @@ fn the_membrane_is_seen_where_theory_crosses_it() {
                     }
                     _ => before.fg == contour && before.modifier.contains(Modifier::BOLD),
                 };
-                if is_membrane {
-                    assert_eq!(before, after, "{name}: the membrane at {x}, {y}");
-                    membrane += 1;
-                } else if before != after {
+                membrane += usize::from(is_membrane);
+                if before != after {
                     assert_eq!(after.symbol(), theme.glyphs().theory, "{name}: {x}, {y}");
+                    hidden += usize::from(is_membrane);
                     dots += 1;
                 }
             }
         }
         assert!(membrane > 20 && dots > 20, "{name}: {membrane}, {dots}");
+        assert!(10 * hidden <= membrane, "{name}: {hidden} of {membrane}");
     }
 }
