@@ -2,10 +2,13 @@
 
 use super::discretisation::{Discretisation, StepControl, fixed_mesh};
 use super::measure::{Failure, Measurement};
-use crate::scene::{Iteration, Quadrature, Scene};
+use crate::scene::{Iteration, Mesh, Quadrature, Scene};
 
 /// With less there is no vesicle to speak of.
 const FEWEST_CELLS: usize = 8;
+
+/// Edges at the membrane, over ε: the interface is some 4 ε wide.
+const LONGEST_EDGE: f64 = 2.0;
 
 /// How the time of a run grows with the cells: nodes, and the solvers' share beyond them.
 const GROWTH: f64 = 2.6;
@@ -60,7 +63,7 @@ pub(super) fn discretisations(scene: &Scene, full: bool) -> Vec<Discretisation> 
         if full {
             meshes.push(3 * cells / 4);
         }
-        meshes.retain(|cells| *cells >= FEWEST_CELLS);
+        meshes.retain(|cells| *cells >= FEWEST_CELLS && !is_without_interface(scene, &own, *cells));
         meshes.sort_unstable();
         meshes
     } else {
@@ -112,6 +115,16 @@ pub(super) fn discretisations(scene: &Scene, full: bool) -> Vec<Discretisation> 
     unique
 }
 
+/// Whether a mesh that follows the membrane would have an interface of fewer than two edges: such runs fail after many attempts.
+fn is_without_interface(scene: &Scene, own: &Discretisation, cells: usize) -> bool {
+    match (Discretisation { cells, ..*own }).applied_to(scene).mesh {
+        Mesh::Adaptive { refine, .. } => {
+            refine.size > LONGEST_EDGE * scene.membrane.interface_width
+        }
+        _ => false,
+    }
+}
+
 /// What a run took, or is expected to take, in seconds.
 pub(super) type Known = (Discretisation, f64);
 
@@ -152,4 +165,24 @@ pub(super) fn estimated_time(
     };
     let nearest = known.map(estimate).min_by(|a, b| a.0.total_cmp(&b.0));
     nearest.map_or(f64::INFINITY, |(_, seconds)| seconds)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_mesh_that_follows_the_membrane_is_without_an_interface() {
+        let text = crate::scene::preset("case3-quick").expect("a preset");
+        let scene = Scene::of_text(text, &[]);
+        let own = Discretisation::of(&scene);
+        let cells = discretisations(&scene, true).into_iter().map(|it| it.cells);
+        let (least, most) = (cells.clone().min(), cells.max());
+        // ε is 0.01, as long as its edges: half as fine is the coarsest.
+        assert_eq!((least, most), (Some(own.cells / 2), Some(own.cells)));
+        // A grid is another matter: its vesicle keeps its shape for longer.
+        let scene = Scene::of_text("mesh.cells = 120", &[]);
+        let cells = discretisations(&scene, true).into_iter().map(|it| it.cells);
+        assert_eq!(cells.min(), Some(30));
+    }
 }

@@ -219,14 +219,16 @@ pub fn study(
         }
         runs.make(next, if made == 0 { runs.left(1.0) } else { room });
         made += 1;
-        if !is_enough
-            && runs
-                .done
-                .iter()
-                .all(|(_, measured)| measured.outcome.is_err())
-        {
-            runs.go_on_after_failure(&own)?;
+        let is_coarser = next.cells < own.cells;
+        if is_coarser && runs.has_failed_last() {
+            // A mesh may be too coarse for the vesicle, or for its interface, with any steps.
+            rest.retain(|choice| choice.cells != next.cells);
+        } else if !is_enough && !is_coarser {
+            runs.check_any_done()?;
         }
+    }
+    if !is_enough {
+        runs.check_any_done()?;
     }
     let reference = match finished.against {
         None => runs
@@ -428,20 +430,31 @@ impl Runs<'_> {
         self.ended |= !(self.watch)(StudyNews::Note(&note));
     }
 
-    /// What to do where no run has come to its end so far.
+    /// Whether the last run has failed.
+    fn has_failed_last(&self) -> bool {
+        let last = self.done.last();
+        last.is_some_and(|(_, measured)| matches!(measured.outcome, Err(Failure::Failed(_))))
+    }
+
+    /// Whether any run has come to its end so far.
     ///
     /// # Errors
-    /// [`StudyError`]: there is nothing to report.
-    fn go_on_after_failure(&self, own: &Discretisation) -> Result<(), StudyError> {
+    /// [`StudyError`]: none has, and why the last one has not.
+    fn check_any_done(&self) -> Result<(), StudyError> {
         let Some((choice, measured)) = self.done.last() else {
             return Ok(());
         };
+        if self
+            .done
+            .iter()
+            .any(|(_, measured)| measured.outcome.is_ok())
+        {
+            return Ok(());
+        }
         let (run, seconds) = (choice.to_string(), measured.seconds);
         match &measured.outcome {
             Ok(_) => Ok(()),
             Err(Failure::Ended) => Err(StudyError::Ended),
-            // A mesh may be too coarse for the vesicle, or for its interface.
-            Err(Failure::Failed(_)) if choice.cells < own.cells => Ok(()),
             Err(Failure::Failed(source)) => {
                 let source = source.clone();
                 Err(StudyError::Failed { run, source })
@@ -519,7 +532,6 @@ fn round_up(seconds: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulation::ErrorEstimates;
     use crate::study::tests::{CALM, scene};
 
     fn runs<'a>(
@@ -611,32 +623,6 @@ mod tests {
             assert!(told.contains(advised), "{told}");
             let words = runs.without_own_steps(&own_mesh(&Discretisation::of(&scene)));
             assert_eq!(words.ends_with("was not run."), own == 1e6, "{words}");
-        }
-    }
-
-    #[test]
-    fn a_coarser_mesh_may_fail_and_the_scenes_own_may_not() {
-        let scene = scene(CALM);
-        let own = own_mesh(&Discretisation::of(&scene));
-        for (cells, goes_on) in [(own.cells / 4, true), (own.cells, false)] {
-            let mut watch = |_: StudyNews| true;
-            let mut runs = runs(&scene, 600.0, &mut watch);
-            let choice = Discretisation { cells, ..own };
-            let failed = Measurement {
-                seconds: 1.0,
-                share: 0.0,
-                memory: None,
-                nodes: 100,
-                steps: 0,
-                refused: 60,
-                newton: 0,
-                krylov: 0,
-                underway: None,
-                estimates: ErrorEstimates::default(),
-                outcome: Err(Failure::Failed(SimulationError::Ended)),
-            };
-            runs.done.push((choice, failed));
-            assert_eq!(runs.go_on_after_failure(&own).is_ok(), goes_on, "{cells}");
         }
     }
 

@@ -124,12 +124,7 @@ fn budget<'a>(
     report.budget.largest()?;
     let budget = report.budget.trusted(shown.scene());
     let Some((largest, _)) = budget.largest() else {
-        let key = keys::label(Action::Measure);
-        return Some(Line::from(vec![
-            Span::styled(" no estimate of the error: ", theme.muted()),
-            Span::styled(key, theme.style(Role::Accent)),
-            Span::styled(" measures it", theme.muted()),
-        ]));
+        return Some(Line::styled(" no estimate of the error", theme.muted()));
     };
     let mut parts = [
         (ErrorPart::Time, "time", budget.time),
