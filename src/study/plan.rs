@@ -92,13 +92,16 @@ pub(super) fn discretisations(scene: &Scene, full: bool) -> Vec<Discretisation> 
         pace: StepControl::Tolerance(1e-3),
         ..own
     };
-    choices.push(Discretisation {
-        quadrature: match own.quadrature {
-            Quadrature::Consistent => Quadrature::Lumped,
-            Quadrature::Lumped => Quadrature::Consistent,
-        },
-        ..variant
-    });
+    // On a mesh that follows the membrane the lumped rule is not to be trusted.
+    if !matches!(scene.mesh, Mesh::Adaptive { .. }) {
+        choices.push(Discretisation {
+            quadrature: match own.quadrature {
+                Quadrature::Consistent => Quadrature::Lumped,
+                Quadrature::Lumped => Quadrature::Consistent,
+            },
+            ..variant
+        });
+    }
     choices.push(Discretisation {
         iteration: match own.iteration {
             Iteration::Newton => Iteration::Lagged,
