@@ -354,11 +354,7 @@ fn two_processes_do_not_share_a_folder() {
         std::thread::sleep(Duration::from_millis(5));
     }
     for option in ["--resume", "--force"] {
-        let told = vesica(
-            path,
-            &[&arguments[..], &[option]].concat(),
-            if option == "--force" { 2 } else { 1 },
-        );
+        let told = vesica(path, &[&arguments[..], &[option]].concat(), 2);
         assert!(told.contains("another process"), "{told}");
     }
     child.kill().expect("it is there to be killed");
