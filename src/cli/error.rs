@@ -294,8 +294,8 @@ pub(super) enum CliError {
     },
     /// No point of a sweep failed, but another process works on some.
     #[error(
-        "{done} of {all} points are done, {}. `vesica sweep status {1}` tells how far it is; when it is over: \
-         vesica sweep {1} --resume",
+        "{done} of {all} points are done, {}. `vesica sweep status {1}` shows how far they are. Once they \
+         are done, run: vesica sweep {1} --resume",
         worked_on(*busy),
         folder.display()
     )]

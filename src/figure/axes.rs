@@ -17,9 +17,9 @@ const TICK_GAP: f64 = 0.25;
 const NUMBER_GAP: f64 = 0.4;
 /// An axis has a tick for each length of this many sizes of the text, if that gives it two numbers.
 const TICK_ROOM: f64 = 2.6;
-/// Ticks of an axis, at most: so many give any range two ticks.
+/// The greatest number of ticks on an axis. With it every range has at least two.
 const MOST_TICKS: usize = 6;
-/// Numbers beside each other, not under each other, are at least so many sizes of the text apart: the width of a digit.
+/// The least gap between two numbers that stand side by side, in sizes of the text: the width of a digit.
 const NUMBERS_APART: f64 = 0.6;
 
 /// The axes of a picture: where its ticks stand, and which of them have numbers.
@@ -139,7 +139,7 @@ fn names(geometry: Geometry) -> [&'static str; 2] {
     }
 }
 
-/// The axis in x, number 0, or in y of a part of the plane, with at most so many ticks.
+/// The axis of a part of the plane, with at most `most` ticks: number 0 is x, number 1 is y.
 fn axis(frame: Frame, number: usize, most: usize) -> Axis {
     let low = frame.corner[number];
     Axis::new([low, low + frame.sides[number]], most)

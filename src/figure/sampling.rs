@@ -11,8 +11,8 @@ use crate::theory::ShapeAtRest;
 /// may fall between two triangles by rounding.
 const SLACK: f64 = 1e-9;
 
-/// A picture around a vesicle is at most so many times as wide as high: its axis and the colour bar beside it need some
-/// height for two numbers.
+/// The greatest width of a picture around a vesicle over its height: its y axis and the colour bar need the height of two
+/// numbers.
 const GREATEST_ASPECT: f64 = 2.5;
 
 /// The rectangle in the plane that a picture shows.

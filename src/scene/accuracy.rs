@@ -17,7 +17,7 @@ const OF_MESH: f64 = 1.2e-2;
 const OF_STEPS: f64 = 1.0;
 
 /// Edges at the membrane, over ε: with longer ones the interface, which is some 4 ε wide, has fewer than two.
-const LONGEST: f64 = 2.0;
+pub(crate) const LONGEST_OVER_WIDTH: f64 = 2.0;
 
 /// The band of fine edges on either side of the membrane, over ε.
 const BAND: f64 = 3.0;
@@ -93,9 +93,9 @@ fn choose(scene: &mut Scene, error: f64) -> Result<(), Problem> {
     }
     let width = scene.membrane.interface_width;
     let edge = (0.5 * error / OF_MESH).cbrt();
-    if edge > LONGEST {
+    if edge > LONGEST_OVER_WIDTH {
         return Err(Problem::AccuracyTooLow {
-            largest: 2.0 * OF_MESH * LONGEST.powi(3),
+            largest: 2.0 * OF_MESH * LONGEST_OVER_WIDTH.powi(3),
         });
     }
     let size = rounded((edge * width).min(LONGEST_EDGE));

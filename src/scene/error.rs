@@ -214,7 +214,7 @@ pub enum Problem {
         /// The largest.
         largest: f64,
     },
-    /// With so many nodes there is no mesh.
+    /// The edges for this error are shorter than a mesh may have.
     #[error(
         "the mesh would have edges shorter than {edge}: the least error that can be had is accuracy = {}",
         significant(*least, 2)

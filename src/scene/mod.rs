@@ -36,6 +36,7 @@ mod timetable;
 mod warning;
 mod write;
 
+pub(crate) use accuracy::LONGEST_OVER_WIDTH;
 pub use change::{Assignment, Change};
 pub(crate) use document::{Value as TomlValue, read as read_document};
 pub use error::{Problem, SceneError};

@@ -2,13 +2,10 @@
 
 use super::discretisation::{Discretisation, StepControl, fixed_mesh};
 use super::measure::{Failure, Measurement};
-use crate::scene::{Iteration, Mesh, Quadrature, Scene};
+use crate::scene::{Iteration, LONGEST_OVER_WIDTH, Mesh, Quadrature, Scene};
 
 /// With less there is no vesicle to speak of.
 const FEWEST_CELLS: usize = 8;
-
-/// Edges at the membrane, over ε: the interface is some 4 ε wide.
-const LONGEST_EDGE: f64 = 2.0;
 
 /// How the time of a run grows with the cells: nodes, and the solvers' share beyond them.
 const GROWTH: f64 = 2.6;
@@ -122,7 +119,7 @@ pub(super) fn discretisations(scene: &Scene, full: bool) -> Vec<Discretisation> 
 fn is_without_interface(scene: &Scene, own: &Discretisation, cells: usize) -> bool {
     match (Discretisation { cells, ..*own }).applied_to(scene).mesh {
         Mesh::Adaptive { refine, .. } => {
-            refine.size > LONGEST_EDGE * scene.membrane.interface_width
+            refine.size > LONGEST_OVER_WIDTH * scene.membrane.interface_width
         }
         _ => false,
     }

@@ -11,7 +11,7 @@ use std::path::Path;
 const TABLES: [&str; 3] = ["history.csv", "ledger.csv", "shape.csv"];
 
 /// What is missing in the folder of a run or was changed there, by `run.json` and the list of the snapshots, a sentence each:
-/// inputs with another SHA-256, tables that end too early or have gaps, fields. What cannot be read at all is no matter of this.
+/// inputs with another SHA-256, tables that end too early or have gaps, fields. A file that cannot be read is passed over.
 pub fn doubts(folder: &Path, summary: &RecordedSummary) -> Vec<String> {
     let changed = changed_inputs(folder, &summary.inputs).unwrap_or_default();
     let changed = changed.into_iter().map(|input| {

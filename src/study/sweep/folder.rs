@@ -469,8 +469,8 @@ const TABLES: [&str; 2] = ["history.csv", "shape.csv"];
 /// Bytes at the end of a table that its last row is in.
 const LONGEST_ROW: u64 = 1 << 13;
 
-/// What is wrong with the tables of a run that was done after so many steps. Only their ends are read: this is asked of
-/// every point, and again and again.
+/// What is wrong with the tables of a run that ended after this number of steps. Only the end of a table is read, because every
+/// point is looked at again and again.
 fn damage(run: &Path, steps: Option<u64>) -> Option<Damage> {
     TABLES.into_iter().find_map(|table| {
         let path = run.join(table);
